@@ -1,0 +1,44 @@
+# `make bench` and `make test` set up what they need themselves.
+
+VENV := .venv
+PYTHON_READY := $(VENV)/python-ready
+DRIVER_READY := $(VENV)/driver-ready
+
+.PHONY: help bench test lint setup lock clean
+.DEFAULT_GOAL := help
+
+help:  ## list the targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-6s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+bench: setup  ## measure configs/smoke.yaml; print its table and where the figures are (ARGS="--device cpu --force")
+	@$(VENV)/bin/mfr-bench run smoke $(ARGS)
+
+test: setup  ## run every test (ARGS="-k scene")
+	@$(VENV)/bin/python -m pytest $(ARGS)
+
+lint: $(PYTHON_READY)  ## check the style of the code
+	@$(VENV)/bin/python -m ruff check .
+	@if command -v shellcheck >/dev/null; then shellcheck scripts/setup.sh .ci/run; fi
+
+setup: $(PYTHON_READY) $(DRIVER_READY)  ## make .venv (PYTHON=/path/to/python3) and see to an OpenGL driver
+
+lock:  ## renew requirements.lock (needs uv; ARGS=--upgrade for the newest versions)
+	uv pip compile --quiet --universal --generate-hashes --python-version 3.10 --extra test --extra build \
+		--custom-compile-command "make lock" --output-file requirements.lock $(ARGS) pyproject.toml
+
+clean:  ## remove .venv, builds and caches, but no results
+	rm -rf $(VENV) dist .hypothesis .pytest_cache .ruff_cache
+	find mfr_bench tests -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(PYTHON_READY): pyproject.toml requirements.lock
+	@scripts/setup.sh python
+	@echo '$(CURDIR)' >$@
+
+$(DRIVER_READY): $(PYTHON_READY)
+	@scripts/setup.sh driver
+	@touch $@
+
+# A virtual environment knows its own path: after a move it is set up again.
+ifneq ($(shell cat $(PYTHON_READY) 2>/dev/null),$(CURDIR))
+.PHONY: $(PYTHON_READY)
+endif

@@ -1,0 +1,5 @@
+"""`python -m mfr_bench`."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,267 @@
+"""`methods`, `doctor`, `scene`, `render`, `shader`: one look at a device, a method, a scene or an image."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import textwrap
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import click
+
+from .options import DEVICE, JSON, PROFILE, SET, ConfigName, MethodName, first_experiment, method
+
+CHECKER = 8  # pixels, side of a square behind a transparent image
+CHECKER_GREYS = (0.75, 0.9)
+
+
+def _width() -> int:
+    return max(40, min(110, shutil.get_terminal_size((100, 24)).columns))
+
+
+def _device_or_reason(want: str):
+    """The device, or None and why there is none."""
+    from ..errors import DeviceError
+
+    try:
+        from ..gpu.device import open_device
+
+        return open_device(want), None
+    except DeviceError as error:
+        return None, str(error)
+
+
+@click.command()
+@JSON
+@DEVICE
+def methods(as_json: bool, device: str) -> None:
+    """List every method: paper, passes, memory, guarantee, and whether this device runs it.
+
+    \b
+    Examples: mfr-bench methods
+              mfr-bench methods --json | jq '.[] | select(.supported) | .id'
+    """
+    from ..methods import catalog
+
+    found, reason = _device_or_reason(device)
+    records = [_method_record(m, found, reason) for m in catalog().values()]
+    if as_json:
+        click.echo(json.dumps(records, indent=2))
+        return
+    for record in records:
+        click.echo(_method_text(record, _width()))
+
+
+def _method_record(declared, device, reason: str | None) -> dict:
+    """What `methods --json` says of a method; `supported` is null where there is no device."""
+    missing = [f for f in declared.needs if device and f not in device.features]
+    return {
+        "id": declared.id, "name": declared.name, "family": declared.family, "source": declared.source,
+        "summary": declared.summary, "passes": list(declared.pass_names), "guarantee": declared.guarantee,
+        "words_per_pixel": declared.words, "ties": declared.ties, "failure": declared.failure,
+        "params": [{"name": p.name, "default": p.default, "allowed": p.allowed, "doc": p.doc,
+                    "needs": dict(p.needs),
+                    "unsupported": [c for c, f in p.needs.items() if device and f not in device.features]}
+                   for p in declared.params],
+        "needs": sorted({*declared.needs, *(f for p in declared.params for f in p.needs.values())}),
+        "supported": None if device is None else not missing,
+        "reason": reason or (f"needs {', '.join(missing)}" if missing else None),
+    }
+
+
+def _method_text(record: dict, width: int) -> str:
+    here = {True: "runs here", False: record["reason"], None: "no device to run it on"}[record["supported"]]
+    params = [f"{p['name']}={p['default']} ({p['allowed']}"
+              + (f"; {', '.join(p['unsupported'])} not on this device" if p["unsupported"] else "") + ")"
+              for p in record["params"]]
+    lines = [record["summary"], f"{record['guarantee']}; {record['words_per_pixel']} words per pixel; {here}",
+             f"passes: {', '.join(record['passes'])}; source: {record['source']}",
+             f"equal depths: {record['ties']}", *(params or [])]
+    head = f"{record['id']}  {record['name']}"
+    body = [textwrap.fill(line, width, initial_indent="    ", subsequent_indent="      ") for line in lines]
+    return "\n".join([head, *body])
+
+
+@click.command()
+@JSON
+@DEVICE
+def doctor(as_json: bool, device: str) -> None:
+    """Show the OpenGL device, test what it does right, and choose the timer.
+
+    Without a driver it says in one line what to install, and ends with exit status 1.
+    """
+    from ..gpu.device import open_device
+    from ..gpu.selftest import calibrate, self_tests
+
+    found = open_device(device)
+    findings, calibration = self_tests(found), calibrate(found)
+    record = {
+        "device": found.info,
+        "limits": asdict(found.limits) | {"features": sorted(found.features)},
+        "missing_features": sorted(found.missing_features),
+        "extensions": sorted(found.extensions),
+        "self_tests": [asdict(f) for f in findings], "calibration": asdict(calibration),
+    }
+    click.echo(json.dumps(record, indent=2) if as_json else _doctor_text(record))
+    if any(f.passed is False for f in findings):
+        click.get_current_context().exit(1)
+
+
+def _doctor_text(record: dict) -> str:
+    device, limits, calibration = record["device"], record["limits"], record["calibration"]
+    marks = {True: "pass", False: "FAIL", None: "-"}
+    lines = [f"device      {device['renderer']} ({device['kind']})", f"vendor      {device['vendor']}",
+             f"version     {device['version']}",
+             f"limits      {limits['max_block_bytes'] / 2**20:.0f} MiB per storage block, "
+             f"textures of {limits['max_texture_size']} pixels a side",
+             f"features    {', '.join(limits['features']) or 'none of the optional ones'}",
+             f"missing     {', '.join(record['missing_features']) or 'nothing'}",
+             f"extensions  {len(record['extensions'])} (listed with --json)", ""]
+    lines += [f"{marks[f['passed']]:4}  {f['name']}: {f['detail']}" for f in record["self_tests"]]
+    lines += ["", f"timer: {calibration['timer']} ({calibration['reason']})"]
+    lines += [f"  work {i}: wall {wall:8.3f} ms, gpu {gpu:8.3f} ms"
+              for i, (wall, gpu) in enumerate(zip(calibration["wall_ms"], calibration["gpu_ms"], strict=True), start=1)]
+    return "\n".join(lines)
+
+
+@click.command()
+@click.argument("config", type=ConfigName())
+@click.option("--out", required=True, type=click.Path(dir_okay=False), help="The .npz file to write.")
+@PROFILE
+@SET
+def scene(config: str, out: str, profile: str | None, overrides: tuple[str, ...]) -> None:
+    """Write the scene of CONFIG's first cell as NumPy arrays: viewport, and per quad rect, depth, rgba.
+
+    \b
+    Example: mfr-bench scene smoke --set scene.layout=tiles --out scene.npz
+    """
+    import io
+
+    import numpy as np
+
+    from ..methods import catalog
+    from ..plan import expand
+    from ..scene import generate
+    from ..store import write_file
+
+    made = generate(expand(first_experiment(config, profile, overrides), catalog())[0].scene)
+    data = io.BytesIO()
+    np.savez(data, viewport=np.array(made.viewport, dtype=np.int32), rect=made.rect, depth=made.depth, rgba=made.rgba,
+             fragment_probability=np.float64(made.fragment_probability), seed=np.uint32(made.seed))
+    write_file(Path(out), data.getvalue())
+    click.echo(f"{out}: {len(made)} quads for {made.viewport[0]} x {made.viewport[1]} pixels")
+
+
+@click.command()
+@click.argument("config", type=ConfigName())
+@click.option("--method", "method_id", required=True, type=MethodName(), help="The method that renders.")
+@click.option("--out", required=True, type=click.Path(dir_okay=False),
+              help="F.npy: float32 (H, W, 4), premultiplied, row 0 at the bottom. F.png: upright, over a checkerboard.")
+@PROFILE
+@SET
+@DEVICE
+def render(config: str, method_id: str, out: str, profile: str | None, overrides: tuple[str, ...],
+           device: str) -> None:
+    """Render the scene of CONFIG's first cell by one method, and say how far it is from the oracle.
+
+    \b
+    Example: mfr-bench render smoke --method kplus-array --set k=8 --out image.png
+    """
+    from ..errors import DeviceError, UsageError
+    from ..methods import catalog
+    from ..oracle import composite, sizes_of
+    from ..plan import judge
+    from ..quality import conformance
+    from ..scene import generate
+    from ..store import write_file
+
+    if Path(out).suffix not in (".npy", ".png"):
+        raise UsageError(f"--out: {out!r} is neither; allowed: a file that ends in .npy or .png")
+    cell, variant = _first_cell(config, method_id, profile, overrides)
+    made = generate(cell.scene)
+    sizes = sizes_of(made)
+
+    from ..gpu.device import open_device
+    from ..gpu.single import render as draw
+
+    opened = open_device(device)
+    decision = judge(cell, catalog(), sizes, opened.limits)
+    if decision:
+        raise DeviceError(f"{method_id}: {decision[0]}: {decision[1]}")
+    image = draw(opened, variant, made, sizes)
+    write_file(Path(out), _npy(image) if out.endswith(".npy") else _png(image))
+    errors = conformance(image, composite(made, variant.layers))
+    click.echo(f"{out}: {sizes.W} x {sizes.H}, {sizes.F} fragments, max_abs_error {errors['max_abs_error']:.3g}, "
+               f"{errors['wrong_pixels']} wrong pixels")
+
+
+def _first_cell(config: str, method_id: str, profile: str | None, overrides: tuple[str, ...]):
+    """The first cell of a method in a config; a method that the config does not list runs with its parameters."""
+    from ..config import MethodEntry
+    from ..methods import catalog
+    from ..plan import expand
+
+    declared = method(method_id)
+    experiment = first_experiment(config, profile, overrides)
+    listed = [e for e in experiment.methods if e.id == method_id] or [MethodEntry(method_id, declared.name, {})]
+    cells = expand(replace(experiment, methods=(listed[0],)), catalog())
+    cell = next(c for c in cells if c.method == method_id)
+    return cell, declared.variant(cell.params)
+
+
+def _npy(image) -> bytes:
+    import io
+
+    import numpy as np
+
+    data = io.BytesIO()
+    np.save(data, image)
+    return data.getvalue()
+
+
+def _png(image) -> bytes:
+    import io
+
+    import numpy as np
+    from matplotlib.image import imsave
+
+    rows, columns = np.indices(image.shape[:2]) // CHECKER
+    behind = np.array(CHECKER_GREYS)[(rows + columns) % 2][..., None]
+    seen = image[..., :3] + (1 - image[..., 3:]) * behind
+    data = io.BytesIO()
+    imsave(data, np.clip(seen, 0, 1)[::-1], format="png")
+    return data.getvalue()
+
+
+@click.command()
+@click.argument("method_id", metavar="METHOD", type=MethodName())
+@click.option("--pass", "pass_name", metavar="NAME", help="Only the pass of this name.")
+@click.option("--config", default="smoke", show_default=True, type=ConfigName(),
+              help="The config whose first cell gives parameters and sizes.")
+@PROFILE
+@SET
+def shader(method_id: str, pass_name: str | None, config: str, profile: str | None,
+           overrides: tuple[str, ...]) -> None:
+    """Print the GLSL of METHOD as it is compiled: includes expanded, defines in place.
+
+    \b
+    Example: mfr-bench shader kplus-array --pass store --set k=16
+    """
+    from ..errors import UsageError, nearest
+    from ..glsl import stages
+    from ..plan import expected_sizes
+
+    cell, variant = _first_cell(config, method_id, profile, overrides)
+    names = variant.pass_names
+    if pass_name is not None and pass_name not in names:
+        raise UsageError(f"--pass: {method_id} has no pass {pass_name!r}; allowed: {', '.join(names)}"
+                         f"{nearest(pass_name, names)}")
+    for step in variant.passes:
+        if step.kind == "clear" or pass_name not in (None, step.name):
+            continue
+        for stage in stages(variant, step, expected_sizes(cell.scene)):
+            click.echo(f"// {method_id}, pass {step.name}: {stage.entry}\n{stage.text}")
+
+
+COMMANDS = (methods, doctor, scene, render, shader)

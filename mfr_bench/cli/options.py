@@ -1,0 +1,63 @@
+"""Arguments that several commands share, with completion."""
+
+from __future__ import annotations
+
+import click
+
+
+class ConfigName(click.ParamType):
+    """A file, a folder, or the name of a shipped config."""
+
+    name = "config"
+
+    def shell_complete(self, context, param, incomplete):
+        from click.shell_completion import CompletionItem
+
+        from ..config import shipped
+
+        names = [CompletionItem(n) for n in shipped() if n.startswith(incomplete)]
+        return names or [CompletionItem(incomplete, type="file")]
+
+
+class MethodName(click.ParamType):
+    """The id of a method, or several with commas between."""
+
+    name = "method"
+
+    def shell_complete(self, context, param, incomplete):
+        from click.shell_completion import CompletionItem
+
+        from ..methods import catalog
+
+        done, _, last = incomplete.rpartition(",")
+        return [CompletionItem(f"{done},{i}" if done else i) for i in catalog() if i.startswith(last)]
+
+
+DEVICE = click.option("--device", type=click.Choice(["auto", "gpu", "cpu"]), default="auto", show_default=True,
+                      help="The OpenGL device: a GPU, a software driver on the CPU, or a GPU where there is one.")
+SET = click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE",
+                   help="Change a key of the config, e.g. k=8 or scene.size=[64,64]; may be repeated.")
+PROFILE = click.option("--profile", metavar="NAME", help="Lay this profile of the config over it, e.g. smoke.")
+JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+
+
+def method(method_id: str):
+    """The method of this id. Raises UsageError with the nearest id."""
+    from ..errors import UsageError, nearest
+    from ..methods import catalog
+
+    if method_id not in catalog():
+        raise UsageError(f"unknown method {method_id!r}; allowed: {', '.join(catalog())}{nearest(method_id, catalog())}")
+    return catalog()[method_id]
+
+
+def first_experiment(config: str, profile: str | None, overrides: tuple[str, ...]):
+    """The one experiment that a command for a single scene or image means."""
+    from ..config import load
+    from ..errors import UsageError
+    from ..methods import catalog
+
+    experiments = load(config, catalog(), profile, overrides)
+    if len(experiments) != 1:
+        raise UsageError(f"{config}: {len(experiments)} configs; allowed: one file, or the name of a shipped config")
+    return experiments[0]

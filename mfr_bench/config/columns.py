@@ -1,0 +1,8 @@
+"""The names that a figure may draw: columns of results.csv, and of passes.csv for stacked bars."""
+
+IDENTITY = ("experiment", "method", "label", "status", "width", "height", "pixel_density", "depth_complexity", "k",
+            "fragment_probability", "order", "seed")
+MEASURED = ("fragments", "covered_pixels", "max_fragments", "samples", "time_ms", "time_ms_low", "time_ms_high",
+            "floor_ms", "memory_bytes", "memory_model_bytes", "max_abs_error", "rmse", "psnr_db", "flip", "hit_ratio",
+            "wrong_pixels", "lost_fragments", "geometry_passes")
+PER_PASS = ("time_ms", "share")

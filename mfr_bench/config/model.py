@@ -1,0 +1,159 @@
+"""What a config says, as frozen values; the annotations are the rules that `check` holds them to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from annotated_types import Interval, MinLen, Predicate
+
+from ..methods.spec import Value
+
+MAX_SIDE = 16384  # pixels
+MAX_QUADS = 2**22  # distinct depths on the grid of 2**-23, with a free point between any two
+
+
+@dataclass(frozen=True)
+class Allowed:
+    """The values that a field takes, in the words of an error message and of the JSON Schema."""
+
+    text: str
+
+    def __get_pydantic_json_schema__(self, core_schema, handler) -> dict[str, Any]:
+        return handler(core_schema) | {"description": self.text}
+
+
+class OneOrTwo(Allowed):
+    """For a pair that may be written as the one value that both are."""
+
+    def __get_pydantic_core_schema__(self, source, handler):
+        from pydantic_core import core_schema  # only who validates pays for it
+        return core_schema.no_info_before_validator_function(self._pair, handler(source))
+
+    @staticmethod
+    def _pair(value: Any) -> Any:
+        if isinstance(value, (int, float)):
+            return value, value
+        return tuple(value) if isinstance(value, list) else value
+
+    def __get_pydantic_json_schema__(self, core_schema, handler) -> dict[str, Any]:
+        pair = handler(core_schema)
+        return {"anyOf": [pair["prefixItems"][0], pair], "description": self.text}
+
+
+Text = Annotated[str, MinLen(1), Allowed("text")]
+Whole = Annotated[int, Interval(ge=1, le=MAX_SIDE)]
+Size = Annotated[tuple[Whole, Whole], Allowed(f"two whole numbers from 1 to {MAX_SIDE}")]
+Share = Annotated[float, Interval(gt=0, le=1), Allowed("a number above 0, up to 1")]
+Alpha = Annotated[tuple[Share, Share], Predicate(lambda pair: pair[0] <= pair[1]),
+                  OneOrTwo("a number above 0, up to 1, or two such numbers, the lower first")]
+Samples = Annotated[int, Interval(ge=1, le=1_000_000), Allowed("a whole number from 1 to 1000000")]
+
+STRICT = {"extra": "forbid", "allow_inf_nan": False}  # pydantic's settings for a class below
+
+
+def _plain(value: Any) -> Any:
+    return [_plain(v) for v in value] if isinstance(value, tuple) else value
+
+
+class _Plain:
+    """Gives a dataclass its JSON form."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """The fields as JSON knows them: lists instead of tuples."""
+        return {name: _plain(value) for name, value in asdict(self).items()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene(_Plain):
+    """A synthetic scene.
+
+    size: viewport, pixels. pixel_density: share of the pixels that the block or the tiles cover.
+    depth_complexity: quads over every covered pixel; with layout `random`, their mean over the block's
+    pixels. alpha: lowest and highest opacity. quad_size: pixels, layout `random` only; None means a
+    quarter of each side of the viewport.
+    """
+
+    __pydantic_config__: ClassVar[dict] = STRICT
+
+    kind: Literal["quads"] = "quads"
+    size: Size
+    pixel_density: Share = 1.0
+    depth_complexity: Annotated[int, Interval(ge=0, le=MAX_QUADS), Allowed(f"a whole number from 0 to {MAX_QUADS}")]
+    layout: Literal["block", "tiles", "random"] = "block"
+    order: Literal["random", "front_to_back", "back_to_front"] = "random"
+    alpha: Alpha = (0.1, 0.6)
+    fragment_probability: Share = 1.0
+    seed: Annotated[int, Interval(ge=0, lt=2**32), Allowed("a whole number from 0 to 4294967295")] = 1
+    animate: bool = False
+    quad_size: Size | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measure(_Plain):
+    """When a measurement is enough, and what it may take."""
+
+    __pydantic_config__: ClassVar[dict] = STRICT
+
+    target_rel_ci: Annotated[float, Interval(gt=0, lt=1), Allowed("a number between 0 and 1")] = 0.01
+    min_samples: Samples = 10
+    max_samples: Samples = 1000
+    time_limit_s: Annotated[float, Interval(gt=0, le=86400), Allowed("seconds above 0, up to 86400")] = 10.0
+    memory_budget_mb: Annotated[float, Interval(gt=0, le=2**24), Allowed("MiB above 0, up to 16777216")] = 3072.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figure(_Plain):
+    """One figure: x and y are columns of results.csv, parameters or axes; `methods` picks labels, empty means all."""
+
+    __pydantic_config__: ClassVar[dict] = STRICT
+
+    kind: Literal["stacked_passes", "lines", "bars"]
+    x: Text
+    y: Text = "time_ms"
+    log: Literal["x", "y", "xy"] | None = None
+    log_base: Literal[2, 10] = 10
+    title: Text | None = None
+    x_label: Text | None = None
+    y_label: Text | None = None
+    panels: Text | None = None
+    methods: Annotated[tuple[Text, ...], Allowed("a list of labels of methods")] = ()
+    floor: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """Where an experiment comes from."""
+
+    __pydantic_config__: ClassVar[dict] = STRICT
+
+    paper: Text | None = None
+    figure: Text | None = None
+
+
+@dataclass(frozen=True)
+class MethodEntry:
+    """A line of `methods:`. `params` holds only what the entry itself fixes."""
+
+    id: str
+    label: str
+    params: Mapping[str, Value]
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A checked config. `sweep` and `zip` hold the values of each axis by key; `source` has paper and figure."""
+
+    name: str
+    title: str
+    source: Mapping[str, str]
+    scene: Scene
+    params: Mapping[str, Value]
+    methods: tuple[MethodEntry, ...]
+    sweep: Mapping[str, tuple]
+    zip: Mapping[str, tuple]
+    measure: Measure
+    figures: tuple[Figure, ...]
+    path: Path

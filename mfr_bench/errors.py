@@ -1,0 +1,40 @@
+"""Errors that a user can act on, each with the exit status that it ends the command with."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class MfrError(Exception):
+    """Base of every error that ends a command with one clear line instead of a traceback."""
+
+    exit_status = 1
+
+
+class UsageError(MfrError):
+    """The command or the config is wrong. `lines` holds one complete message per mistake."""
+
+    exit_status = 2
+
+    def __init__(self, lines: str | Iterable[str]):
+        self.lines = [lines] if isinstance(lines, str) else list(lines)
+        super().__init__("\n".join(self.lines))
+
+
+class DeviceError(MfrError):
+    """No usable OpenGL device, or the device was lost."""
+
+
+class ShaderError(MfrError):
+    """A shader that does not expand, compile or link; the message names file and line."""
+
+
+class StoreError(MfrError):
+    """A result folder that cannot be written or read."""
+
+
+def nearest(word: str, allowed: Iterable[str]) -> str:
+    """Return '; nearest: X' for the allowed name closest to `word`, or '' where none is close."""
+    close = difflib.get_close_matches(word, list(allowed), n=1, cutoff=0.5)
+    return f"; nearest: {close[0]!r}" if close else ""

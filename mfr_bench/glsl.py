@@ -1,0 +1,209 @@
+"""Shader text: includes expanded, a prelude of everything that Python owns, errors mapped back to files.
+
+Python owns the numbers that both sides need (bindings, sizes, parameters); the prelude carries them into
+GLSL. Only those that the shader names are written, so that programs are shared wherever they are equal.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+from .errors import ShaderError
+from .methods.spec import Buffer, Pass, Sizes, Variant, evaluate
+from .resources import shaders_dir
+
+VERSION = "#version 430 core"
+LINE_STRIDE = 100_000  # line numbers carry the file: Mesa drops the source number of #line
+DIAGNOSTICS_BINDING = 7  # GL guarantees eight storage blocks to a fragment shader
+EMPTY = 0xFFFFFFFF  # no fragment, no next node: above the bits of every depth in [0, 1]
+LOCK_TRIES = 60000  # below the 65,535 iterations at which llvmpipe ends a loop silently
+
+# The uniform block `Frame`, one uint each, in order.
+FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold")
+FRAME_BINDING = 0
+
+FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
+    "fragment_shader_interlock": ("GL_ARB_fragment_shader_interlock", "GL_NV_fragment_shader_interlock",
+                                  "GL_INTEL_fragment_shader_ordering"),
+    "shader_atomic_int64": ("GL_NV_shader_atomic_int64",),
+}
+
+_INCLUDE = re.compile(r'^\s*#include\s+(?:"(?P<path>[^"]+)"|<(?P<slot>\w+)>)\s*$')
+
+
+@dataclass(frozen=True)
+class Source:
+    """One shader stage: its full text, and the files that its #line numbers refer to."""
+
+    entry: str
+    text: str
+    files: tuple[str, ...]
+
+    def located(self, log: str) -> str:
+        """A driver's log with encoded lines as file:line. Mesa writes `0:300014(3):`, NVIDIA `0(300014) :`."""
+        def name(match: re.Match[str]) -> str:
+            number, line = divmod(int(match["mesa"] or match["nvidia"]), LINE_STRIDE)
+            return f"{self.files[number]}:{line}" if number < len(self.files) else match[0]
+        return re.sub(r"^\d+(?::(?P<mesa>\d+)\(\d+\)|\((?P<nvidia>\d+)\)\s?)", name, log, flags=re.MULTILINE)
+
+
+@lru_cache(maxsize=None)
+def read(path: str) -> str:
+    """Text of a file below shaders/."""
+    file = shaders_dir() / path
+    try:
+        return file.read_text()
+    except OSError as error:
+        raise ShaderError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def expand(entry: str, slots: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:
+    """Text of `entry` with every include in place, each file once; `#include <slot>` is the method's choice."""
+    files: list[str] = ["prelude"]
+    lines: list[str] = []
+
+    def add(path: str, origin: str) -> None:
+        if path in files:
+            return
+        files.append(path)
+        number = len(files) - 1
+        lines.append(f"#line {number * LINE_STRIDE + 1}")
+        for at, line in enumerate(read(path).splitlines(), start=1):
+            match = _INCLUDE.match(line)
+            if not match:
+                lines.append(line)
+                continue
+            target = match["path"] or slots.get(match["slot"])
+            if target is None:
+                raise ShaderError(f"{path}:{at}: the method gives no include for <{match['slot']}>")
+            try:
+                add(target, f"{path}:{at}")
+            except ShaderError as error:
+                raise ShaderError(f"{path}:{at}: {error}") from None
+            lines.append(f"#line {number * LINE_STRIDE + at + 1}")
+
+    add(entry, entry)
+    return "\n".join(lines) + "\n", tuple(files)
+
+
+def define_values(variant: Variant, step: Pass, sizes: Sizes) -> dict[str, int]:
+    """Every number that a pass of the variant may use, by its name in GLSL."""
+    values: dict[str, int] = {
+        "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
+        "N": sizes.n, "LOCAL": max(1, int(evaluate(variant.method.local, sizes, variant.scope))),
+        "REJECTS": int(sizes.rejects),
+    }
+    for param in variant.all_params:
+        value = variant.scope[param.name]
+        if param.choices:
+            values |= {f"{param.name}_{choice}".upper(): int(choice == value) for choice in param.choices}
+        else:
+            values[param.name.upper()] = value
+    formulas = {name: int(evaluate(str(value), sizes, variant.scope)) for name, value in step.defines.items()}
+    return values | formulas
+
+
+def literal(name: str, value: int) -> str:
+    return f"{value}u" if name == "EMPTY" else str(value)
+
+
+def _buffer_block(buffer: Buffer, binding: int, name: str, readonly: bool) -> str:
+    qualifiers = ("coherent " if buffer.coherent and not readonly else "") + ("readonly " if readonly else "")
+    return f"layout(std430, binding = {binding}) {qualifiers}buffer Block{binding} {{ {buffer.type} {name}[]; }};"
+
+
+@dataclass(frozen=True)
+class Binding:
+    """Where a pass finds a resource: `ref` as declared (`name`, `name.current`, `name.previous`)."""
+
+    ref: str
+    name: str
+    index: int
+
+
+def split_ref(ref: str) -> tuple[str, str]:
+    """`depth.previous` -> ("depth", "previous"); a plain name has no role."""
+    name, _, role = ref.partition(".")
+    return name, role
+
+
+def buffer_bindings(variant: Variant, step: Pass) -> list[Binding]:
+    """Storage bindings of a pass. A pass that touches both copies of a buffer sees `name_previous` as well."""
+    names = {b.name for b in variant.buffers}
+    refs = [r for r in dict.fromkeys(step.writes + step.reads) if split_ref(r)[0] in names]
+    bindings: list[Binding] = []
+    taken: set[str] = set()
+    for index, ref in enumerate(refs):
+        base, role = split_ref(ref)
+        name = base if base not in taken else f"{base}_{role}"
+        taken.add(name)
+        bindings.append(Binding(ref, name, index))
+    if len(bindings) > DIAGNOSTICS_BINDING:
+        raise ShaderError(f"{variant.method.id}: pass {step.name!r} uses {len(bindings)} buffers; "
+                          f"at most {DIAGNOSTICS_BINDING}")
+    return bindings
+
+
+def texture_bindings(variant: Variant, step: Pass) -> list[Binding]:
+    names = {t.name for t in variant.targets}
+    refs = [r for r in step.reads if split_ref(r)[0] in names]
+    return [Binding(ref, split_ref(ref)[0], index) for index, ref in enumerate(refs)]
+
+
+def _clear_macro(variant: Variant, step: Pass) -> str:
+    """CLEAR(p): pixel p gives every P-th element of the pass's buffers its initial value."""
+    body = " ".join(
+        f"{b.name}[p] = {b.type}({b.clear});" if b.clear_heads else
+        f"for (uint i = (p); i < uint({b.name}.length()); i += pixels) {b.name}[i] = {b.type}({b.clear});"
+        for b in variant.buffers if b.name in step.writes)
+    return f"#define CLEAR(p) {{ {body} }}"
+
+
+def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None) -> Source:
+    """The stage `entry` (default: the pass's own shader) of one pass, ready to compile."""
+    entry = entry or step.shader
+    slots = {"fetch": step.fetch} if step.fetch else {}
+    body, files = expand(entry, slots)
+    macro = _clear_macro(variant, step)
+    words = set(re.findall(r"[A-Za-z_]\w*", body))
+    words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()
+    prelude = [VERSION, "#extension GL_ARB_ES3_1_compatibility : enable"] if "IS_HELPER" in words else [VERSION]
+    prelude += [
+        f"#extension {name} : enable" for feature in variant.needs for name in FEATURE_EXTENSIONS[feature]]
+    prelude += ["#extension GL_ARB_gpu_shader_int64 : enable"] if "shader_atomic_int64" in variant.needs else []
+    values = define_values(variant, step, sizes)
+    prelude += [f"#define {name} {literal(name, value)}" for name, value in sorted(values.items()) if name in words]
+    prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "
+                   + " ".join(f"uint {name};" for name in FRAME_FIELDS) + " };")
+    if not entry.endswith(".vert"):
+        by_name = {b.name: b for b in variant.buffers}
+        prelude += [_buffer_block(by_name[split_ref(b.ref)[0]], b.index, b.name, b.ref not in step.writes)
+                    for b in buffer_bindings(variant, step)]
+        prelude += [f"layout(binding = {b.index}) uniform sampler2D {b.name};"
+                    for b in texture_bindings(variant, step)]
+        prelude += [macro] if "CLEAR" in words else []
+        prelude += [f"layout(location = {i}) out vec4 out_{split_ref(ref)[0]};"
+                    for i, ref in enumerate(colour_refs(variant, step))]
+        if "lost_fragments" in words:
+            prelude.append(f"layout(std430, binding = {DIAGNOSTICS_BINDING}) buffer Diagnostics "
+                           "{ uint lost_fragments; };")
+    return Source(entry, "\n".join(prelude) + "\n" + body, files)
+
+
+def colour_refs(variant: Variant, step: Pass) -> list[str]:
+    """The colour targets of a pass in location order; the depth target is attached apart."""
+    depth = {t.name for t in variant.targets if t.format == "depth32f"}
+    return [ref for ref in step.into if split_ref(ref)[0] not in depth]
+
+
+VERTEX = {"geometry": "scene/quad.vert", "fullscreen": "screen/triangle.vert"}
+
+
+def stages(variant: Variant, step: Pass, sizes: Sizes) -> tuple[Source, ...]:
+    """All stages of a pass: vertex and fragment, or compute alone."""
+    if step.kind == "compute":
+        return (source(variant, step, sizes),)
+    return source(variant, step, sizes, VERTEX[step.kind]), source(variant, step, sizes)

@@ -1,0 +1,1 @@
+"""Everything that touches OpenGL. No other package imports moderngl."""

@@ -1,0 +1,328 @@
+"""Runs one variant of a method on one scene: allocates what it declares, draws its passes in order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+
+from ..glsl import (
+    DIAGNOSTICS_BINDING,
+    FRAME_BINDING,
+    FRAME_FIELDS,
+    Binding,
+    buffer_bindings,
+    split_ref,
+    stages,
+    texture_bindings,
+)
+from ..methods.spec import IMAGE, Counted, Grown, Loop, Pass, Sizes, Variant, evaluate
+from ..scene import Scene
+from . import rawgl
+from .device import Device
+from .targets import Framebuffer, Texture
+
+Mark = Callable[[str], None]
+
+# Attribute, its moderngl format, and the padding in its place where a program does not use it.
+QUAD_LAYOUT = (("in_rect", "4i", "16x"), ("in_depth", "1f", "4x"), ("in_rgba", "4f1", "4x"))
+QUAD_BYTES = 24
+
+
+class SceneBuffer:
+    """A scene's quads in device memory. Uploads stay outside every timed region."""
+
+    def __init__(self, device: Device, scene: Scene):
+        self.device, self.scene = device, scene
+        self.buffer = device.ctx.buffer(_packed(scene) or bytes(QUAD_BYTES))
+
+    def attributes(self, program) -> tuple:
+        """The per-instance attributes that the program uses, as moderngl's vertex_array takes them."""
+        used = [name for name, _, _ in QUAD_LAYOUT if name in program]
+        layout = " ".join(form if name in used else padding for name, form, padding in QUAD_LAYOUT)
+        return self.buffer, f"{layout} /i", *used
+
+    def replace(self, scene: Scene) -> None:
+        """The next frame of an animation."""
+        self.scene = scene
+        data = _packed(scene) or bytes(QUAD_BYTES)
+        if len(data) > self.buffer.size:
+            self.buffer.orphan(len(data))
+        self.buffer.write(data)
+
+    def release(self) -> None:
+        self.buffer.release()
+
+
+def _packed(scene: Scene) -> bytes:
+    quads = np.empty(len(scene), dtype=[("rect", "<i4", 4), ("depth", "<f4"), ("rgba", "u1", 4)])
+    quads["rect"], quads["depth"], quads["rgba"] = scene.rect, scene.depth, scene.rgba
+    return quads.tobytes()
+
+
+class Canvas:
+    """The image that every method of one viewport size resolves into: RGBA32F, premultiplied."""
+
+    def __init__(self, device: Device, size: tuple[int, int]):
+        self.texture = Texture(device.gl, "rgba32f", size)
+        self.framebuffer = Framebuffer(device.gl, [self.texture])
+
+    def release(self) -> None:
+        self.framebuffer.release()
+        self.texture.release()
+
+
+class Frame:
+    """One variant, ready to draw.
+
+    `draw` runs all passes; it returns False where a growing buffer was too small, and has then doubled it.
+    Raises ShaderError for GLSL that does not compile, MemoryError where the device has no room.
+    """
+
+    def __init__(self, device: Device, variant: Variant, sizes: Sizes, quads: SceneBuffer, canvas: Canvas):
+        self.device, self.gl, self.variant, self.sizes = device, device.gl, variant, sizes
+        self.quads, self.canvas = quads, canvas
+        self.geometry_passes = 0  # of the last frame
+        self._capacity = variant.start_capacity(sizes)
+        self._room = self._capacity  # elements allocated; never less than the capacity in use
+        self._shown = quads.scene
+        self._uniforms = device.ctx.buffer(reserve=32)
+        self._diagnostics = device.ctx.buffer(np.zeros(4, dtype=np.uint32).tobytes())
+        self._query = device.gl.generate("Queries")
+        self._textures = {t.name: [Texture(device.gl, t.format, (sizes.W, sizes.H)) for _ in range(t.copies)]
+                          for t in variant.targets}
+        self._buffers: dict[str, list] = {}
+        self._allocate()
+        self._passes = {id(step): PassRunner(self, step) for step in variant.passes}
+        self._write_uniforms()
+        device.check(f"{variant.method.id}: allocation")
+
+    def _allocate(self) -> None:
+        """Make every buffer that is missing or too small for the room."""
+        for buffer in self.variant.buffers:
+            size = self.variant.block_bytes(buffer, self.sizes, self._room)
+            held = self._buffers.get(buffer.name, [])
+            if held and held[0].size >= size:
+                continue
+            for old in held:
+                old.release()
+            self._buffers[buffer.name] = [self.device.ctx.buffer(reserve=size) for _ in range(buffer.copies)]
+
+    def _write_uniforms(self) -> None:
+        scene = self._shown
+        values = {"width": self.sizes.W, "height": self.sizes.H, "pixels": self.sizes.P, "capacity": self._capacity,
+                  "seed": scene.seed, "keep_threshold": min(scene.keep_threshold, 2**32 - 1)}
+        self._uniforms.write(np.array([values[name] for name in FRAME_FIELDS], dtype=np.uint32).tobytes())
+
+    @property
+    def memory_bytes(self) -> dict[str, int]:
+        """Bytes of each allocated object, by the name of its declaration."""
+        buffers = {name: sum(b.size for b in copies) for name, copies in self._buffers.items()}
+        words = {"r32f": 1, "rg32f": 2, "rgba32f": 4, "depth32f": 1}
+        textures = {name: sum(4 * words[t.format] * t.size[0] * t.size[1] for t in copies)
+                    for name, copies in self._textures.items()}
+        return buffers | textures
+
+    def show(self, scene: Scene) -> None:
+        """Take the scene that `quads` now holds: its seed reaches the shaders."""
+        if scene is not self._shown:
+            self._shown = scene
+            self._write_uniforms()
+
+    def draw(self, mark: Mark | None = None) -> bool:
+        """Run every pass in order; `mark` is called with the pass's name after each."""
+        self.geometry_passes = 0
+        self._unpublished: set[str] = set()
+        self._uniforms.bind_to_uniform_block(FRAME_BINDING)
+        self._diagnostics.bind_to_storage_buffer(DIAGNOSTICS_BINDING)
+        iteration = 0
+        for step in self.variant.steps:
+            if isinstance(step, Loop):
+                iteration = self._loop(step, mark)
+            else:
+                self._run(step, iteration, mark)
+        return self._fits()
+
+    def _loop(self, loop: Loop, mark: Mark | None) -> int:
+        """Iterations begun; `.previous` then names what the last of them wrote."""
+        times = int(evaluate(loop.times, self.sizes, self.variant.scope)) if loop.passes else 0
+        for iteration in range(times):
+            for step in loop.passes:
+                counted = self._run(step, iteration, mark)
+                if loop.until_empty and step.counts and counted == 0:
+                    return iteration + 1
+        return times
+
+    def _run(self, step: Pass, iteration: int, mark: Mark | None) -> int | None:
+        runner = self._passes[id(step)]
+        self._publish(runner)
+        if step.counts:
+            self.gl.glBeginQuery(rawgl.SAMPLES_PASSED, self._query)
+        runner.run(iteration)
+        self.geometry_passes += step.kind == "geometry"
+        counted = None
+        if step.counts:
+            self.gl.glEndQuery(rawgl.SAMPLES_PASSED)
+            counted = self.gl.query_result(self._query)
+            if isinstance(self.variant.method.capacity, Counted):
+                self._set_capacity(counted)
+        if mark:
+            mark(step.name)
+        return counted
+
+    def _publish(self, runner: PassRunner) -> None:
+        """A barrier where the pass touches buffers that an earlier pass wrote."""
+        if self._unpublished & runner.touched:
+            self.gl.glMemoryBarrier(rawgl.BARRIERS["storage"])
+            self._unpublished.clear()
+        self._unpublished |= runner.written
+
+    def _set_capacity(self, elements: int) -> None:
+        if elements > self._room:
+            self._room = elements
+            self._allocate()
+        if elements != self._capacity:
+            self._capacity = elements
+            self._write_uniforms()
+
+    def _fits(self) -> bool:
+        grown = self.variant.method.capacity
+        if not isinstance(grown, Grown):
+            return True
+        wanted = int(self.words(grown.counter)[0])
+        if wanted <= self._capacity:
+            return True
+        self._set_capacity(2 * self._capacity)
+        return False
+
+    def draw_fitting(self) -> None:
+        """Draw until every growing buffer holds the frame. Raises MemoryError where it cannot grow further."""
+        while not self.draw():
+            self.device.check(f"{self.variant.method.id}: growing to {self._capacity} elements")
+
+    def words(self, name: str) -> np.ndarray:
+        """uint32 contents of a buffer."""
+        self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
+        return np.frombuffer(self._buffers[name][0].read(), dtype=np.uint32)
+
+    def lost_fragments(self) -> int:
+        """Fragments that found no room or never got the lock, since the last call."""
+        self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
+        lost = int(np.frombuffer(self._diagnostics.read(4), dtype=np.uint32)[0])
+        self._diagnostics.write(bytes(4))
+        return lost
+
+    def image(self) -> np.ndarray:
+        """float32 (H, W, 4), premultiplied, row 0 at the bottom."""
+        return self.canvas.framebuffer.read()
+
+    def buffer(self, binding: Binding, iteration: int):
+        copies = self._buffers[split_ref(binding.ref)[0]]
+        return copies[_copy(binding.ref, iteration, len(copies))]
+
+    def texture(self, ref: str, iteration: int) -> Texture:
+        name = split_ref(ref)[0]
+        if name == IMAGE:
+            return self.canvas.texture
+        copies = self._textures[name]
+        return copies[_copy(ref, iteration, len(copies))]
+
+    def release(self) -> None:
+        for copies in self._buffers.values():
+            for buffer in copies:
+                buffer.release()
+        for runner in self._passes.values():
+            runner.release()
+        for copies in self._textures.values():
+            for texture in copies:
+                texture.release()
+        self._uniforms.release()
+        self._diagnostics.release()
+        self.gl.delete("Queries", self._query)
+
+
+def _copy(ref: str, iteration: int, copies: int) -> int:
+    """Which copy a ref names: `.current` is iteration i's own, `.previous` the one of the iteration before."""
+    return (iteration + (split_ref(ref)[1] == "previous")) % copies
+
+
+class PassRunner:
+    """One pass, compiled and bound to its frame's resources."""
+
+    def __init__(self, frame: Frame, step: Pass):
+        self.frame, self.step, self.gl = frame, step, frame.gl
+        variant, sizes = frame.variant, frame.sizes
+        self.buffers = buffer_bindings(variant, step)
+        self.textures = texture_bindings(variant, step)
+        self.touched = frozenset(split_ref(b.ref)[0] for b in self.buffers)
+        self.written = frozenset(split_ref(r)[0] for r in step.writes) & self.touched
+        self.framebuffers: dict[int, Framebuffer] = {}
+        self.program = self.vao = None
+        if step.kind != "clear":
+            self.program = frame.device.program(stages(variant, step, sizes),
+                                                f"method {variant.method.id}, pass {step.name}")
+        if step.kind in ("geometry", "fullscreen"):
+            content = [frame.quads.attributes(self.program)] if step.kind == "geometry" else []
+            self.vao = frame.device.ctx.vertex_array(self.program, content)
+        self.groups = int(evaluate(step.groups, sizes, variant.scope)) if step.groups else 0
+        self.writes_depth = any(frame.texture(r, 0).is_depth for r in step.into)
+
+    @cached_property
+    def takes_iteration(self) -> bool:
+        return self.program is not None and "iteration" in self.program
+
+    def _framebuffer(self, iteration: int) -> Framebuffer:
+        """The pass's own, or for a pass that only writes buffers the canvas, masked."""
+        if not self.step.into or self.step.into == (IMAGE,):
+            return self.frame.canvas.framebuffer
+        parity = iteration % 2
+        if parity not in self.framebuffers:
+            self.framebuffers[parity] = Framebuffer(self.gl, [self.frame.texture(r, iteration) for r in self.step.into])
+        return self.framebuffers[parity]
+
+    def run(self, iteration: int) -> None:
+        self._bind(iteration)
+        if self.step.kind == "compute":
+            self.program.run(self.groups)
+            return
+        framebuffer = self._framebuffer(iteration)
+        framebuffer.use(colour=bool(self.step.into), depth=self.writes_depth)
+        for ref, values in self.step.clears.items():
+            framebuffer.clear(self.frame.texture(ref, iteration), values)
+        if self.step.kind == "clear":
+            return
+        self._apply_state()
+        if self.step.kind == "fullscreen":
+            self.vao.render(mode=4, vertices=3)  # GL_TRIANGLES
+        elif len(self.frame.quads.scene):
+            self.vao.render(mode=5, vertices=4, instances=len(self.frame.quads.scene))  # GL_TRIANGLE_STRIP
+
+    def _bind(self, iteration: int) -> None:
+        for binding in self.buffers:
+            self.frame.buffer(binding, iteration).bind_to_storage_buffer(binding.index)
+        for binding in self.textures:
+            self.frame.texture(binding.ref, iteration).bind(binding.index)
+        if self.takes_iteration:
+            self.program["iteration"] = iteration
+
+    def _apply_state(self) -> None:
+        state = self.step.state
+        if state.blend:
+            equation, source, destination = state.blend
+            self.gl.glEnable(rawgl.BLEND)
+            self.gl.glBlendEquation(rawgl.EQUATIONS[equation])
+            self.gl.glBlendFunc(rawgl.FACTORS[source], rawgl.FACTORS[destination])
+        else:
+            self.gl.glDisable(rawgl.BLEND)
+        if state.depth_test:
+            self.gl.glEnable(rawgl.DEPTH_TEST)
+            self.gl.glDepthFunc(rawgl.DEPTH_FUNCTIONS[state.depth_test])
+        else:
+            self.gl.glDisable(rawgl.DEPTH_TEST)
+
+    def release(self) -> None:
+        for framebuffer in self.framebuffers.values():
+            framebuffer.release()
+        if self.vao:
+            self.vao.release()

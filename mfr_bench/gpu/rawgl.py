@@ -1,0 +1,94 @@
+"""The OpenGL calls that moderngl lacks, loaded from the context through ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+ENUM, UINT, INT, FLOAT, BOOL = ctypes.c_uint, ctypes.c_uint, ctypes.c_int, ctypes.c_float, ctypes.c_ubyte
+SIZE, POINTER = ctypes.c_int, ctypes.c_void_p
+
+BLEND, DEPTH_TEST, COLOR, DEPTH = 0x0BE2, 0x0B71, 0x1800, 0x1801
+TEXTURE_2D, TEXTURE_2D_ARRAY, NEAREST = 0x0DE1, 0x8C1A, 0x2600
+TEXTURE_MIN_FILTER, TEXTURE_MAG_FILTER = 0x2801, 0x2800
+FRAMEBUFFER, FRAMEBUFFER_COMPLETE, COLOR_ATTACHMENT0, DEPTH_ATTACHMENT = 0x8D40, 0x8CD5, 0x8CE0, 0x8D00
+TIMESTAMP, SAMPLES_PASSED, QUERY_RESULT = 0x8E28, 0x8914, 0x8866
+TEXTURE0, MULTISAMPLE = 0x84C0, 0x809D
+
+FORMATS = {"r32f": 0x822E, "rg32f": 0x8230, "rgba32f": 0x8814, "depth32f": 0x8CAC}
+EQUATIONS = {"add": 0x8006, "max": 0x8008}
+FACTORS = {"one": 1, "one_minus_src_alpha": 0x0303, "one_minus_dst_alpha": 0x0305}
+DEPTH_FUNCTIONS = {"less": 0x0201, "lequal": 0x0203}
+BARRIERS = {"storage": 0x2000, "buffer_update": 0x200}
+ERRORS = {0x0500: "GL_INVALID_ENUM", 0x0501: "GL_INVALID_VALUE", 0x0502: "GL_INVALID_OPERATION",
+          0x0505: "GL_OUT_OF_MEMORY", 0x0506: "GL_INVALID_FRAMEBUFFER_OPERATION", 0x0507: "GL_CONTEXT_LOST"}
+
+_SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "glEnable": (None, (ENUM,)),
+    "glDisable": (None, (ENUM,)),
+    "glBlendEquation": (None, (ENUM,)),
+    "glBlendFunc": (None, (ENUM, ENUM)),
+    "glDepthFunc": (None, (ENUM,)),
+    "glDepthMask": (None, (BOOL,)),
+    "glColorMask": (None, (BOOL, BOOL, BOOL, BOOL)),
+    "glViewport": (None, (INT, INT, SIZE, SIZE)),
+    "glClearBufferfv": (None, (ENUM, INT, ctypes.POINTER(FLOAT))),
+    "glGenTextures": (None, (SIZE, ctypes.POINTER(UINT))),
+    "glDeleteTextures": (None, (SIZE, ctypes.POINTER(UINT))),
+    "glActiveTexture": (None, (ENUM,)),
+    "glBindTexture": (None, (ENUM, UINT)),
+    "glTexStorage2D": (None, (ENUM, SIZE, ENUM, SIZE, SIZE)),
+    "glTexParameteri": (None, (ENUM, ENUM, INT)),
+    "glGenFramebuffers": (None, (SIZE, ctypes.POINTER(UINT))),
+    "glDeleteFramebuffers": (None, (SIZE, ctypes.POINTER(UINT))),
+    "glBindFramebuffer": (None, (ENUM, UINT)),
+    "glFramebufferTexture": (None, (ENUM, ENUM, UINT, INT)),
+    "glDrawBuffers": (None, (SIZE, ctypes.POINTER(ENUM))),
+    "glReadBuffer": (None, (ENUM,)),
+    "glReadPixels": (None, (INT, INT, SIZE, SIZE, ENUM, ENUM, POINTER)),
+    "glCheckFramebufferStatus": (ENUM, (ENUM,)),
+    "glGenQueries": (None, (SIZE, ctypes.POINTER(UINT))),
+    "glDeleteQueries": (None, (SIZE, ctypes.POINTER(UINT))),
+    "glBeginQuery": (None, (ENUM, UINT)),
+    "glEndQuery": (None, (ENUM,)),
+    "glQueryCounter": (None, (UINT, ENUM)),
+    "glGetQueryObjectui64v": (None, (UINT, ENUM, ctypes.POINTER(ctypes.c_uint64))),
+    "glMemoryBarrier": (None, (UINT,)),
+    "glDispatchCompute": (None, (UINT, UINT, UINT)),
+    "glFinish": (None, ()),
+    "glGetError": (ENUM, ()),
+}
+
+
+class RawGL:
+    """Attributes are GL functions of the current context, e.g. `gl.glFinish()`."""
+
+    def __init__(self, load):
+        for name, (result, arguments) in _SIGNATURES.items():
+            address = load(name)
+            if not address:
+                raise OSError(f"the driver has no {name}")
+            setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(address))
+
+    def generate(self, kind: str) -> int:
+        """A new object name of kind Textures, Framebuffers or Queries."""
+        name = UINT()
+        getattr(self, f"glGen{kind}")(1, ctypes.byref(name))
+        return name.value
+
+    def delete(self, kind: str, name: int) -> None:
+        getattr(self, f"glDelete{kind}")(1, ctypes.byref(UINT(name)))
+
+    def clear(self, buffer: int, index: int, values: tuple[float, ...]) -> None:
+        self.glClearBufferfv(buffer, index, (FLOAT * len(values))(*values))
+
+    def query_result(self, query: int) -> int:
+        """Result of a query, 64 bits; waits for it."""
+        result = ctypes.c_uint64()
+        self.glGetQueryObjectui64v(query, QUERY_RESULT, ctypes.byref(result))
+        return result.value
+
+    def error(self) -> str | None:
+        """The oldest error not yet read, by name."""
+        code = self.glGetError()
+        return ERRORS.get(code, hex(code)) if code else None

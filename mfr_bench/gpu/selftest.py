@@ -1,0 +1,170 @@
+"""What a device does right, found by trying: atomics, side effects, barriers, mutual exclusion, timers.
+
+The tests are small methods, declared and run like the methods under test.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..config.model import Scene as SceneConfig
+from ..errors import MfrError
+from ..methods.shared import SYNC, clear
+from ..methods.spec import IMAGE, Buffer, Method, Pass, when
+from ..oracle import fragment_counts, sizes_of
+from ..scene import generate
+from .device import Device
+from .frame import Canvas, Frame, SceneBuffer
+from .timers import GpuTimer, Timer, WallTimer
+
+SCENE = SceneConfig(size=(192, 160), depth_complexity=24, pixel_density=0.9)
+WORK = SceneConfig(size=(512, 512), depth_complexity=0)
+FIRST_ROUNDS = 16
+MOST_ROUNDS = 16384
+COMPARED = 3  # sizes of work that are long enough to compare
+TIMER_TOLERANCE = 0.15  # of the wall time, on work that takes milliseconds
+WORTH_COMPARING_MS = 2.0  # below this the wall clock sees mostly the round trip to the device
+REPEATS = 3
+
+
+def _probe(name: str, *steps: Pass, buffers: tuple[Buffer, ...] = (), **more) -> Method:
+    return Method(id=f"probe-{name}", name=name, family="probe", source="self-test", summary="", guarantee="none",
+                  words="0", ties="", steps=steps, buffers=buffers, **more)
+
+
+COUNTER = Buffer("counter", "P", clear="0u", coherent=True)
+SHOW = Pass("show", "fullscreen", "probe/show_count.frag", reads=("counter",), into=(IMAGE,))
+COUNT = Pass("count", "geometry", "common/count.frag", writes=("counter",))
+
+ATOMICS = _probe("atomics", clear("total"), Pass("count", "geometry", "probe/total.frag", writes=("total",)),
+                 buffers=(Buffer("total", "1", clear="0u"),))
+COUNTED = _probe("side effects", clear("counter"), COUNT, SHOW, buffers=(COUNTER,))
+LOCKED = _probe("lock", clear("counter", "semaphore"),
+                Pass("count", "geometry", "probe/locked_count.frag", writes=("counter", "semaphore")), SHOW,
+                buffers=(COUNTER, Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin"))),
+                params=(SYNC,))
+BUSY = _probe("work", Pass("work", "fullscreen", "probe/work.frag", into=(IMAGE,)))
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Outcome of one self-test: passed True, False, or None where the device lacks what it needs."""
+
+    name: str
+    passed: bool | None
+    detail: str
+
+
+class _Bench:
+    """One scene on the device, on which probes run."""
+
+    def __init__(self, device: Device, config: SceneConfig):
+        self.device = device
+        self.scene = generate(config)
+        self.sizes = sizes_of(self.scene)
+        self.quads = SceneBuffer(device, self.scene)
+        self.canvas = Canvas(device, (self.sizes.W, self.sizes.H))
+
+    def frame(self, method: Method, **params) -> Frame:
+        return Frame(self.device, method.variant(params), self.sizes, self.quads, self.canvas)
+
+    def release(self) -> None:
+        self.quads.release()
+        self.canvas.release()
+
+
+def _atomics(bench: _Bench) -> tuple[bool, str]:
+    frame = bench.frame(ATOMICS)
+    frame.draw()
+    total = int(frame.words("total")[0])
+    frame.release()
+    return total == bench.sizes.F, f"{total} of {bench.sizes.F} increments of one word"
+
+
+def _counted(bench: _Bench, source: str) -> tuple[bool, str]:
+    frame = bench.frame(COUNTED)
+    frame.draw()
+    expected = fragment_counts(bench.scene)
+    found = (frame.words("counter").reshape(expected.shape).astype(np.int64) if source == "buffer"
+             else frame.image()[..., 0].astype(np.int64))
+    frame.release()
+    return bool((found == expected).all()), f"{int((found == expected).sum())} of {expected.size} pixels counted right"
+
+
+def _locked(bench: _Bench, sync: str) -> tuple[bool, str]:
+    frame = bench.frame(LOCKED, sync=sync)
+    frame.draw()
+    total = int(frame.words("counter").sum())
+    frame.release()
+    return total == bench.sizes.F, f"{total} of {bench.sizes.F} plain increments under the lock"
+
+
+def self_tests(device: Device) -> list[Finding]:
+    """Run every test but the timers'. A test that cannot even compile has failed."""
+    bench = _Bench(device, SCENE)
+    findings = [
+        _finding("atomics", lambda: _atomics(bench)),
+        _finding("side effects under a full draw", lambda: _counted(bench, "buffer")),
+        _finding("barriers", lambda: _counted(bench, "image")),
+        _finding("spin lock", lambda: _locked(bench, "spin")),
+    ]
+    if "fragment_shader_interlock" in device.features:
+        findings.append(_finding("interlock", lambda: _locked(bench, "interlock")))
+    else:
+        findings.append(Finding("interlock", None, "no fragment shader interlock extension"))
+    bench.release()
+    return findings
+
+
+def _finding(name: str, test: Callable[[], tuple[bool, str]]) -> Finding:
+    try:
+        return Finding(name, *test())
+    except (MfrError, MemoryError) as error:
+        return Finding(name, False, str(error))
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Which timer to trust, and the times on work of known size that say so."""
+
+    timer: str
+    wall_ms: tuple[float, ...]
+    gpu_ms: tuple[float, ...]
+    reason: str
+
+
+def calibrate(device: Device) -> Calibration:
+    """Time fullscreen work of growing size by both timers; GPU timers count where they agree with the wall clock."""
+    bench = _Bench(device, WORK)
+    wall, gpu = WallTimer(device), GpuTimer(device)
+    wall_ms: list[float] = []
+    gpu_ms: list[float] = []
+    rounds = FIRST_ROUNDS
+    while rounds <= MOST_ROUNDS and sum(w >= WORTH_COMPARING_MS for w in wall_ms) < COMPARED:
+        frame = bench.frame(replace(BUSY, steps=(replace(BUSY.steps[0], defines={"ROUNDS": rounds}),)))
+        frame.draw()
+        wall_ms.append(min(wall.frame_ms(frame.draw) for _ in range(REPEATS)))
+        gpu_ms.append(min(gpu.frame_ms(frame.draw) for _ in range(REPEATS)))
+        frame.release()
+        rounds *= 2
+    bench.release()
+    return Calibration(*_verdict(wall_ms, gpu_ms))
+
+
+def _verdict(wall_ms: list[float], gpu_ms: list[float]) -> tuple[str, tuple[float, ...], tuple[float, ...], str]:
+    compared = [(w, g) for w, g in zip(wall_ms, gpu_ms, strict=True) if w >= WORTH_COMPARING_MS]
+    off = [g / w for w, g in compared if abs(g / w - 1) > TIMER_TOLERANCE]
+    if not compared:
+        timer, reason = "wall", f"the work took under {WORTH_COMPARING_MS} ms: nothing to compare"
+    elif off:
+        timer, reason = "wall", f"GPU timers show {min(off):.2g} of the wall time of work of known size"
+    else:
+        timer, reason = "gpu", f"GPU timers agree with the wall clock within {TIMER_TOLERANCE:.0%}"
+    return timer, tuple(wall_ms), tuple(gpu_ms), reason
+
+
+def timer_for(device: Device, calibration: Calibration) -> Timer:
+    return GpuTimer(device) if calibration.timer == "gpu" else WallTimer(device)

@@ -1,0 +1,99 @@
+"""Decides from the samples so far whether a cell needs more: warm-up, growing batches, stop.
+
+A `Sampler` is fed one time after another and says what it wants next, so that the caller can interleave the
+frames of several methods.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from statistics import median
+
+from ..config.model import Measure
+from ..stats import Interval, median_interval
+
+GROWTH = 1.5  # of the number of samples from batch to batch
+WARMUP_FRAMES = (2, 4, 8, 16, 32)  # looked at after so many
+WARMUP_SHARE = 0.2  # of the time limit, at most
+HALVES_AGREE = 0.05  # relative difference of the medians of two halves
+
+
+def halves_agree(times_ms: list[float]) -> bool:
+    """Whether the later half of the times is as fast as the earlier, within 5 %."""
+    middle = len(times_ms) // 2
+    early, late = median(times_ms[:middle]), median(times_ms[middle:])
+    return abs(early - late) <= HALVES_AGREE * late
+
+
+@dataclass
+class Sampler:
+    """Samples of one cell, in ms. `wanted` frames are asked for next; 0 when it is done."""
+
+    measure: Measure
+    warmup_ms: list[float] = field(default_factory=list)
+    samples_ms: list[float] = field(default_factory=list)
+    stop_reason: str | None = None
+    warm: bool = False
+    _goal: int = 0
+
+    def __post_init__(self) -> None:
+        self._goal = min(self.measure.min_samples, self.measure.max_samples)
+
+    @property
+    def spent_s(self) -> float:
+        return (sum(self.warmup_ms) + sum(self.samples_ms)) / 1e3
+
+    @property
+    def interval(self) -> Interval:
+        """Low, median, high of the frame time in ms."""
+        return median_interval(self.samples_ms)
+
+    @property
+    def rel_half_width(self) -> float | None:
+        """Half the interval's width over the median; None while there is no interval."""
+        low, middle, high = self.interval
+        return (high - low) / 2 / middle if low is not None and high is not None and middle else None
+
+    @property
+    def precise(self) -> bool:
+        width = self.rel_half_width
+        return width is not None and width <= self.measure.target_rel_ci
+
+    @property
+    def noisy(self) -> bool:
+        """Whether it stopped with a wider interval than was asked for."""
+        return self.stop_reason is not None and not self.precise
+
+    @property
+    def wanted(self) -> int:
+        if self.stop_reason:
+            return 0
+        if not self.warm:
+            return next(n for n in WARMUP_FRAMES if n > len(self.warmup_ms)) - len(self.warmup_ms)
+        return self._goal - len(self.samples_ms)
+
+    def add(self, time_ms: float) -> None:
+        """Take one frame's time and decide what follows."""
+        if not self.warm:
+            self.warmup_ms.append(time_ms)
+            self.warm = self._warmed_up()
+            return
+        self.samples_ms.append(time_ms)
+        if self.spent_s >= self.measure.time_limit_s:
+            self.stop_reason = "precise" if self.precise else "time limit"
+        elif len(self.samples_ms) >= self._goal:
+            self._next_batch()
+
+    def _warmed_up(self) -> bool:
+        count = len(self.warmup_ms)
+        if sum(self.warmup_ms) / 1e3 >= WARMUP_SHARE * self.measure.time_limit_s or count >= WARMUP_FRAMES[-1]:
+            return True
+        return count in WARMUP_FRAMES and halves_agree(self.warmup_ms)
+
+    def _next_batch(self) -> None:
+        if self.precise:
+            self.stop_reason = "precise"
+        elif len(self.samples_ms) >= self.measure.max_samples:
+            self.stop_reason = "most samples"
+        else:
+            self._goal = min(self.measure.max_samples, int(self._goal * GROWTH))

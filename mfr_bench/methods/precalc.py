@@ -1,0 +1,49 @@
+"""PreCalc: ranges from a prefix sum of the counters over all pixels, empty ones included.
+
+Beside the 2f + 2 words stand what the scan works in: a second address word per pixel where full-screen steps
+take turns, or one word per 1024 pixels for the compute scan. sbuffer_2012's memory table shows the like (§4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE
+from .shared import SORT, clear, count
+from .spec import Buffer, Counted, Loop, Method, Param, Pass, when
+
+ORDER = 5
+
+SCAN = Param("scan", "compute", "prefix sum by full-screen steps (Peeper), or work-efficient in compute shaders",
+             choices=("fullscreen", "compute"))
+SCAN_BLOCK = 1024  # pixels that one work group scans, two per invocation
+BLOCK = {"SCAN_BLOCK": SCAN_BLOCK, "SCAN_LANES": SCAN_BLOCK // 2}
+FULLSCREEN, COMPUTE = when("scan", "fullscreen"), when("scan", "compute")
+
+METHODS = [
+    Method(
+        id="ab-precalc", name="PreCalc", family="precalc",
+        source="Peeper 2008; sbuffer_2012 §2, §4 (PreCalc, PreCalc_OpenCL)",
+        summary="count, prefix sum over all pixels, store into exact ranges",
+        guarantee="exact all", words="2*f + 2", ties="kept, in order of arrival",
+        params=(SCAN, SORT), capacity=Counted(),
+        buffers=(COUNTER, replace(ADDRESS, copies=2, when=FULLSCREEN), replace(ADDRESS, when=COMPUTE), NODES,
+                 Buffer("block_sum", f"ceil(P/{SCAN_BLOCK})", when=COMPUTE)),
+        steps=(
+            clear("counter"),
+            count(),
+            Pass("scan", "fullscreen", "methods/precalc/seed.frag", reads=("counter",), writes=("address.previous",),
+                 when=FULLSCREEN),
+            Loop((Pass("scan", "fullscreen", "methods/precalc/scan.frag", reads=("address.previous",),
+                       writes=("address.current",), when=FULLSCREEN),), times="ceil(log2(P))", until_empty=False),
+            Pass("scan", "compute", "methods/precalc/scan_blocks.comp", reads=("counter",),
+                 writes=("address", "block_sum"), groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK, when=COMPUTE),
+            Pass("scan", "compute", "methods/precalc/scan_sums.comp", writes=("block_sum",), groups="1",
+                 defines=BLOCK, when=COMPUTE),
+            Pass("scan", "compute", "methods/precalc/add_sums.comp", reads=("block_sum",), writes=("address",),
+                 groups=f"min(65535, ceil(P/{SCAN_BLOCK // 2}))", defines=BLOCK, when=COMPUTE),
+            replace(STORE, writes=("address.previous", "nodes")),
+            replace(RESOLVE, reads=("counter", "address.previous", "nodes")),
+        ),
+    ),
+]

@@ -1,0 +1,47 @@
+"""How far an image is from the float64 oracle. Images are (H, W, 4), premultiplied over transparent black."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+EXACT_ERROR = 1e-4  # largest channel error of an exact method: float32 payload math, n <= 1024
+WRONG_PIXEL = 1 / 512  # a channel error above half a step of 8 bits shows
+
+
+def conformance(image: np.ndarray, promised: np.ndarray) -> dict[str, float | int]:
+    """Errors against what the method promises.
+
+    max_abs_error: of any channel, colours in [0, 1]. wrong_pixels: pixels with a channel error above 1/512.
+    """
+    error = _error(image, promised)
+    return {"max_abs_error": float(error.max()),
+            "wrong_pixels": int(np.count_nonzero(error.max(axis=-1) > WRONG_PIXEL))}
+
+
+def quality(image: np.ndarray, full: np.ndarray) -> dict[str, float | None]:
+    """Errors against the image of all fragments.
+
+    rmse: over all channels. psnr_db: infinite where the images are equal. flip: mean of NVIDIA's FLIP over black.
+    """
+    rmse = math.sqrt(float(np.mean(_error(image, full) ** 2)))
+    return {"rmse": rmse, "psnr_db": -20 * math.log10(rmse) if rmse > 0 else math.inf, "flip": _flip(image, full)}
+
+
+def _error(image: np.ndarray, oracle: np.ndarray) -> np.ndarray:
+    """Absolute errors in float64; a value that is not finite counts as an error of 1."""
+    if image.shape != oracle.shape:
+        raise ValueError(f"image {image.shape} against oracle {oracle.shape}")
+    error = np.abs(image.astype(np.float64) - oracle)
+    error[~np.isfinite(error)] = 1.0
+    return error
+
+
+def _flip(image: np.ndarray, oracle: np.ndarray) -> float:
+    import flip_evaluator  # a compiled module; only quality needs it
+
+    reference, test = (np.ascontiguousarray(np.nan_to_num(np.clip(i[::-1, :, :3], 0, 1)), dtype=np.float32)
+                       for i in (oracle, image))
+    _, mean, _ = flip_evaluator.evaluate(reference, test, "LDR", applyMagma=False)
+    return float(mean)

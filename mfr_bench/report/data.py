@@ -1,0 +1,269 @@
+"""A result folder as tables and figures see it: labelled points with coordinates and measures."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from ..errors import StoreError, nearest
+from ..stats import Interval, median_interval, ratio_interval
+from ..store import COLUMNS, FLOOR, Cell, Floors, ResultFolder, Row, device_name, result_rows
+
+EXACT_ERROR = 1e-4  # an image within it counts as exact: rounding of float32 payload math, n <= 1024
+MIB = 2**20
+
+ALIASES = {"n": "depth_complexity", "p_d": "pixel_density", "f_p": "fragment_probability"}
+SHORT = {"depth_complexity": "n", "pixel_density": "p_d", "fragment_probability": "f_p"}  # in headings
+
+MEASURES = {
+    "time_ms": "time (ms)",
+    "fps": "frames per second",
+    "floor_ratio": "time / floor",
+    "memory_mib": "memory (MiB)",
+    "memory_model_mib": "memory by the paper's formula (MiB)",
+} | {c.name: f"{c.name} ({c.unit})" if c.unit else c.name for c in COLUMNS if c.type in ("int", "float")
+     and c.origin in ("values", "joined") and c.name not in ("time_ms", "time_ms_low", "time_ms_high")}
+
+
+@dataclass(frozen=True)
+class Point:
+    """One cell. `label` names its series and is unique to its method and fixed parameters."""
+
+    cell: Cell
+    row: Row
+    label: str
+    floor: Cell | None
+    parameters: frozenset[str]  # parameter names of any cell of the folder
+
+    @property
+    def method(self) -> str:
+        return self.cell["method"]
+
+    @property
+    def status(self) -> str:
+        return self.cell["status"]
+
+    @property
+    def sign(self) -> str:
+        """The status in words."""
+        return {"wrong": "wrong image"}.get(self.status, self.status.replace("_", " "))
+
+    def at(self, name: str) -> Any:
+        """Coordinate of the point along a swept key or column; None where its method has no such parameter."""
+        name = bare(name)
+        if name in self.cell["params"]:
+            return self.cell["params"][name]
+        if name in self.cell["scene"]:
+            return _hashable(self.cell["scene"][name])
+        if name in self.row:
+            return self.row[name]
+        return None if name in self.parameters else _hashable(self.cell["point"].get(name))
+
+    @cached_property
+    def time_ms(self) -> Interval:
+        return self.row["time_ms_low"], self.row["time_ms"], self.row["time_ms_high"]
+
+    @cached_property
+    def floor_ratio(self) -> Interval:
+        """Time over the floor's; from raw samples, so that the interval keeps its confidence."""
+        if self.floor is None or self.row["time_ms"] is None:
+            return None, None, None
+        return ratio_interval(self.cell.get("samples_ms") or [], self.floor.get("samples_ms") or [])
+
+    @cached_property
+    def passes_ms(self) -> dict[str, Interval]:
+        """Interval of each timed pass, in the order of the frame."""
+        timed = self.cell.get("passes") or {}
+        return {name: median_interval(samples) for name, samples in timed.items() if samples}
+
+    def measure(self, name: str) -> Interval:
+        """A measure (see MEASURES) between the ends of its interval, which are None where it has none."""
+        if name == "time_ms":
+            return self.time_ms
+        if name == "floor_ratio":
+            return self.floor_ratio
+        if name == "fps":
+            low, middle, high = self.time_ms
+            return tuple(1000 / t if t else None for t in (high, middle, low))
+        if name in ("memory_mib", "memory_model_mib"):
+            value = self.row[name.replace("mib", "bytes")]
+            return None, None if value is None else value / MIB, None
+        return None, self.row[name], None
+
+    @property
+    def exact(self) -> bool | None:
+        """Whether the image is the promised one; None where no image was checked."""
+        error = self.row["max_abs_error"]
+        return None if error is None else error <= EXACT_ERROR and self.status != "wrong"
+
+
+@dataclass(frozen=True)
+class Result:
+    """Everything that is drawn or tabulated from one folder."""
+
+    folder: ResultFolder
+    manifest: Mapping[str, Any]
+    points: tuple[Point, ...]
+
+    @property
+    def name(self) -> str:
+        return str(self.manifest.get("name") or self.folder.path.name)
+
+    @property
+    def figures(self) -> list[Mapping[str, Any]]:
+        """The config's figures, as given there."""
+        return list(self.manifest.get("figures") or [])
+
+    @property
+    def provenance(self) -> str:
+        """One line: the paper, the device with its driver, the timer, the date, the program's version."""
+        manifest = self.manifest
+        source, device = manifest.get("source") or {}, manifest.get("device") or {}
+        paper = ", ".join(str(v) for v in (source.get("paper"), _figure_of(source)) if v)
+        version = (manifest.get("versions") or {}).get("mfr-bench")
+        parts = [paper and f"after {paper}", device.get("renderer"), device.get("version"),
+                 manifest.get("timer") and f"timer: {manifest['timer']}", str(manifest.get("started") or "")[:10],
+                 version and f"mfr-bench {version}"]
+        return " · ".join(str(part) for part in parts if part)
+
+    @property
+    def unmeasured(self) -> int:
+        """Planned cells without a record: the run was interrupted, or its file was damaged."""
+        keys = {p.cell["key"] for p in self.points}
+        return sum(key not in keys for key in self.manifest.get("cells", []))
+
+    @property
+    def labels(self) -> list[str]:
+        """Series in the config's order."""
+        return list(dict.fromkeys(p.label for p in self.points))
+
+    @cached_property
+    def axes(self) -> list[str]:
+        """Swept keys with more than one value here, in the config's order; the device where there are several."""
+        swept = dict.fromkeys([*(self.manifest.get("sweep") or {}), *(k for p in self.points for k in p.cell["point"])])
+        return [name for name in [*swept, "device"] if len(values(self.points, name)) > 1]
+
+    def split(self, points: Sequence[Point], used: Iterable[str]) -> list[str]:
+        """The axes, apart from `used`, that tell apart points of one label. Zipped axes need only one of them."""
+        names, used = [], [bare(u) for u in used]
+        for axis in self.axes:
+            if bare(axis) not in used and _distinguishes(points, axis, [*used, *names]):
+                names.append(axis)
+        return names
+
+
+def load(folder: ResultFolder) -> Result:
+    """The folder's points in plan order; of several records of one point the planned one."""
+    manifest = folder.manifest()
+    cells = _current(folder.cells())
+    floors, labels = Floors(cells), _labels(cells)
+    parameters = frozenset(name for cell in cells for name in cell["params"])
+    points = tuple(Point(cell, row, label, floors.of(cell), parameters)
+                   for cell, row, label in zip(cells, result_rows(cells), labels, strict=True))
+    return Result(folder, manifest, points)
+
+
+def series(result: Result, points: Sequence[Point], used: Iterable[str]) -> list[Point]:
+    """The points with labels extended by what `used` leaves ambiguous: 'S-buffer, p_d 0.25'."""
+    names = result.split(points, used)
+    return [replace(p, label=", ".join([p.label, *(heading(n, p.at(n), " ") for n in names
+                                                   if p.at(n) is not None)])) for p in points]
+
+
+def values(points: Iterable[Point], name: str) -> list[Any]:
+    """Distinct coordinates along `name`, ascending where they are numbers, else in order of appearance."""
+    found = list(dict.fromkeys(v for v in (p.at(name) for p in points) if v is not None))
+    return sorted(found) if all(isinstance(v, (int, float)) for v in found) else found
+
+
+def check_measure(name: str, where: str) -> str:
+    """`name` if it can be drawn. Raises StoreError naming the nearest measure."""
+    if name not in MEASURES:
+        raise StoreError(f"{where}: y: {name!r} unknown; allowed: {', '.join(MEASURES)}{nearest(name, MEASURES)}")
+    return name
+
+
+def bare(name: str) -> str:
+    """'scene.pixel_density' and 'p_d' are 'pixel_density'."""
+    name = name.rsplit(".", 1)[-1]
+    return ALIASES.get(name, name)
+
+
+def short(name: str) -> str:
+    return SHORT.get(bare(name), bare(name).replace("_", " "))
+
+
+def heading(name: str, value: Any, between: str = " = ") -> str:
+    return f"{short(name)}{between}{plain(value)}" if value is not None else f"any {short(name)}"
+
+
+def plain(value: Any) -> str:
+    """A coordinate as people write it: 640×480, 0.25, random."""
+    if isinstance(value, (tuple, list)):
+        return "×".join(map(plain, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """`value` to at least `digits` significant digits, no exponent from 1e-4 to 1e7; an int whole, None empty."""
+    if value is None or isinstance(value, int):
+        return "" if value is None else str(value)
+    if value == 0 or not math.isfinite(value):
+        return f"{value:g}"
+    if not 1e-4 <= abs(value) < 1e7:
+        return f"{value:.{digits}g}"
+    digits = max(digits, len(str(int(abs(value)))))
+    return f"{value:#.{digits}g}".rstrip(".")
+
+
+def _figure_of(source: Mapping[str, Any]) -> str:
+    figure = str(source.get("figure") or "")
+    return f"Fig. {figure}" if figure[:1].isdigit() else figure
+
+
+def _hashable(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _distinguishes(points: Sequence[Point], axis: str, used: Sequence[str]) -> bool:
+    seen: dict[tuple, Any] = {}
+    for p in points:
+        place = (p.label, *(p.at(u) for u in used))
+        if seen.setdefault(place, p.at(axis)) != p.at(axis):
+            return True
+    return False
+
+
+def _current(cells: Iterable[Cell]) -> list[Cell]:
+    """Without records that a planned cell of the same point replaces (other shaders, drivers or settings)."""
+    kept: dict[str, Cell] = {}
+    for cell in cells:
+        identity = [cell["method"], cell["label"], cell["params"], cell["scene"], device_name(cell)]
+        kept.setdefault(json.dumps(identity, sort_keys=True), cell)
+    return list(kept.values())
+
+
+def _labels(cells: Sequence[Cell]) -> list[str]:
+    """A label per cell; entries that share one are told apart by the parameters in which they differ."""
+    swept = {bare(name) for cell in cells for name in cell["point"]}
+    entries: dict[str, dict[str, dict]] = {}
+    for cell in cells:
+        fixed = {"method": cell["method"]} | {n: v for n, v in cell["params"].items() if n not in swept}
+        entries.setdefault(cell["label"], {})[json.dumps(fixed, sort_keys=True)] = fixed
+    return [_label(cell, list(entries[cell["label"]].values())) for cell in cells]
+
+
+def _label(cell: Cell, same: list[dict]) -> str:
+    names = [n for n in dict.fromkeys(n for fixed in same for n in fixed)
+             if len({fixed.get(n) for fixed in same}) > 1]
+    mine = {"method": cell["method"]} | cell["params"]
+    told = [str(mine[n]) if n == "method" else f"{n} {mine[n]}" for n in names if n in mine]
+    return f"{cell['label']} ({', '.join(told)})" if told else cell["label"]
+
+
+def is_floor(point: Point) -> bool:
+    return point.method == FLOOR

@@ -1,0 +1,28 @@
+"""Where the files that come with the package are: inside it when installed, beside it in the repository."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from .errors import MfrError
+
+PACKAGE = Path(__file__).resolve().parent
+
+
+def configs_dir() -> Path:
+    """The folder of the shipped configs. Raises MfrError where the installation lacks it."""
+    return _folder("configs")
+
+
+def shaders_dir() -> Path:
+    """The folder of the GLSL. Raises MfrError where the installation lacks it."""
+    return _folder("shaders")
+
+
+def _folder(name: str) -> Path:
+    places = (PACKAGE / "_data" / name, PACKAGE.parent / name)
+    for place in places:
+        if place.is_dir():
+            return place
+    raise MfrError(f"the {name} of mfr-bench are missing: neither {places[0]} nor {places[1]} is a folder; "
+                   "reinstall mfr-bench")

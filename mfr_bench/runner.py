@@ -1,0 +1,390 @@
+"""The loop over cells: prepare, check against the oracle, sample interleaved, store each row as it is done."""
+
+from __future__ import annotations
+
+import hashlib
+import random
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from . import quality
+from .errors import MfrError, StoreError
+from .glsl import stages
+from .gpu.device import Device
+from .gpu.frame import Canvas, Frame, SceneBuffer
+from .gpu.timers import Timer
+from .measure.sampling import Sampler
+from .measure.split import Split
+from .methods.spec import Method, Sizes, Variant
+from .oracle import composite, sizes_of
+from .plan import Cell, judge
+from .scene import Scene, generate
+from .stats import ratio_interval
+from .store import ResultFolder, key
+
+ANIMATION_FRAMES = 8  # seeds that an animated scene cycles through
+LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
+PASS_FRAMES = 7
+PASS_SHARE = 0.25  # of the time limit, at most, spent on frames whose passes are timed
+NOMINAL = Sizes(W=1, H=1, n=2, F=1, quads=1)  # the scene is in a cell's key of its own
+
+Report = Callable[[dict[str, Any]], None]
+
+
+@dataclass(frozen=True)
+class Job:
+    """A cell with its key: what to measure, and under which name it is kept."""
+
+    cell: Cell
+    variant: Variant
+    key: str
+    glsl_hash: str
+
+
+def glsl_hash(variant: Variant) -> str:
+    """Hash of every stage of every pass, at sizes that stand for any scene's."""
+    digest = hashlib.sha256()
+    for step in variant.passes:
+        for stage in stages(variant, step, NOMINAL) if step.kind != "clear" else ():
+            digest.update(stage.text.encode())
+    return digest.hexdigest()[:16]
+
+
+def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[str, str], timer: str) -> list[Job]:
+    """The cells with their keys, which cover the method with its GLSL and parameters, scene, settings and device."""
+    found = []
+    for cell in cells:
+        variant = catalog[cell.method].variant(cell.params)
+        code = glsl_hash(variant)
+        name = key({"method": cell.method, "params": dict(cell.params), "glsl": code, "scene": cell.scene.as_dict(),
+                    "measure": cell.measure.as_dict(), "renderer": device["renderer"], "version": device["version"],
+                    "timer": timer})
+        found.append(Job(cell, variant, name, code))
+    return found
+
+
+class SceneWork:
+    """One scene on the device, with its oracle images, for all cells that share it."""
+
+    def __init__(self, device: Device, config, split: Split):
+        self.split = split
+        with split.work("scene"):
+            frames = ANIMATION_FRAMES if config.animate else 1
+            self.scenes = [generate(config, frame) for frame in range(frames)]
+            self.sizes = _largest([sizes_of(scene) for scene in self.scenes])
+        self._device, self._oracles = device, {}
+
+    @cached_property
+    def quads(self) -> SceneBuffer:
+        with self.split.work("scene"):
+            return SceneBuffer(self._device, self.scenes[0])
+
+    @cached_property
+    def canvas(self) -> Canvas:
+        return Canvas(self._device, (self.sizes.W, self.sizes.H))
+
+    def show(self, frame: int) -> Scene:
+        """Bring the scene of an animation's frame to the device."""
+        scene = self.scenes[frame % len(self.scenes)]
+        if scene is not self.quads.scene:
+            self.quads.replace(scene)
+        return scene
+
+    def oracle(self, layers: int | None) -> np.ndarray:
+        """The float64 image of the scene on the device now, all fragments or the nearest `layers`; computed once."""
+        bound = None if layers is None or layers >= self.sizes.n else layers
+        which = id(self.quads.scene), bound
+        if which not in self._oracles:
+            with self.split.work("oracle"):
+                self._oracles[which] = composite(self.quads.scene, bound)
+        return self._oracles[which]
+
+    def release(self) -> None:
+        for name in ("quads", "canvas"):
+            if name in self.__dict__:
+                self.__dict__[name].release()
+
+
+def _largest(sizes: list[Sizes]) -> Sizes:
+    """Room for every frame of an animation."""
+    biggest = max(sizes, key=lambda s: s.F)
+    return replace(biggest, n=max(s.n for s in sizes), quads=max(s.quads for s in sizes))
+
+
+@dataclass
+class Running:
+    """A cell that passed its first check and is being sampled."""
+
+    job: Job
+    frame: Frame
+    sampler: Sampler
+    conformance: dict[str, float | int]
+    quality: dict[str, float | None]
+    lost: int
+    twin: Sampler | None = None  # the same again, for the noise floor
+    passes: dict[str, list[float]] = field(default_factory=dict)
+    failed: bool = False
+
+
+@dataclass
+class Summary:
+    """How a run ended: cells by status, rows kept from before, the noise floor."""
+
+    statuses: dict[str, int] = field(default_factory=dict)
+    kept: int = 0
+    noise_floor_rel: float | None = None
+
+
+class Runner:
+    """Measures jobs into a result folder. `report` receives each row as it is written."""
+
+    def __init__(self, device: Device, timer: Timer, folder: ResultFolder, catalog: Mapping[str, Method],
+                 report: Report = lambda row: None, split: Split | None = None):
+        self.device, self.timer, self.folder, self.catalog = device, timer, folder, catalog
+        self.report, self.split = report, split or Split()
+        self.summary = Summary()
+        self._shuffle = random.Random(0).shuffle
+
+    def run(self, todo: Sequence[Job], force: bool = False) -> Summary:
+        """Measure every job that the folder lacks, or all with `force`, scene by scene."""
+        for _, group in groupby(todo, key=lambda job: job.cell.scene):
+            missing = [job for job in group if force or not self._kept(job)]
+            if missing:
+                self._run_scene(missing)
+        return self.summary
+
+    def _kept(self, job: Job) -> bool:
+        """Whether the folder has the job's row; its place in this experiment is brought up to date."""
+        row = self.folder.cell(job.key)
+        if row is None:
+            return False
+        place = self._place(job)
+        if any(row.get(name) != value for name, value in place.items()):
+            row |= place
+            self.folder.write_cell(row)
+        self.summary.kept += 1
+        self._count(row)
+        return True
+
+    def _run_scene(self, missing: list[Job]) -> None:
+        work = SceneWork(self.device, missing[0].cell.scene, self.split)
+        try:
+            allowed = [job for job in missing if not self._skipped(job, work.sizes)]
+            for chunk in _chunks(allowed, work.sizes):
+                self._run_chunk(chunk, work)
+        finally:
+            work.release()
+
+    def _skipped(self, job: Job, sizes: Sizes) -> bool:
+        """Decide without compiling or allocating anything whether the device or the budget forbids the cell."""
+        decision = judge(job.cell, self.catalog, sizes, self.device.limits)
+        if decision:
+            self._write(job, *decision, values=_scene_values(job, sizes))
+        return decision is not None
+
+    def _run_chunk(self, chunk: list[Job], work: SceneWork) -> None:
+        running = [r for r in (self._prepare(job, work) for job in chunk) if r]
+        try:
+            self._sample(running, work)
+        except KeyboardInterrupt:
+            for r in running:
+                if r.sampler.stop_reason is None and len(r.sampler.samples_ms) >= r.job.cell.measure.min_samples:
+                    r.sampler.stop_reason = "interrupted"
+                    self._finish(r, work)
+            raise
+        finally:
+            for r in running:
+                r.frame.release()
+
+    def _prepare(self, job: Job, work: SceneWork) -> Running | None:
+        """Compile, allocate, draw once and check the image; a cell that fails ends as its row."""
+        frame = None
+        try:
+            work.show(0)
+            with self.split.work("compile"):
+                frame = Frame(self.device, job.variant, work.sizes, work.quads, work.canvas)
+                frame.draw_fitting()
+                self.device.finish()
+                self.device.check(f"{job.cell.method}: first frame")
+            with self.split.work("check"):
+                return self._checked(job, frame, work)
+        except StoreError:
+            raise
+        except Exception as error:
+            self._write(job, *failure(error), values=_scene_values(job, work.sizes))
+        if frame:
+            frame.release()
+        return None
+
+    def _checked(self, job: Job, frame: Frame, work: SceneWork) -> Running:
+        image = frame.image()
+        compared = job.variant.method.guarantee != "none"
+        conformance = quality.conformance(image, work.oracle(job.variant.layers)) if compared else {}
+        against_all = quality.quality(image, work.oracle(None)) if compared else {}
+        return Running(job, frame, Sampler(job.cell.measure), conformance, against_all, frame.lost_fragments())
+
+    def _sample(self, running: list[Running], work: SceneWork) -> None:
+        """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done."""
+        self._plant_twin(running)
+        entries = [(r, s) for r in running for s in (r.sampler, r.twin) if s]
+        while entries:
+            self._shuffle(entries)
+            for r, sampler in list(entries):
+                self._guarded(r, work, lambda r=r, sampler=sampler: self._batch(r, sampler, work))
+            for r in {id(r): r for r, _ in entries}.values():
+                if not r.failed and not any(s.wanted for s in (r.sampler, r.twin) if s):
+                    self._guarded(r, work, lambda r=r: self._finish(r, work))
+            entries = [(r, s) for r, s in entries if s.wanted and not r.failed]
+
+    def _guarded(self, running: Running, work: SceneWork, step: Callable[[], None]) -> None:
+        """Run a step of a cell; what goes wrong in it costs that cell alone."""
+        if running.failed:
+            return
+        try:
+            step()
+        except StoreError:
+            raise
+        except Exception as error:
+            running.failed = True
+            self._write(running.job, *failure(error), values=_scene_values(running.job, work.sizes))
+
+    def _plant_twin(self, running: list[Running]) -> None:
+        """One cell a run is sampled twice: the difference is the noise floor."""
+        methods = [r for r in running if r.conformance]
+        if self.summary.noise_floor_rel is None and methods:
+            methods[0].twin = Sampler(methods[0].job.cell.measure)
+
+    def _batch(self, running: Running, sampler: Sampler, work: SceneWork) -> None:
+        for _ in range(sampler.wanted):
+            scene = work.show(len(sampler.samples_ms))
+            running.frame.show(scene)
+            with self.split.work("measure" if sampler.warm else "warm-up"):
+                time_ms = self.timer.frame_ms(running.frame.draw)
+            sampler.add(time_ms)
+            if not sampler.wanted:
+                break
+
+    def _finish(self, running: Running, work: SceneWork) -> None:
+        """Time the passes, check the image once more, write the row."""
+        job, sampler = running.job, running.sampler
+        with self.split.work("passes"):
+            scene = work.show(len(sampler.samples_ms))
+            running.frame.show(scene)
+            self._time_passes(running)
+        with self.split.work("check"):
+            self._check_again(running, work)
+        if running.twin:
+            low, _, high = ratio_interval(running.twin.samples_ms, sampler.samples_ms)
+            if low is not None and high is not None:
+                self.summary.noise_floor_rel = max(abs(low - 1), abs(high - 1))
+        status, reason = verdict(job.variant.method, running.conformance, running.lost)
+        low, middle, high = sampler.interval
+        values = _scene_values(job, work.sizes) | running.conformance | running.quality | {
+            "samples": len(sampler.samples_ms), "timer": self.timer.name, "time_ms": middle, "time_ms_low": low,
+            "time_ms_high": high, "noisy": sampler.noisy, "stop_reason": sampler.stop_reason,
+            "memory_bytes": sum(running.frame.memory_bytes.values()),
+            "lost_fragments": running.lost, "geometry_passes": running.frame.geometry_passes,
+            "hit_ratio": _hit_ratio(job, work.sizes, running.lost),
+        }
+        self._write(job, status, reason, values=values, warmup_ms=sampler.warmup_ms, samples_ms=sampler.samples_ms,
+                    passes=running.passes, buffers=running.frame.memory_bytes)
+
+    def _time_passes(self, running: Running) -> None:
+        limit_s = PASS_SHARE * running.job.cell.measure.time_limit_s
+        spent_s = 0.0
+        for _ in range(PASS_FRAMES):
+            times = self.timer.passes_ms(running.frame.draw)
+            for name, time_ms in times.items():
+                running.passes.setdefault(name, []).append(time_ms)
+            spent_s += sum(times.values()) / 1e3
+            if spent_s > limit_s:
+                break
+
+    def _check_again(self, running: Running, work: SceneWork) -> None:
+        """The last image must be as right as the first: the worse of the two counts."""
+        running.lost += running.frame.lost_fragments()
+        self.device.check(f"{running.job.cell.method}: sampling")
+        if running.conformance:
+            again = quality.conformance(running.frame.image(), work.oracle(running.job.variant.layers))
+            running.conformance = {name: max(value, again[name]) for name, value in running.conformance.items()}
+
+    def _place(self, job: Job) -> dict[str, Any]:
+        """Where the row stands in this experiment; not part of its key."""
+        return {"experiment": job.cell.experiment, "label": job.cell.label, "point": _json(job.cell.point)}
+
+    def _write(self, job: Job, status: str, reason: str | None, values: Mapping[str, Any], **more: Any) -> None:
+        info = self.device.info
+        row = self._place(job) | {
+            "key": job.key, "method": job.cell.method, "params": dict(job.cell.params),
+            "scene": job.cell.scene.as_dict(), "measure": job.cell.measure.as_dict(), "status": status,
+            "reason": reason, "values": dict(values), "glsl_hash": job.glsl_hash,
+            "device": {name: info[name] for name in ("slug", "renderer", "version")},
+            "measured": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), **more,
+        }
+        with self.split.work("store"):
+            self.folder.write_cell(row)
+        self._count(row)
+        self.report(row)
+
+    def _count(self, row: Mapping[str, Any]) -> None:
+        self.summary.statuses[row["status"]] = self.summary.statuses.get(row["status"], 0) + 1
+
+
+def verdict(method: Method, conformance: Mapping[str, float | int], lost: int) -> tuple[str, str | None]:
+    """Status and reason of a measured cell: an exact method is wrong above 1e-4, or where it lost a fragment."""
+    if not method.guarantee.startswith("exact"):
+        return "ok", None
+    if lost:
+        return "wrong", f"{lost} fragments lost"
+    if conformance["max_abs_error"] > quality.EXACT_ERROR:
+        return "wrong", (f"max_abs_error {conformance['max_abs_error']:.3g} above {quality.EXACT_ERROR:g}, "
+                         f"{conformance['wrong_pixels']} wrong pixels")
+    return "ok", None
+
+
+def failure(error: Exception) -> tuple[str, str]:
+    """Status and reason of a cell that raised: whatever a method or a driver does costs its own cell only."""
+    if isinstance(error, MemoryError):
+        return "out_of_memory", str(error) or "out of memory"
+    return "crashed", str(error) if isinstance(error, MfrError) else f"{type(error).__name__}: {error}"
+
+
+def _chunks(todo: list[Job], sizes: Sizes) -> Iterator[list[Job]]:
+    """Jobs in order, as many together as fit the memory for interleaving."""
+    chunk: list[Job] = []
+    held = 0
+    for job in todo:
+        needed = sum(job.variant.memory_bytes(sizes).values())
+        if chunk and held + needed > LIVE_BYTES:
+            yield chunk
+            chunk, held = [], 0
+        chunk.append(job)
+        held += needed
+    if chunk:
+        yield chunk
+
+
+def _scene_values(job: Job, sizes: Sizes) -> dict[str, Any]:
+    """What is known of a cell without running it."""
+    return {"fragments": sizes.F, "covered_pixels": sum(sizes.histogram[1:]),
+            "max_fragments": len(sizes.histogram) - 1, "memory_model_bytes": job.variant.model_bytes(sizes)}
+
+
+def _hit_ratio(job: Job, sizes: Sizes, lost: int) -> float | None:
+    """Fragments kept / generated: what the method promises to keep, less what it counted as lost."""
+    if job.variant.method.guarantee == "none" or not sizes.F:
+        return None
+    return max(0, job.variant.kept(sizes) - lost) / sizes.F
+
+
+def _json(value: Any) -> Any:
+    """Tuples as the lists that JSON gives back."""
+    if isinstance(value, Mapping):
+        return {name: _json(item) for name, item in value.items()}
+    return [_json(item) for item in value] if isinstance(value, (list, tuple)) else value

@@ -1,0 +1,131 @@
+"""Synthetic scenes of pixel-aligned quads (kplus_2015 §5.1, gpupro5_ch1 §1.7.2), bit for bit the same per seed.
+
+Depths lie on multiples of 2**-23 in (0, 1): float32 holds them exactly, so do 2d - 1 (the normalized
+device depth) and the way back, and no two quads of a scene share one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..config.layout import TILE, TILES_STREAM, block, quad_count, quad_size, tiles
+from ..config.model import Scene as SceneConfig
+from ..hashing import hash3
+
+DEPTH_GRID = 2**23
+
+# Streams of the hash: one per random decision, so that none repeats another (6 is the tiles').
+ORDER, DEPTH, COLOUR, ALPHA, PLACE_X, _, PLACE_Y, DEPTH_ORDER = range(1, 9)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Quads in submission order.
+
+    rect: int32 (n, 4), x0 y0 x1 y1, half-open pixels, origin lower left. depth: float32 (n,).
+    rgba: uint8 (n, 4), straight alpha. seed decides which fragments are rejected.
+    """
+
+    viewport: tuple[int, int]
+    rect: np.ndarray
+    depth: np.ndarray
+    rgba: np.ndarray
+    fragment_probability: float
+    seed: int
+
+    def __len__(self) -> int:
+        return len(self.depth)
+
+    @cached_property
+    def depth_order(self) -> np.ndarray:
+        """Quad indices from the nearest to the furthest; equal depths stay in submission order."""
+        return np.argsort(self.depth, kind="stable")
+
+    @property
+    def keep_threshold(self) -> int:
+        """A fragment is generated where its hash is below this; 2**32 means always."""
+        return min(2**32, round(self.fragment_probability * 2**32))
+
+    def kept(self, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray:
+        """bool (y1-y0, x1-x0): which pixels of the rectangle receive the quad's fragment."""
+        if self.keep_threshold >= 2**32:
+            return np.ones((y1 - y0, x1 - x0), dtype=bool)
+        width = self.viewport[0]
+        pixel = np.arange(y0, y1, dtype=np.uint64)[:, None] * width + np.arange(x0, x1, dtype=np.uint64)
+        return hash3(pixel, int(quad), self.seed) < self.keep_threshold
+
+
+def generate(config: SceneConfig, frame: int = 0) -> Scene:
+    """The scene of a config; `frame` moves the seed on for animated scenes."""
+    seed = (config.seed + frame) % 2**32
+    rect = _LAYOUTS[config.layout](config, seed)
+    index = np.arange(len(rect), dtype=np.uint64)
+    depth = _depths(index, seed)
+    rgba = np.empty((len(rect), 4), dtype=np.uint8)
+    colour = hash3(index, COLOUR, seed)
+    for channel in range(3):
+        rgba[:, channel] = colour >> (8 * channel) & 0xFF
+    rgba[:, 3] = _alphas(config.alpha, hash3(index, ALPHA, seed))
+    order = _submission(config.order, depth, index, seed)
+    return Scene(tuple(config.size), rect[order], depth[order], rgba[order], config.fragment_probability, seed)
+
+
+def _depths(index: np.ndarray, seed: int) -> np.ndarray:
+    """Distinct depths: one per equal slice of (0, 1), at a hashed place within its slice."""
+    count = max(1, len(index))
+    start = index * (DEPTH_GRID - 1) // count + 1
+    room = (index + 1) * (DEPTH_GRID - 1) // count + 1 - start
+    grid = start + hash3(index, DEPTH, seed) % room
+    scattered = np.argsort(hash3(index, DEPTH_ORDER, seed), kind="stable")
+    return (grid[scattered] / DEPTH_GRID).astype(np.float32)
+
+
+def _alphas(bounds: tuple[float, float], noise: np.ndarray) -> np.ndarray:
+    low, high = (round(a * 255) for a in bounds)
+    return (low + noise % (high - low + 1)).astype(np.uint8)
+
+
+def _submission(order: str, depth: np.ndarray, index: np.ndarray, seed: int) -> np.ndarray:
+    if order == "front_to_back":
+        return np.argsort(depth, kind="stable")
+    if order == "back_to_front":
+        return np.argsort(-depth, kind="stable")
+    return np.argsort(hash3(index, ORDER, seed), kind="stable")
+
+
+def _block_layout(config: SceneConfig, seed: int) -> np.ndarray:
+    """One centred block, every quad over all of it."""
+    return np.tile(np.array(_block_rect(config), dtype=np.int32), (config.depth_complexity, 1))
+
+
+def _block_rect(config: SceneConfig) -> tuple[int, int, int, int]:
+    (width, height), (w, h) = config.size, block(config.size, config.pixel_density)
+    x0, y0 = (width - w) // 2, (height - h) // 2
+    return x0, y0, x0 + w, y0 + h
+
+
+def _tiles_layout(config: SceneConfig, seed: int) -> np.ndarray:
+    """Hashed tiles of the viewport, every one with the same number of quads of its own."""
+    width, height = config.size
+    x0, y0 = np.meshgrid(np.arange(0, width, TILE), np.arange(0, height, TILE))
+    every = np.stack([x0, y0, np.minimum(x0 + TILE, width), np.minimum(y0 + TILE, height)], axis=-1).reshape(-1, 4)
+    index = np.arange(len(every), dtype=np.uint64)
+    shuffled = every[np.argsort(hash3(index, TILES_STREAM, seed), kind="stable")]
+    count, _ = tiles(config.size, config.pixel_density, seed)
+    return np.repeat(shuffled[:count].astype(np.int32), config.depth_complexity, axis=0)
+
+
+def _random_layout(config: SceneConfig, seed: int) -> np.ndarray:
+    """Quads of a given size at hashed places within the block, so many that its mean depth is the config's."""
+    x0, y0, x1, y1 = _block_rect(config)
+    w, h = quad_size(config)
+    index = np.arange(quad_count(config), dtype=np.uint64)
+    x = x0 + (hash3(index, PLACE_X, seed) % (x1 - x0 - w + 1)).astype(np.int32)
+    y = y0 + (hash3(index, PLACE_Y, seed) % (y1 - y0 - h + 1)).astype(np.int32)
+    return np.stack([x, y, x + w, y + h], axis=-1).astype(np.int32)
+
+
+_LAYOUTS = {"block": _block_layout, "tiles": _tiles_layout, "random": _random_layout}

@@ -1,0 +1,140 @@
+#!/bin/sh
+# Sets up what the Makefile's targets need, or stops with the line that does.
+#
+#   scripts/setup.sh python   .venv with the locked dependencies and this package, editable
+#   scripts/setup.sh driver   an OpenGL >= 4.3 driver: Mesa's software driver where there is none
+#
+# PYTHON=/path/to/python3 chooses the interpreter of a new .venv.
+set -eu
+cd "$(dirname "$0")/.."
+venv=.venv
+
+say() {
+    echo "setup: $*" >&2
+}
+
+stop() {
+    say "$*"
+    exit 1
+}
+
+# apt_install REASON PACKAGE...: installs as root or by sudo without a password, else stops with the line to run.
+apt_install() {
+    reason=$1
+    shift
+    sudo="sudo "
+    [ "$(id -u)" != 0 ] || sudo=""
+    line="${sudo}apt-get update && ${sudo}apt-get install -y $*"
+    command -v apt-get >/dev/null || stop "$reason; install what Debian calls $*"
+    [ -z "$sudo" ] || sudo -n true 2>/dev/null || stop "$reason; run: $line"
+    say "$reason; running: $line"
+    apt="${sudo:+sudo -n }env DEBIAN_FRONTEND=noninteractive apt-get -qq -o Acquire::Retries=3 -o DPkg::Lock::Timeout=300"
+    for _ in 1 2; do
+        # An update that fails for one foreign archive may still have what is needed.
+        # shellcheck disable=SC2086 # $apt is several words
+        $apt update >&2 || true
+        # shellcheck disable=SC2086
+        $apt install -y --no-install-recommends "$@" >&2 && return
+    done
+    stop "$reason, and apt-get failed (above); once it works again, run: $line"
+}
+
+candidates() {
+    if [ -n "${PYTHON:-}" ]; then
+        echo "$PYTHON"
+    else
+        printf '%s\n' python3 python3.13 python3.12 python3.11 python3.10 python3.14 python3.15
+    fi
+}
+
+# find_python MODULES: the first Python >= 3.10 that runs and can import them, or nothing.
+find_python() {
+    candidates | while IFS= read -r candidate; do
+        if "$candidate" -c "import sys, $1; sys.exit(sys.version_info < (3, 10))" >/dev/null 2>&1; then
+            echo "$candidate"
+            break
+        fi
+    done
+}
+
+# version_name PYTHON: as Debian names its packages, e.g. python3.12.
+version_name() {
+    "$1" -c 'import sys; print("python%d.%d" % sys.version_info[:2])'
+}
+
+make_venv() {
+    python=$(find_python "ensurepip, venv")
+    if [ -z "$python" ]; then
+        python=$(find_python "os")
+        [ -n "$python" ] || stop "none is Python >= 3.10: $(candidates | paste -sd ' ' -); set PYTHON=/path/to/python3"
+        apt_install "$python cannot make virtual environments" "$(version_name "$python")-venv"
+        "$python" -c "import ensurepip, venv" || stop "$python still cannot; set PYTHON=/path/to/another/python3"
+    fi
+    say "making $venv with $("$python" --version)"
+    rm -rf "$venv"
+    "$python" -m venv "$venv" || stop "$python -m venv $venv failed (above); set PYTHON=/path/to/another/python3"
+}
+
+pip_install() {
+    "$venv/bin/python" -m pip install --quiet --no-input --disable-pip-version-check --no-deps "$@"
+}
+
+can_compile() {
+    command -v c++ >/dev/null && "$venv/bin/python" -c '
+import os, sys, sysconfig
+sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))'
+}
+
+# Compiles what has no wheel; the versions that the builds themselves need come from the lock, too.
+compile_dependencies() {
+    can_compile || apt_install "this Python or processor lacks some wheels, and compiling them needs a compiler" \
+        g++ "$(version_name "$venv/bin/python")-dev"
+    say "compiling the dependencies that have no wheel here (minutes)"
+    sed -n 's/ *\\$//; /^[a-z]/p' requirements.lock >"$venv/constraints.txt"
+    PIP_CONSTRAINT=$venv/constraints.txt PIP_BUILD_CONSTRAINT=$venv/constraints.txt \
+        pip_install --require-hashes -r requirements.lock || stop "a dependency did not compile (above)"
+}
+
+install_dependencies() {
+    say "installing requirements.lock into $venv"
+    log=$venv/pip.log
+    if ! pip_install --require-hashes --only-binary :all: -r requirements.lock 2>"$log"; then
+        if grep -q "Retrying" "$log" || ! grep -q "No matching distribution" "$log"; then
+            cat "$log" >&2
+            stop "pip could not install requirements.lock (above)"
+        fi
+        compile_dependencies
+    fi
+}
+
+setup_python() {
+    "$venv/bin/python" -c "
+import pip, sys
+sys.exit(sys.version_info < (3, 10) or sys.prefix == sys.base_prefix)" 2>/dev/null || make_venv
+    install_dependencies
+    pip_install --no-build-isolation --editable . || stop "the package itself did not install (above)"
+}
+
+# Sets `found` to what the probe printed. Fails where there is no driver; stops where the probe itself breaks.
+probe() {
+    status=0
+    found=$("$venv/bin/python" -m mfr_bench.gpu.probe 2>&1) || status=$?
+    case $status in
+        0) say "$found" ;;
+        3) return 1 ;;
+        *) stop "looking for an OpenGL driver broke with status $status: $found" ;;
+    esac
+}
+
+setup_driver() {
+    packages="libegl1 libgl1 libgl1-mesa-dri"
+    # shellcheck disable=SC2086 # several packages
+    probe || { apt_install "no OpenGL >= 4.3 driver found" $packages && probe; } ||
+        stop "$packages are installed, but still no OpenGL >= 4.3: $found"
+}
+
+case ${1:-} in
+    python) setup_python ;;
+    driver) setup_driver ;;
+    *) stop "usage: scripts/setup.sh python|driver" ;;
+esac

@@ -1,0 +1,47 @@
+// Mutual exclusion per pixel around the code between CRITICAL_BEGIN and CRITICAL_END (kplus_2015 §3.1, Alg. 1).
+// `wanted` is whether this fragment enters. All storage used inside must be coherent.
+// Both macros stand in main, outside branches: the interlock allows no other place.
+#include "common/helper.glsl"
+
+#if SYNC_SPIN
+
+// The lock is released inside the iteration that took it: lanes of one warp wait for each other.
+#define CRITICAL_BEGIN(p, wanted) \
+    bool waiting = (wanted) && !IS_HELPER; \
+    for (uint tries = 0u; waiting && tries < uint(LOCK_TRIES); ++tries) { \
+        if (atomicExchange(semaphore[p], 1u) == 0u) {
+#define CRITICAL_END(p) \
+            memoryBarrierBuffer(); \
+            atomicExchange(semaphore[p], 0u); \
+            waiting = false; \
+        } \
+    } \
+    if (waiting) atomicAdd(lost_fragments, 1u);
+
+#else
+
+#if defined(GL_ARB_fragment_shader_interlock)
+layout(pixel_interlock_unordered) in;
+#define INTERLOCK_BEGIN beginInvocationInterlockARB()
+#define INTERLOCK_END endInvocationInterlockARB()
+#elif defined(GL_NV_fragment_shader_interlock)
+layout(pixel_interlock_unordered) in;
+#define INTERLOCK_BEGIN beginInvocationInterlockNV()
+#define INTERLOCK_END endInvocationInterlockNV()
+#elif defined(GL_INTEL_fragment_shader_ordering)
+#define INTERLOCK_BEGIN beginFragmentShaderOrderingINTEL()
+#define INTERLOCK_END
+#else
+#error sync: interlock needs a fragment shader interlock extension
+#endif
+
+// The interlock orders accesses; the barrier publishes them.
+#define CRITICAL_BEGIN(p, wanted) \
+    INTERLOCK_BEGIN; \
+    if (wanted) {
+#define CRITICAL_END(p) \
+        memoryBarrierBuffer(); \
+    } \
+    INTERLOCK_END;
+
+#endif

@@ -1,0 +1,5 @@
+// The pixel of this invocation as an index into per-pixel storage, row 0 at the bottom.
+uint pixel_index() {
+    uvec2 xy = uvec2(gl_FragCoord.xy);
+    return xy.y * width + xy.x;
+}

@@ -1,0 +1,12 @@
+// A-buffer with fixed arrays, store: an atomic counter per pixel gives each fragment a slot of its own.
+// Invariant: slots 0 .. counter[p]-1 of pixel p are written; a fragment beyond slot N-1 is lost, and counted.
+// Source: Crassin 2010; Liu et al. 2010 (FreePipe); kplus_2015 §2.
+#include "scene/fragment.glsl"
+
+void main() {
+    if (rejected()) discard;
+    uint p = pixel_index();
+    uint slot = atomicAdd(counter[p], 1u);
+    if (slot < uint(N)) nodes[slot * pixels + p] = incoming();
+    else atomicAdd(lost_fragments, 1u);
+}

@@ -1,0 +1,16 @@
+// Multi depth test, first pass: a cascade of atomic minima leaves the K nearest depths in order.
+// Invariant: depths[0..K) of the pixel never grow; what a slot gives up moves on to the next.
+// Equal depths pass each other and are kept, one slot each.
+// Source: Liu et al. 2010; Maule et al. 2013; kplus_2015 §2.
+#include "scene/fragment.glsl"
+
+void main() {
+    if (rejected()) discard;
+    uint p = pixel_index();
+    uint depth = incoming().x;
+#if CULLING_ON
+    if (depth >= depths[uint(K - 1) * pixels + p]) return;
+#endif
+    for (uint slot = 0u; slot < uint(K) && depth != EMPTY; ++slot)
+        depth = max(depth, atomicMin(depths[slot * pixels + p], depth));
+}

@@ -1,0 +1,19 @@
+// Dual depth peeling: the nearest and the furthest fragment left are peeled, the bounds move inwards.
+// Invariant: out_bounds (MAX of (-z, z), -1 for none) encloses what is left; out_front only grows, so that
+// MAX keeps the peeled value. Where nearest and furthest are one fragment it counts as the front.
+// Source: Bavoil and Myers 2008, as in kplus_2015 §2.
+#include "scene/fragment.glsl"
+#include "common/colour.glsl"
+
+void main() {
+    if (rejected()) discard;
+    ivec2 xy = ivec2(gl_FragCoord.xy);
+    vec2 peeling = texelFetch(bounds, xy, 0).xy;
+    float z = gl_FragCoord.z, nearest = -peeling.x, furthest = peeling.y;
+    out_bounds = vec4(-1.0);
+    out_front = texelFetch(front, xy, 0);
+    out_behind = vec4(0.0);
+    if (z > nearest && z < furthest) out_bounds.xy = vec2(-z, z);
+    else if (z == nearest) out_front = under(out_front, premultiplied(incoming().y));
+    else if (z == furthest) out_behind = premultiplied(incoming().y);
+}

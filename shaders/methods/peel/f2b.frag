@@ -1,0 +1,13 @@
+// Front-to-back depth peeling: the depth test leaves the nearest fragment beyond the layer peeled before.
+// Invariant: layer i holds the fragment of depth rank i of each pixel. Of equal depths one is kept.
+// Source: Everitt 2001, as in kplus_2015 §2.
+#include "scene/fragment.glsl"
+#include "common/colour.glsl"
+
+uniform uint iteration;
+
+void main() {
+    if (rejected()) discard;
+    if (iteration > 0u && gl_FragCoord.z <= texelFetch(layer_depth, ivec2(gl_FragCoord.xy), 0).x) discard;
+    out_layer = premultiplied(incoming().y);
+}

@@ -1,0 +1,16 @@
+// One quad per instance, pixel-aligned, as a strip of four vertices.
+// Invariant: the depth survives the way to window space bit for bit (it lies on a 2^-23 grid).
+in ivec4 in_rect;   // x0 y0 x1 y1, half-open pixels
+in float in_depth;  // window space
+in vec4 in_rgba;    // straight alpha
+
+flat out uint quad;
+flat out uint payload8;  // RGBA8
+
+void main() {
+    ivec2 corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1);
+    vec2 pixel = vec2(mix(in_rect.xy, in_rect.zw, equal(corner, ivec2(1))));
+    quad = uint(gl_InstanceID);
+    payload8 = packUnorm4x8(in_rgba);
+    gl_Position = vec4(2.0 * pixel / vec2(width, height) - 1.0, 2.0 * in_depth - 1.0, 1.0);
+}
