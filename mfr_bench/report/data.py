@@ -25,8 +25,11 @@ MEASURES = {
     "floor_ratio": "time / floor",
     "memory_mib": "memory (MiB)",
     "memory_model_mib": "memory by the paper's formula (MiB)",
-} | {c.name: f"{c.name} ({c.unit})" if c.unit else c.name for c in COLUMNS if c.type in ("int", "float")
-     and c.origin in ("values", "joined") and c.name not in ("time_ms", "time_ms_low", "time_ms_high")}
+    "share": "share of the passes' time",
+}
+MEASURES = {c.name: f"{c.name} ({c.unit})" if c.unit else c.name
+            for c in COLUMNS if c.type in ("int", "float")} | MEASURES
+IN_MIB = {"memory_bytes": "memory_mib", "memory_model_bytes": "memory_model_mib"}  # bytes are drawn as MiB
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,8 @@ class Point:
 
     def at(self, name: str) -> Any:
         """Coordinate of the point along a swept key or column; None where its method has no such parameter."""
+        if name in self.cell["point"] and "." in name:
+            return _hashable(self.cell["point"][name])
         name = bare(name)
         if name in self.cell["params"]:
             return self.cell["params"][name]
@@ -92,6 +97,8 @@ class Point:
         if name in ("memory_mib", "memory_model_mib"):
             value = self.row[name.replace("mib", "bytes")]
             return None, None if value is None else value / MIB, None
+        if name == "share":
+            return None, 1.0 if self.passes_ms else None, None
         return None, self.row[name], None
 
     @property
@@ -143,9 +150,14 @@ class Result:
 
     @cached_property
     def axes(self) -> list[str]:
-        """Swept keys with more than one value here, in the config's order; the device where there are several."""
-        swept = dict.fromkeys([*(self.manifest.get("sweep") or {}), *(k for p in self.points for k in p.cell["point"])])
-        return [name for name in [*swept, "device"] if len(values(self.points, name)) > 1]
+        """Keys with more than one value here: swept ones in the config's order, then the scene's, then the device.
+
+        A scene may differ without being swept, as with r, which gives n = r k.
+        """
+        swept = [*(self.manifest.get("sweep") or {}), *(k for p in self.points for k in p.cell["point"])]
+        names = [*swept, *(k for p in self.points for k in p.cell["scene"]), "device"]
+        first = {bare(name): name for name in reversed(names)}
+        return [n for n in dict.fromkeys(names) if first[bare(n)] == n and len(values(self.points, n)) > 1]
 
     def split(self, points: Sequence[Point], used: Iterable[str]) -> list[str]:
         """The axes, apart from `used`, that tell apart points of one label. Zipped axes need only one of them."""
@@ -180,11 +192,11 @@ def values(points: Iterable[Point], name: str) -> list[Any]:
     return sorted(found) if all(isinstance(v, (int, float)) for v in found) else found
 
 
-def check_measure(name: str, where: str) -> str:
-    """`name` if it can be drawn. Raises StoreError naming the nearest measure."""
+def drawn_measure(name: str, where: str) -> str:
+    """The measure that `y: name` draws. Raises StoreError naming the nearest one."""
     if name not in MEASURES:
         raise StoreError(f"{where}: y: {name!r} unknown; allowed: {', '.join(MEASURES)}{nearest(name, MEASURES)}")
-    return name
+    return IN_MIB.get(name, name)
 
 
 def bare(name: str) -> str:
@@ -242,7 +254,7 @@ def _current(cells: Iterable[Cell]) -> list[Cell]:
     """Without records that a planned cell of the same point replaces (other shaders, drivers or settings)."""
     kept: dict[str, Cell] = {}
     for cell in cells:
-        identity = [cell["method"], cell["label"], cell["params"], cell["scene"], device_name(cell)]
+        identity = [cell["method"], cell["label"], cell["params"], cell["scene"], cell["point"], device_name(cell)]
         kept.setdefault(json.dumps(identity, sort_keys=True), cell)
     return list(kept.values())
 

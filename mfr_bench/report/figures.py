@@ -16,6 +16,7 @@ from __future__ import annotations
 import gc
 import io
 import math
+import os
 import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -47,19 +48,43 @@ WHOLE = "whole frame"
 UNMEASURED = "not measured"
 
 
-def write_figures(folder: ResultFolder) -> list[Path]:
-    """Write figures/<name>.png and .svg, numbered where there are several. Raises StoreError."""
+def write_figures(folder: ResultFolder, processes: int = 1) -> list[Path]:
+    """Write figures/<name>.png and .svg, numbered where there are several. Raises StoreError.
+
+    With 2 `processes` a forked child draws every other figure; not where the process holds a GL context.
+    """
     result = data.load(folder)
-    count = len(result.figures)
     name = re.sub(r"[^\w.-]+", "-", result.name).strip("-.") or "figure"
-    written = []
+    several = len(result.figures) > 1
+    tasks = [(folder.path / "figures" / (f"{name}-{i}" if several else name), options)
+             for i, options in enumerate(result.figures, 1)]
     with _uncollected():
-        for i, options in enumerate(result.figures, 1):
-            stem = f"{name}-{i}" if count > 1 else name
-            for suffix, content in render(build(result, options)).items():
-                written.append(folder.path / "figures" / f"{stem}.{suffix}")
-                write_file(written[-1], content)
-    return written
+        if processes > 1 and several:
+            _write_shared(result, tasks)
+        else:
+            _write(result, tasks)
+    return [path.with_name(f"{path.name}.{suffix}") for path, _ in tasks for suffix in FORMATS]
+
+
+def _write(result: Result, tasks: Iterable[tuple[Path, Options]]) -> None:
+    for path, options in tasks:
+        for suffix, content in render(build(result, options)).items():
+            write_file(path.with_name(f"{path.name}.{suffix}"), content)
+
+
+def _write_shared(result: Result, tasks: Sequence[tuple[Path, Options]]) -> None:
+    from matplotlib.backends import backend_agg, backend_svg  # noqa: F401  loaded once, for both
+
+    child = os.fork()
+    if child == 0:
+        try:
+            _write(result, tasks[1::2])
+        except BaseException:
+            os._exit(1)
+        os._exit(0)
+    _write(result, tasks[::2])
+    if os.waitpid(child, 0)[1]:
+        _write(result, tasks[1::2])  # its error, told here
 
 
 @contextmanager
@@ -80,11 +105,11 @@ def build(result: Result, options: Options) -> Figure:
     kind = options.get("kind")
     if kind not in KINDS:
         raise StoreError(f"{where}: kind: {kind!r} unknown; allowed: {', '.join(KINDS)}{nearest(str(kind), KINDS)}")
-    data.check_measure(str(options.get("y", "time_ms")), where)
+    y = data.drawn_measure(str(options.get("y") or "time_ms"), where)
     if not options.get("x"):
         raise StoreError(f"{where}: x: missing; allowed: a swept key such as k, or a column of results.csv")
     with _styled():
-        return KINDS[kind](result, options)
+        return KINDS[kind](result, {**options, "y": y})
 
 
 def render(figure: Figure) -> dict[str, bytes]:
@@ -108,7 +133,7 @@ def _styled():
 
 # --- layout, in inches from the lower left ---------------------------------------------------------
 
-LEFT, RIGHT, EDGE = 0.64, 0.08, 0.07  # room for y labels; at the right; around text
+LEFT, RIGHT, EDGE = 0.76, 0.08, 0.07  # room for y labels; at the right; around text
 HINTING = 1.03  # glyphs fitted to a screen's pixels are up to this much wider than their outlines
 TITLE_IN, HEADING_IN, LEGEND_LINE_IN, SMALL_LINE_IN = 0.2, 0.2, 0.165, 0.112
 
@@ -250,11 +275,20 @@ def _log_axis(axes: Axes, which: str, base: int) -> None:
     axis = getattr(axes, f"{which}axis")
     getattr(axes, f"set_{which}scale")("log", base=base)
     axis.set_major_locator(LogLocator(base=base, numticks=12))
-    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:,.10g}"))
+    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:,.10g}" if 1 <= v < 1e6 else f"{v:.3g}"))
     axis.set_minor_locator(NullLocator())
     low, high = getattr(axes, f"get_{which}lim")()
     if base == 10 and high / low < 40:  # fewer than two decades: 1, 2, 5, 10
         axis.set_major_locator(LogLocator(base=10, subs=(1, 2, 5), numticks=12))
+
+
+def _y_label(axes: Axes, text: str) -> None:
+    """The label at the figure's left edge, whatever the width of the tick labels."""
+    from matplotlib.transforms import blended_transform_factory
+
+    axes.set_ylabel(text, va="top")
+    width = axes.figure.get_figwidth()
+    axes.yaxis.set_label_coords(EDGE / width, 0.5, blended_transform_factory(axes.figure.transFigure, axes.transAxes))
 
 
 def _log_axes(options: Options) -> str:
@@ -329,8 +363,9 @@ class Segment:
     colour: str
 
 
-def _pass_segments(point: Point, colours: Mapping[str, str]) -> list[Segment]:
-    timed = [Segment(name, interval[1], colours[name]) for name, interval in point.passes_ms.items()]
+def _pass_segments(point: Point, colours: Mapping[str, str], share: bool) -> list[Segment]:
+    whole = sum(interval[1] for interval in point.passes_ms.values()) if share else 1.0
+    timed = [Segment(name, interval[1] / whole, colours[name]) for name, interval in point.passes_ms.items()]
     return timed or [Segment(WHOLE, point.row["time_ms"], style.WHOLE_FRAME)]
 
 
@@ -341,19 +376,18 @@ def stacked_passes(result: Result, options: Options) -> Figure:
     hatches = dict(zip(_labels(points), style.HATCHES * (1 + len(points) // len(style.HATCHES)), strict=False))
     note = ("bar: sum of the passes' medians, timed in frames of their own; "
             "line and number: the whole frame's median (ms) with its 95 % interval")
-    chart = Chart(result, {**options, "y": "time_ms"}, tuple(points), lambda p: _pass_segments(p, colours), hatches,
-                  colours)
-    return _bar_figure(chart, [note])
+    share = options["y"] == "share"
+    chart = Chart(result, {**options, "y": "share" if share else "time_ms"}, tuple(points),
+                  lambda p: _pass_segments(p, colours, share), hatches, colours)
+    return _bar_figure(chart, [] if share else [note])
 
 
 def bars(result: Result, options: Options) -> Figure:
     """Bars of one measure grouped by x, one per method, coloured by method."""
-    y = str(options.get("y", "time_ms"))
-
     def segments(point: Point) -> list[Segment]:
-        return [Segment("", point.measure(y)[1], style.method_colour(point.method))]
+        return [Segment("", point.measure(options["y"])[1], style.method_colour(point.method))]
 
-    return _bar_figure(Chart(result, {**options, "y": y}, tuple(_series(result, options)), segments, {}, {}), [])
+    return _bar_figure(Chart(result, options, tuple(_series(result, options)), segments, {}, {}), [])
 
 
 @dataclass(frozen=True)
@@ -436,7 +470,8 @@ def _legend_entries(chart: Chart, names: Sequence[str]):
     from matplotlib.patches import Patch
 
     floor = Line2D([], [], color=style.INK, linewidth=0.9, linestyle="--")
-    return [Patch(facecolor=chart.legend[n], edgecolor="none") if n in chart.legend else floor for n in names], names
+    handles = [Patch(facecolor=chart.legend[n], edgecolor="none") if n in chart.legend else floor for n in names]
+    return handles, [name.replace("_", " ") for name in names]
 
 
 def _bar_row(axes: Axes, chart: Chart, groups: Sequence[Group], slot_width: float) -> None:
@@ -445,12 +480,13 @@ def _bar_row(axes: Axes, chart: Chart, groups: Sequence[Group], slot_width: floa
     axes.set_xlim(-1.0, _extent(groups) - 1.0)
     if chart.log:
         _log_axis(axes, "y", _log_base(chart.options))
-    axes.set_ylabel(str(chart.options.get("y_label") or data.MEASURES[chart.y]))
+    _y_label(axes, str(chart.options.get("y_label") or data.MEASURES[chart.y]))
     _headings(axes, chart, groups, slot_width)
     drawn = [slot for slot in slots if slot.point is not None and _drawn(slot.point, chart.y)]
     for slot in drawn:
         _bar(axes, slot, chart.segments(slot.point), chart.hatches.get(slot.label, ""))
-    _totals(axes, drawn, chart.y)
+    if chart.y != "share":  # every bar's is 1
+        _totals(axes, drawn, chart.y)
     for slot in slots:
         if slot not in drawn or slot.point.status == "wrong":
             _sign(axes, slot)
@@ -535,7 +571,7 @@ def _sign(axes: Axes, slot: Slot) -> None:
 
 def lines(result: Result, options: Options) -> Figure:
     """x against y, one line per method with its interval; kplus_2015 Figs. 8 and 9."""
-    plot = Plot(result, {**options, "y": str(options.get("y", "time_ms"))}, tuple(_series(result, options)))
+    plot = Plot(result, options, tuple(_series(result, options)))
     panels = _panels(plot.points, options)
     columns = min(3, len(panels)) or 1
     rows = math.ceil(len(panels) / columns)
@@ -648,7 +684,7 @@ class Plot:
         if lowest:
             axes.set_xlabel(str(self.options.get("x_label") or _axis_label(self.x)))
         if leftmost:
-            axes.set_ylabel(str(self.options.get("y_label") or data.MEASURES[self.y]))
+            _y_label(axes, str(self.options.get("y_label") or data.MEASURES[self.y]))
 
     def _x_limits(self) -> tuple[float, float]:
         first, last = min(self.places.values(), default=1.0), max(self.places.values(), default=1.0)

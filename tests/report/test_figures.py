@@ -1,0 +1,370 @@
+"""Figures by what they show: heights, values, labels, signs; and that they never change by themselves."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from mfr_bench.errors import StoreError
+from mfr_bench.report import data, figures, style
+
+from . import planted
+from .planted import cell
+
+STACKED = {"kind": "stacked_passes", "x": "k", "y": "time_ms", "log": "y"}
+LINES = {"kind": "lines", "x": "n", "y": "time_ms", "log": "xy", "log_base": 2}
+
+
+def built(tmp_path, cells, options, **manifest):
+    return figures.build(data.load(planted.folder(tmp_path, cells, [options], **manifest)), options)
+
+
+def bars_of(axes):
+    """Bottom, height and label of each drawn piece of a bar, in drawing order."""
+    return [(p.get_y(), p.get_height(), p.get_label()) for p in axes.patches
+            if ": " in p.get_label() and not p.get_label().startswith("hatch")]
+
+
+def texts_of(axes):
+    return [text.get_text() for text in axes.texts]
+
+
+def all_texts(figure):
+    from matplotlib.text import Text
+    return [t.get_text() for t in figure.findobj(Text) if t.get_text()]
+
+
+def drawn_texts(figure):
+    """Texts that are seen: of ticks only those within the limits."""
+    for axes in figure.axes:
+        yield from (*axes.texts, axes.xaxis.label, axes.yaxis.label)
+        for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+            yield from (t.label1 for t in axis.get_major_ticks() if low <= t.get_loc() <= high)
+    yield from figure.texts
+    yield from (text for legend in figure.legends for text in legend.get_texts())
+
+
+def two_methods(**parts):
+    return [cell("kb-ps", "KB-PS", 10.0, {"clear": 1.0, "store": 6.0, "resolve": 2.5}, params={"k": k}, point={"k": k})
+            for k in (4, 8)] + [
+        cell("kplus-sb", "K⁺B-SB", 5.0, {"clear": 0.5, "count": 1.5, "store": 2.0}, params={"k": k}, point={"k": k},
+             **parts) for k in (4, 8)]
+
+
+# --- stacked passes ------------------------------------------------------------------------------
+
+
+def test_segments_stack_to_the_sum_of_the_passes(tmp_path):
+    axes, = built(tmp_path, two_methods(), STACKED).axes
+    found = [(pytest.approx(bottom), pytest.approx(height), label) for bottom, height, label in bars_of(axes)]
+    of_one_group = [(0, 1, "KB-PS: clear"), (1, 6, "KB-PS: store"), (7, 2.5, "KB-PS: resolve"),
+                    (0, 0.5, "K⁺B-SB: clear"), (0.5, 1.5, "K⁺B-SB: count"), (2, 2, "K⁺B-SB: store")]
+    assert found == of_one_group * 2
+    assert axes.get_yscale() == "log" and axes.get_ylabel() == "time (ms)"
+
+
+def test_groups_are_headed_and_bars_are_named_in_the_configs_order(tmp_path):
+    texts = texts_of(built(tmp_path, two_methods(), STACKED).axes[0])
+    assert [t for t in texts if t.startswith("k =")] == ["k = 4", "k = 8"]
+    assert [t for t in texts if t in ("KB-PS", "K⁺B-SB")] == ["KB-PS", "K⁺B-SB"] * 2
+
+
+def test_the_whole_frames_time_is_written_above_the_bar(tmp_path):
+    texts = texts_of(built(tmp_path, two_methods(), STACKED).axes[0])
+    assert texts.count("10.0") == 2 and texts.count("5.00") == 2
+
+
+def test_a_pass_has_one_colour_and_the_legend_names_it_once(tmp_path):
+    figure = built(tmp_path, two_methods(), STACKED)
+    colours = {}
+    for patch in figure.axes[0].patches:
+        name = patch.get_label().split(": ")[-1]
+        colours.setdefault(name, set()).add(patch.get_facecolor())
+    assert all(len(colours[name]) == 1 for name in ("clear", "count", "store", "resolve"))
+    assert len({min(colours[name]) for name in ("clear", "count", "store", "resolve")}) == 4
+    assert [t.get_text() for t in figure.legends[0].get_texts()] == ["clear", "count", "store", "resolve"]
+
+
+def test_methods_differ_in_hatching(tmp_path):
+    axes, = built(tmp_path, planted.sweep(ks=(8,)), STACKED).axes
+    hatches = [p.get_hatch() for p in axes.patches if p.get_label().startswith("hatch")]
+    assert len(set(hatches)) == len(hatches) == 13  # the first of 14 drawn bars is plain
+
+
+@pytest.mark.parametrize("status", ["unsupported", "over_budget", "timeout", "out_of_memory"])
+def test_a_cell_without_a_time_is_a_sign_and_no_bar(tmp_path, status):
+    cells = [*two_methods()[:2], cell("kb", "KB", None, status=status, params={"k": 4}, point={"k": 4})]
+    axes, = built(tmp_path, cells, STACKED).axes
+    assert not any(label.startswith("KB:") for _, _, label in bars_of(axes))
+    assert status.replace("_", " ") in texts_of(axes)
+    assert "not measured" in texts_of(axes)  # KB at k = 8 has no cell at all
+
+
+def test_a_wrong_image_is_pale_and_has_no_number(tmp_path):
+    axes, = built(tmp_path, two_methods(status="wrong"), STACKED).axes
+    pale = {p.get_label() for p in axes.patches if p.get_alpha() == 0.35}
+    assert pale == {"K⁺B-SB: clear", "K⁺B-SB: count", "K⁺B-SB: store"}
+    assert texts_of(axes).count("wrong image") == 2 and "5.00" not in texts_of(axes)
+
+
+def test_a_method_that_x_does_not_touch_is_drawn_once(tmp_path):
+    cells = [*two_methods(), cell("ab-ll", "AB_LL", 7.0, {"store": 7.0})]
+    axes, = built(tmp_path, cells, STACKED).axes
+    assert texts_of(axes).count("AB_LL") == 1 and "any k" in texts_of(axes)
+
+
+def test_without_pass_times_the_bar_is_the_whole_frame(tmp_path):
+    axes, = built(tmp_path, [cell("kb", "KB", 4.0, params={"k": 4}, point={"k": 4})], STACKED).axes
+    (bottom, height, label), = bars_of(axes)
+    assert (bottom, height, label) == (0, pytest.approx(4.0), "KB: whole frame")
+
+
+def test_many_bars_go_into_rows_of_the_same_scale(tmp_path):
+    figure = built(tmp_path, planted.sweep(), STACKED)
+    assert len(figure.axes) == 2
+    assert figure.axes[0].get_ylim() == figure.axes[1].get_ylim()
+    headings = [[t for t in texts_of(axes) if t.startswith("k = ")] for axes in figure.axes]
+    assert headings == [["k = 4", "k = 8", "k = 16"], ["k = 32", "k = 64"]]
+
+
+def test_the_floor_is_a_dashed_line_and_no_bar(tmp_path):
+    cells = [cell("floor", "floor", 2.0), *two_methods()]
+    axes, = built(tmp_path, cells, STACKED | {"floor": True}).axes
+    line, = [line for line in axes.lines if line.get_label() == "floor"]
+    assert list(line.get_ydata()) == pytest.approx([2.0, 2.0])
+    assert "floor" not in texts_of(axes)
+
+
+def test_only_the_named_methods_are_drawn(tmp_path):
+    axes, = built(tmp_path, two_methods(), STACKED | {"methods": ["kplus-sb"]}).axes
+    assert {label.split(":")[0] for _, _, label in bars_of(axes)} == {"K⁺B-SB"}
+
+
+def test_bars_show_one_measure(tmp_path):
+    cells = [cell("kb", "KB", 4.0, params={"k": k}, point={"k": k}, values={"memory_bytes": k * 2**20}) for k in (4, 8)]
+    axes, = built(tmp_path, cells, {"kind": "bars", "x": "k", "y": "memory_mib"}).axes
+    assert [p.get_height() for p in axes.patches if p.get_label() == "KB"] == [4, 8]
+    assert axes.get_yscale() == "linear" and axes.get_ylim()[0] == 0
+
+
+# --- lines ---------------------------------------------------------------------------------------
+
+
+def curves(axes):
+    return {c.get_label(): c.lines[0] for c in axes.containers}
+
+
+def test_lines_hold_medians_and_intervals(tmp_path):
+    cells = [cell("kb", "KB", n / 2, scene={"depth_complexity": n}, point={"scene.depth_complexity": n})
+             for n in (32, 8, 16)]
+    axes, = built(tmp_path, cells, LINES).axes
+    line = curves(axes)["KB"]
+    assert list(line.get_xdata()) == [8, 16, 32] and list(line.get_ydata()) == pytest.approx([4, 8, 16])
+    segments = axes.collections[0].get_segments()
+    low, _, high = planted.store.median_interval(planted.spread(4.0))
+    assert [y for _, y in segments[0]] == pytest.approx([low, high])
+
+
+def test_log_axes_have_plain_ticks(tmp_path):
+    figure = built(tmp_path, planted.sweep((8, 16, 32), planted.METHODS[:2], "n"), LINES)
+    axes, = figure.axes
+    assert [t.get_text() for t in axes.get_xticklabels()] == ["8", "16", "32"]
+    figure.canvas.draw()
+    assert all(t.get_text().replace(",", "").isdigit() for t in axes.get_yticklabels())
+
+
+def test_each_method_has_its_own_look(tmp_path):
+    axes, = built(tmp_path, planted.sweep((8, 16), planted.METHODS, "n"), LINES).axes
+    looks = [(line.get_color(), line.get_marker(), str(line.get_linestyle())) for line in curves(axes).values()]
+    assert len(looks) == 14 and len(set(looks)) == 14 and len({look[1] for look in looks}) == 14
+
+
+def test_a_method_keeps_its_colour_whatever_it_is_drawn_with(tmp_path):
+    few = built(tmp_path / "a", planted.sweep((8, 16), planted.METHODS[7:8], "n"), LINES)
+    many = built(tmp_path / "b", planted.sweep((8, 16), planted.METHODS, "n"), LINES)
+    assert curves(few.axes[0])["K⁺B-Array"].get_color() == curves(many.axes[0])["K⁺B-Array"].get_color()
+
+
+def test_a_missing_value_breaks_the_line_and_is_told(tmp_path):
+    axes, = (figure := built(tmp_path, planted.sweep((8, 16, 64), planted.METHODS[5:7], "n"), LINES)).axes
+    ys = list(curves(axes)["KB-LL"].get_ydata())
+    assert len(ys) == 1  # 16 was never measured and 64 is over the budget
+    assert any("KB-LL: over budget at n = 64" in text for text in all_texts(figure))
+
+
+def test_a_gap_inside_a_line_is_not_bridged(tmp_path):
+    cells = [c for c in planted.sweep((8, 16, 32), planted.METHODS[6:7], "n")]
+    line = curves(built(tmp_path, [*cells, cell("kb", "KB", 3.0, scene={"depth_complexity": 16},
+                                                point={"scene.depth_complexity": 16})], LINES).axes[0])["KB-LL"]
+    assert list(line.get_xdata()) == [8, 16, 32] and line.get_ydata()[1] != line.get_ydata()[1]
+
+
+def test_a_method_that_x_does_not_touch_is_a_level_line(tmp_path):
+    cells = [*two_methods(), cell("ab-ll", "AB_LL", 7.0)]
+    axes, = built(tmp_path, cells, {"kind": "lines", "x": "k", "y": "time_ms"}).axes
+    line = curves(axes)["AB_LL"]
+    assert list(line.get_xdata()) == [4, 8] and list(line.get_ydata()) == pytest.approx([7, 7])
+    assert line.get_marker() in ("", "None")
+
+
+def test_panels_share_their_axes(tmp_path):
+    cells = [cell("kb", "KB", k * d, params={"k": k}, scene={"pixel_density": d},
+                  point={"k": k, "scene.pixel_density": d}) for k in (4, 8) for d in (0.25, 0.75)]
+    figure = built(tmp_path, cells, {"kind": "lines", "x": "k", "panels": "scene.pixel_density"})
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["p_d = 0.25", "p_d = 0.75"]
+    assert [list(curves(axes)["KB"].get_ydata()) for axes in figure.axes] == [
+        pytest.approx([1, 2]), pytest.approx([3, 6])]
+    assert figure.axes[0].get_ylim() == figure.axes[1].get_ylim()
+
+
+def test_a_further_axis_is_told_in_the_labels(tmp_path):
+    cells = [cell("ab-sb", "S-buffer", s * d, params={"counters": s}, scene={"pixel_density": d},
+                  point={"counters": s, "scene.pixel_density": d}) for s in (1, 2) for d in (0.25, 0.75)]
+    axes, = built(tmp_path, cells, {"kind": "lines", "x": "counters", "y": "time_ms"}).axes
+    assert list(curves(axes)) == ["S-buffer, p_d 0.25", "S-buffer, p_d 0.75"]
+
+
+def test_zipped_axes_do_not_split_a_line(tmp_path):
+    cells = [cell("kplus", "K⁺", k, params={"k": k}, scene={"depth_complexity": k},
+                  point={"k": k, "scene.depth_complexity": k}) for k in (8, 16)]
+    axes, = built(tmp_path, cells, LINES).axes
+    assert list(curves(axes)) == ["K⁺"]
+
+
+def test_frames_per_second_turn_the_interval_round(tmp_path):
+    result = data.load(planted.folder(tmp_path, [cell("kb", "KB", 10.0)]))
+    low, middle, high = result.points[0].measure("fps")
+    assert middle == pytest.approx(100) and low < middle < high
+
+
+# --- every figure --------------------------------------------------------------------------------
+
+KINDS = [STACKED, LINES | {"x": "k"}, {"kind": "bars", "x": "k", "y": "memory_mib", "log": "y"}]
+
+
+@pytest.mark.parametrize("options", KINDS, ids=lambda o: o["kind"])
+def test_the_small_print_says_where_it_comes_from(tmp_path, options):
+    texts = " ".join(all_texts(built(tmp_path, two_methods(), options))).replace("\n", " ")
+    for part in ("llvmpipe (LLVM 15.0.6, 256 bits)", "Mesa 22.3.6", "timer: wall", "2024-05-06", "kplus2015", "Fig. 6"):
+        assert part in texts
+
+
+@pytest.mark.parametrize("cells", [[], [cell("kb", "KB", None, status="unsupported", reason="needs x")]],
+                         ids=["nothing", "unsupported"])
+@pytest.mark.parametrize("options", KINDS, ids=lambda o: o["kind"])
+def test_a_figure_without_times_is_still_drawn(tmp_path, options, cells):
+    assert set(figures.render(built(tmp_path, cells, options))) == {"png", "svg"}
+
+
+@pytest.mark.parametrize("options", KINDS, ids=lambda o: o["kind"])
+@pytest.mark.parametrize("scale", [1e-4, 1, 1e4])
+def test_no_text_leaves_the_figure_or_runs_into_the_axis_label(tmp_path, options, scale):
+    cells = [cell("y", "Y", scale, {"store": scale}, params={"k": 8}, point={"k": 8})]
+    long = "A label that is much longer than any label should be (culling off)"
+    cells += [*planted.sweep((4, 8, 64)), cell("x", long, 9.0, {"store": 9.0}, params={"k": 4}, point={"k": 4})]
+    figure = built(tmp_path, cells, options, title="A long title " * 12)
+    figure.canvas.draw()
+    width, height = figure.get_size_inches() * figure.dpi
+    for text in drawn_texts(figure):
+        box = text.get_window_extent()
+        assert box.x0 >= -1 and box.y0 >= -1 and box.x1 <= width + 1 and box.y1 <= height + 1, text
+    for axes in figure.axes:
+        right = axes.yaxis.label.get_window_extent().x1
+        ticks = [t for t in drawn_texts(figure) if t in axes.get_yticklabels() and t.get_text()]
+        assert all(t.get_window_extent().x0 > right for t in ticks)
+
+
+def test_a_dollar_sign_is_no_mathematics(tmp_path):
+    figure = built(tmp_path, [cell("kb", "cost $x_{", 2.0, params={"k": 4}, point={"k": 4})], STACKED)
+    assert figures.render(figure)["png"].startswith(b"\x89PNG")
+
+
+def test_an_option_that_cannot_be_drawn_is_one_line(tmp_path):
+    for wrong in ({"kind": "pie", "x": "k"}, {"kind": "lines", "x": "k", "y": "time"}, {"kind": "lines"}):
+        with pytest.raises(StoreError) as caught:
+            built(tmp_path, two_methods(), wrong)
+        assert "\n" not in str(caught.value) and "allowed" in str(caught.value)
+
+
+def test_files_are_numbered_and_the_same_each_time(tmp_path):
+    folder = planted.folder(tmp_path, two_methods(), [STACKED, KINDS[1]], name="a/b c")
+    written = figures.write_figures(folder)
+    assert [path.name for path in written] == ["a-b-c-1.png", "a-b-c-1.svg", "a-b-c-2.png", "a-b-c-2.svg"]
+    before = [path.read_bytes() for path in written]
+    figures.write_figures(folder)
+    assert [path.read_bytes() for path in written] == before
+
+
+def test_two_processes_write_the_same_files(tmp_path):
+    folder = planted.folder(tmp_path, two_methods(), KINDS)
+    before = [path.read_bytes() for path in figures.write_figures(folder)]
+    for path in (tmp_path / "figures").iterdir():
+        path.unlink()
+    assert [path.read_bytes() for path in figures.write_figures(folder, processes=2)] == before
+
+
+def test_an_error_in_the_other_process_is_told(tmp_path):
+    folder = planted.folder(tmp_path, two_methods(), [STACKED, {"kind": "pie", "x": "k"}])
+    with pytest.raises(StoreError, match="pie"):
+        figures.write_figures(folder, processes=2)
+
+
+def test_the_users_own_matplotlib_settings_change_nothing(tmp_path):
+    import matplotlib
+    before = figures.render(built(tmp_path, two_methods(), STACKED))
+    with matplotlib.rc_context({"font.size": 30, "axes.facecolor": "red", "svg.hashsalt": None}):
+        assert figures.render(built(tmp_path, two_methods(), STACKED)) == before
+
+
+def test_another_process_draws_the_same_bytes(tmp_path):
+    folder = planted.folder(tmp_path, two_methods(), [STACKED])
+    here = [path.read_bytes() for path in figures.write_figures(folder)]
+    code = f"from mfr_bench import store, report; report.write_figures(store.ResultFolder({str(tmp_path)!r}))"
+    subprocess.run([sys.executable, "-c", code], check=True)
+    assert [path.read_bytes() for path in sorted((tmp_path / "figures").iterdir())] == here
+
+
+def test_tables_load_neither_matplotlib_nor_pandas_nor_gl(tmp_path):
+    planted.folder(tmp_path, two_methods(), [STACKED])
+    code = ("import sys; from mfr_bench import store, report; "
+            f"f = store.ResultFolder({str(tmp_path)!r}); report.write_tables(f); store.derive(f); "
+            "print({'matplotlib', 'pandas', 'moderngl', 'numpy'} & set(sys.modules))")
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "set()"
+
+
+def test_drawing_loads_no_pyplot_and_no_pandas(tmp_path):
+    planted.folder(tmp_path, two_methods(), [STACKED])
+    code = ("import sys; from mfr_bench import store, report; "
+            f"report.write_figures(store.ResultFolder({str(tmp_path)!r})); "
+            "print({'matplotlib.pyplot', 'pandas', 'moderngl'} & set(sys.modules))")
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    assert done.stdout.strip() == "set()"
+
+
+# --- style ---------------------------------------------------------------------------------------
+
+
+def test_named_methods_have_colours_of_their_own_and_others_get_one():
+    assert len(set(style.METHOD_COLOURS.values())) == len(style.METHOD_COLOURS)
+    assert style.method_colour("brand-new") == style.method_colour("brand-new") != style.method_colour("other-new")
+
+
+def test_variants_of_a_pass_are_lighter_and_unknown_passes_have_a_colour():
+    colours = style.pass_colours(["sweep", "store depth", "store", "clear"])
+    assert list(colours) == ["clear", "store", "store depth", "sweep"]
+    assert len(set(colours.values())) == 4
+
+
+def test_shares_stack_to_one(tmp_path):
+    axes, = built(tmp_path, two_methods(), {"kind": "stacked_passes", "x": "k", "y": "share"}).axes
+    tops = [bottom + height for bottom, height, label in bars_of(axes) if label == "KB-PS: resolve"]
+    assert tops == pytest.approx([1, 1])
+
+
+def test_bytes_are_drawn_as_mib(tmp_path):
+    cells = [cell("kb", "KB", 4.0, params={"k": 4}, point={"k": 4}, values={"memory_bytes": 3 * 2**20})]
+    axes, = built(tmp_path, cells, {"kind": "bars", "x": "k", "y": "memory_bytes"}).axes
+    assert [p.get_height() for p in axes.patches if p.get_label() == "KB"] == [3] and "MiB" in axes.get_ylabel()

@@ -1,0 +1,187 @@
+"""Tables by what they say."""
+
+from __future__ import annotations
+
+import csv
+import math
+
+import pytest
+
+from mfr_bench.report import data, tables
+
+from . import planted
+from .planted import cell
+
+FIGURE = {"kind": "stacked_passes", "x": "k", "y": "time_ms"}
+
+
+def at(k, method="kplus-array", label="K⁺B-Array", time_ms=5.0, **parts):
+    return cell(method, label, time_ms, params={"k": k}, point={"k": k}, **parts)
+
+
+def section(text, title):
+    """The lines of one titled part of a terminal table."""
+    parts = [part for part in text.split("\n\n") if part.startswith(title)]
+    assert len(parts) == 1, text
+    return parts[0].splitlines()
+
+
+def fields(lines, name):
+    return next(line for line in lines if line.startswith(name))[len(name):].split("  ")
+
+
+def words(lines, name):
+    return [field.strip() for field in fields(lines, name) if field.strip()]
+
+
+def test_time_has_its_interval_and_columns_are_the_sweep(tmp_path):
+    folder = planted.folder(tmp_path, [at(4, time_ms=5.0), at(16, time_ms=20.0, width=0.09, values={"noisy": True})],
+                            [FIGURE])
+    lines = section(tables.terminal_table(folder), "Time, ms")
+    assert words(lines, "method") == ["k = 4", "k = 16"]
+    assert words(lines, "K⁺B-Array") == ["5.00 ±0.8%", "20.0 ±7.0%~"]
+
+
+def test_the_ratio_is_to_the_floor_of_the_same_scene(tmp_path):
+    other = {"depth_complexity": 64}
+    folder = planted.folder(tmp_path, [
+        cell("floor", "floor", 2.0), at(4, time_ms=5.0), cell("floor", "floor", 4.0, scene=other,
+                                                              point={"scene.depth_complexity": 64}),
+        cell("kplus-array", "K⁺B-Array", 5.0, scene=other, params={"k": 4},
+             point={"k": 4, "scene.depth_complexity": 64})])
+    lines = section(tables.terminal_table(folder), "Ratio to the floor")
+    assert [w.split()[0] for w in words(lines, "K⁺B-Array")] == ["2.50", "1.25"]
+
+
+def test_memory_stands_beside_the_papers_model(tmp_path):
+    folder = planted.folder(tmp_path, [at(4, values={"memory_bytes": 3 * 2**20, "memory_model_bytes": 2 * 2**20}),
+                                       at(8)], [FIGURE])
+    assert words(section(tables.terminal_table(folder), "Memory, MiB"), "K⁺B-Array") == ["3.00 / 2.00", "1.00 / 1.00"]
+
+
+@pytest.mark.parametrize(("errors", "said"), [
+    ((1e-7, 1e-4), "exact"), ((1e-7, 1.1e-4), "exact in 1 of 2"), ((0.5, 0.2), "differs"),
+    ((None, None), "not checked"), ((1e-7, None), "exact")])
+def test_images_say_which_methods_were_exact(tmp_path, errors, said):
+    folder = planted.folder(tmp_path, [at(k, values={"max_abs_error": e}) for k, e in zip((4, 8), errors, strict=True)])
+    assert words(section(tables.terminal_table(folder), "Images"), "K⁺B-Array")[2] == said
+
+
+def test_a_wrong_image_is_said_and_its_time_is_not(tmp_path):
+    folder = planted.folder(tmp_path, [at(4), at(8, status="wrong", reason="max_abs_error 0.5 exceeds 0.0001",
+                                                 values={"max_abs_error": 0.5})], [FIGURE])
+    text = tables.terminal_table(folder)
+    assert "WRONG in 1 of 2" in words(section(text, "Images"), "K⁺B-Array")
+    assert words(section(text, "Time, ms"), "K⁺B-Array")[1] == "wrong image"
+    assert "- K⁺B-Array at k = 8: wrong image: max_abs_error 0.5 exceeds 0.0001" in text
+
+
+def test_skipped_cells_are_listed_with_their_reasons(tmp_path):
+    reason = "needs 4112.0 MiB, the budget is 3072.0 MiB"
+    folder = planted.folder(tmp_path, [
+        at(4), at(8), *(at(k, "kb-mdt64", "KB-MDT₆₄", None, status="unsupported", reason="needs int64")
+                        for k in (4, 8)),
+        at(4, "kb-ll", "KB-LL"), at(8, "kb-ll", "KB-LL", None, status="over_budget", reason=reason)], [FIGURE])
+    lines = section(tables.terminal_table(folder), "Not ok, or not measured")
+    assert lines[1:] == ["- KB-MDT₆₄, every cell: unsupported: needs int64",
+                         f"- KB-LL at k = 8: over budget: {reason}"]
+
+
+def test_planned_cells_without_a_record_are_counted_and_dashed(tmp_path):
+    cells = [at(4), at(8), at(4, "kb", "KB"), at(8, "kb", "KB")]
+    folder = planted.folder(tmp_path, cells, [FIGURE])
+    (folder.cells_path / f"{cells[3]['key']}.json").unlink()
+    text = tables.terminal_table(folder)
+    assert "1 planned cells have no record yet" in text
+    assert words(section(text, "Time, ms"), "KB ")[1] == "–"
+
+
+def test_damaged_files_are_named(tmp_path):
+    folder = planted.folder(tmp_path, [at(4)])
+    (folder.cells_path / f"{'0' * 20}.json").write_text("{")
+    assert f"{'0' * 20}.json" in " ".join(section(tables.terminal_table(folder), "Files not used"))
+
+
+def test_other_scene_axes_make_blocks_and_parameters_make_labels(tmp_path):
+    cells = [cell("kb", "KB", 3.0, params={"k": k, "culling": c}, scene={"pixel_density": d},
+                  point={"k": k, "culling": c, "scene.pixel_density": d})
+             for d in (0.25, 0.75) for c in ("on", "off") for k in (4, 8)]
+    text = tables.terminal_table(planted.folder(tmp_path, cells, [FIGURE]))
+    for density in ("0.25", "0.75"):
+        lines = section(text, f"Time, ms (p_d = {density})")
+        assert len(words(lines, "KB, culling on")) == len(words(lines, "KB, culling off")) == 2
+
+
+def test_entries_that_share_a_label_are_told_apart(tmp_path):
+    cells = [cell("kb", "KB", 3.0, params={"k": 4, "culling": c}) for c in ("on", "off")]
+    result = data.load(planted.folder(tmp_path, cells))
+    assert result.labels == ["KB (culling on)", "KB (culling off)"]
+
+
+def test_a_planned_record_replaces_an_older_one_of_the_same_point(tmp_path):
+    old, new = at(4, time_ms=9.0, glsl_hash="old"), at(4, time_ms=5.0)
+    folder = planted.folder(tmp_path, [new])
+    folder.write_cell(old)
+    assert [p.row["time_ms"] for p in data.load(folder).points] == [pytest.approx(5.0)]
+
+
+def test_two_devices_in_one_folder_are_two_blocks(tmp_path):
+    cells = [at(4), at(8), *(at(k, time_ms=1.0, device={"slug": "h200"}) for k in (4, 8))]
+    text = tables.terminal_table(planted.folder(tmp_path, cells, [FIGURE]))
+    assert words(section(text, "Time, ms (device = h200)"), "K⁺B-Array") == ["1.00 ±0.8%"] * 2
+
+
+@pytest.mark.parametrize("ks", [(4, 8, 16, 32, 64), tuple(range(1, 40))])
+def test_lines_fit_a_terminal_and_no_column_is_lost(tmp_path, ks):
+    folder = planted.folder(tmp_path, planted.sweep(ks, planted.METHODS[7:10]), [FIGURE])
+    text = tables.terminal_table(folder)
+    assert max(map(len, text.splitlines())) <= tables.WIDTH
+    for k in ks:
+        assert f"k = {k} " in text or f"k = {k}\n" in text
+
+
+def test_markdown_has_the_passes_and_escapes_bars(tmp_path):
+    folder = planted.folder(tmp_path, [at(4, label="a|b", passes={"clear": 1.0, "store": 3.0})], [FIGURE])
+    path = tables.write_tables(folder)[0]
+    text = path.read_text(encoding="utf-8")
+    assert path.name == "results.md" and text.startswith("# planted: Planted results\n")
+    assert "| a\\|b · store  | 3.00 |" in text
+    widths = {len(line) for line in text.split("## Pass times")[1].splitlines() if line.startswith("|")}
+    assert len(widths) == 1
+
+
+def test_csv_files_hold_full_numbers(tmp_path):
+    folder = planted.folder(tmp_path, [cell("floor", "floor", 3.0), at(4, time_ms=1.0, passes={"store": 1.5}), at(8),
+                                       at(16, time_ms=None, status="crashed", reason="lost, badly")])
+    for path in tables.write_tables(folder)[1:]:
+        with open(path, newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        by_k = {row["k"]: row for row in rows}
+        if path.name == "results.csv":
+            assert float(by_k["4"]["floor_ratio"]) == pytest.approx(1 / 3) and by_k["4"]["exact"] == "true"
+            assert by_k["16"]["reason"] == "lost, badly" and by_k["16"]["time_ms"] == by_k["16"]["exact"] == ""
+        else:
+            assert list(by_k) == ["4"] and float(by_k["4"]["store"]) == pytest.approx(1.5)
+
+
+def test_an_empty_folder_has_a_table(tmp_path):
+    assert tables.terminal_table(planted.folder(tmp_path, [])).startswith("planted")
+    assert tables.terminal_table(planted.store.ResultFolder(tmp_path / "absent")).startswith("absent")
+
+
+@pytest.mark.parametrize(("value", "text"), [
+    (None, ""), (0.0, "0"), (5.0, "5.00"), (12.345, "12.3"), (99.96, "100"), (1234.4, "1234"), (0.01234, "0.0123"),
+    (1e-6, "1e-06"), (123456789.0, "1.23e+08"), (7, "7"), (math.inf, "inf")])
+def test_numbers_have_three_digits(value, text):
+    assert data.number(value) == text
+
+
+def test_a_scene_that_follows_a_parameter_loses_no_column(tmp_path):
+    """r = 1 gives n = k; a method without k is still measured at each n."""
+    cells = [made for n in (8, 16) for made in (
+        cell("ab-ll", "AB_LL", n / 2, scene={"depth_complexity": n}),
+        cell("kplus-array", "K⁺B-Array", n / 4, scene={"depth_complexity": n}, params={"k": n}, point={"k": n}))]
+    figure = {"kind": "lines", "x": "depth_complexity", "y": "time_ms"}
+    for figures, title in (([figure], "Time, ms"), ([], "Time, ms (n = 16)")):
+        text = tables.terminal_table(planted.folder(tmp_path / title, cells, figures, {"k": [8, 16]}))
+        assert words(section(text, title), "AB_LL")[-1].startswith("8.00")
