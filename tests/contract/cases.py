@@ -1,0 +1,85 @@
+"""What every method is tested on: its variants, and small scenes that differ in what can go wrong."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from mfr_bench.config import Scene as SceneConfig
+from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Method, Variant
+from mfr_bench.oracle import composite, sizes_of
+from mfr_bench.scene import Scene, generate
+
+N = 9  # most scenes share a depth complexity, so that their programs are shared too
+
+SCENES = {
+    "flat": SceneConfig(size=(32, 24), depth_complexity=1),
+    "empty": SceneConfig(size=(32, 24), depth_complexity=0),
+    "one pixel": SceneConfig(size=(1, 1), depth_complexity=N),
+    "sorted": SceneConfig(size=(97, 71), depth_complexity=N, order="front_to_back", pixel_density=0.93),
+    "reverse-sorted": SceneConfig(size=(97, 71), depth_complexity=N, order="back_to_front", pixel_density=0.93),
+    "sparse": SceneConfig(size=(97, 71), depth_complexity=N, pixel_density=0.11, seed=3),
+    "tiles": SceneConfig(size=(97, 71), depth_complexity=N, pixel_density=0.4, layout="tiles", seed=4),
+    "rejecting": SceneConfig(size=(97, 71), depth_complexity=N, fragment_probability=0.25, seed=5),
+    "scattered": SceneConfig(size=(64, 48), depth_complexity=5, layout="random", quad_size=(11, 7), seed=6),
+    "opaque": SceneConfig(size=(40, 40), depth_complexity=N, alpha=(1.0, 1.0), seed=7),
+}
+DEEP = SceneConfig(size=(31, 13), depth_complexity=128, seed=8)
+KS = (1, 4, 32)  # the Z-buffer's, fewer than the fragments, more than the fragments
+
+
+def every_method() -> list[Method]:
+    return list(catalog().values())
+
+
+def variants(method: Method) -> list[Variant]:
+    """The default, and each other choice of each parameter by itself."""
+    chosen = [{}] + [{p.name: c} for p in method.params for c in p.choices if c != p.default]
+    return [method.variant(params) for params in chosen]
+
+
+def with_k(variant: Variant, k: int) -> Variant:
+    return variant.method.variant(variant.params | {"k": k}) if "k" in variant.params else variant
+
+
+def label(variant: Variant) -> str:
+    """The method and what differs from its defaults, for the names of tests."""
+    other = [f"{p.name}={variant.params[p.name]}" for p in variant.method.params
+             if variant.params[p.name] != p.default]
+    return "-".join([variant.method.id, *other])
+
+
+@lru_cache(maxsize=None)
+def scene(config: SceneConfig) -> Scene:
+    return generate(config)
+
+
+@lru_cache(maxsize=None)
+def oracle(config: SceneConfig, layers: int | None) -> np.ndarray:
+    return composite(scene(config), layers)
+
+
+class Drawn:
+    """One frame of a variant: its image, what it lost, and its memory as declared and as allocated, by name."""
+
+    def __init__(self, device, variant: Variant, config: SceneConfig, frames: int = 1):
+        made = scene(config)
+        sizes = sizes_of(made)
+        quads, canvas = SceneBuffer(device, made), Canvas(device, (sizes.W, sizes.H))
+        frame = Frame(device, variant, sizes, quads, canvas)
+        for _ in range(frames):
+            frame.draw_fitting()
+        self.image = frame.image()
+        self.lost = frame.lost_fragments()
+        self.allocated, self.declared = frame.memory_bytes, variant.memory_bytes(sizes)
+        self.error = float(np.abs(self.image - oracle(config, variant.layers)).max())
+        for thing in (frame, canvas, quads):
+            thing.release()
+        device.check(label(variant))
+
+
+def runs_here(device, variant: Variant) -> bool:
+    return device.features.issuperset(variant.needs)

@@ -1,0 +1,101 @@
+"""What a declaration has to say, and what its shaders have to look like; no GL."""
+
+import re
+
+import pytest
+
+from mfr_bench.config import Scene
+from mfr_bench.glsl import expand, read, stages
+from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Sizes, evaluate
+from mfr_bench.plan import expected_sizes
+from mfr_bench.resources import shaders_dir
+
+from .cases import every_method, label, variants
+
+SIZES = expected_sizes(Scene(size=(64, 48), depth_complexity=12, pixel_density=0.5))
+ENTRY_SUFFIXES = (".vert", ".frag", ".comp")
+MOST_LINES = 150
+
+METHODS = pytest.mark.parametrize("method", every_method(), ids=lambda m: m.id)
+FILES = pytest.mark.parametrize("path", sorted(str(p.relative_to(shaders_dir())) for p in shaders_dir().rglob("*.*")))
+
+
+def test_methods_are_found():
+    assert {"floor", "zbuffer", "ab-ll", "kplus-array"} <= set(catalog())
+
+
+@METHODS
+def test_name_round_trips(method):
+    assert catalog()[method.id] is method
+    assert re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", method.id)
+
+
+@METHODS
+def test_says_what_a_reader_needs(method):
+    assert all([method.name, method.family, method.source, method.summary, method.ties])
+    assert method.guarantee in ("exact all", "exact k nearest", "approximate", "none")
+    assert (method.failure is not None) == (method.guarantee == "approximate")
+    assert all(p.doc for p in method.params)
+
+
+@METHODS
+def test_every_stage_of_every_variant_expands(method):
+    for variant in variants(method):
+        for step in variant.passes:
+            for stage in stages(variant, step, SIZES) if step.kind != "clear" else ():
+                assert "#include" not in stage.text, label(variant)
+                assert (shaders_dir() / stage.entry).is_file()
+
+
+@METHODS
+def test_passes_name_only_declared_resources(method):
+    names = {b.name for b in method.buffers} | {t.name for t in method.targets} | {"image"}
+    for step in method.passes:
+        used = {ref.partition(".")[0] for ref in (*step.reads, *step.writes, *step.into, *step.clears)}
+        assert used <= names, f"pass {step.name}"
+
+
+@METHODS
+def test_atomics_touch_only_what_the_pass_declares_to_write(method):
+    """Mesa lets an atomic through on a readonly buffer, and a barrier would then be missing."""
+    for variant in variants(method):
+        for step in variant.passes:
+            text = "".join(s.text for s in stages(variant, step, SIZES)) if step.kind != "clear" else ""
+            written = {ref.partition(".")[0] for ref in step.writes}
+            assert set(re.findall(r"\batomic[A-Z]\w*\(\s*(\w+)\s*\[", text)) <= written, f"pass {step.name}"
+
+
+@METHODS
+def test_memory_formulas_have_values(method):
+    for variant in variants(method):
+        assert all(size > 0 for size in variant.memory_bytes(SIZES).values())
+        assert variant.model_bytes(SIZES) >= 0
+
+
+def test_memory_grows_with_what_the_formula_names():
+    words = [evaluate("3*f + 1", Sizes(W=4, H=4, n=2, F=fragments, quads=2), {}) for fragments in (0, 16, 32)]
+    assert words == [1, 4, 7]
+
+
+@FILES
+def test_shader_opens_with_its_contract_and_stays_short(path):
+    lines = read(path).splitlines()
+    assert lines[0].startswith("// ")
+    assert len(lines) <= MOST_LINES
+
+
+@FILES
+def test_entry_points_have_one_main_and_includes_none(path):
+    assert len(re.findall(r"^void main\(\)", read(path), re.MULTILINE)) == path.endswith(ENTRY_SUFFIXES)
+
+
+def test_every_shader_is_used():
+    used = {"scene/quad.vert", "screen/triangle.vert"}
+    for method in every_method():
+        for variant in variants(method):
+            for step in variant.passes:
+                if step.kind != "clear":
+                    used |= set(expand(step.shader, {"fetch": step.fetch} if step.fetch else {})[1])
+    files = {str(p.relative_to(shaders_dir())) for p in shaders_dir().rglob("*.*")}
+    assert {f for f in files - used if not f.startswith("probe/")} == set()

@@ -1,0 +1,67 @@
+"""The suite must see a wrong shader: each fault planted here makes an exact method miss its promise."""
+
+import pytest
+
+from mfr_bench import glsl
+from mfr_bench.errors import ShaderError
+from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Buffer, Method, Pass
+from mfr_bench.quality import EXACT_ERROR
+
+from .cases import SCENES, Drawn, with_k
+
+FAULTS = [
+    ("zbuffer", "scene/quad.vert", "2.0 * in_depth - 1.0", "1.0 - 2.0 * in_depth"),
+    ("peel-f2b", "methods/peel/f2b.frag", "gl_FragCoord.z <= ", "gl_FragCoord.z < "),
+    ("peel-dual", "methods/peel/dual.frag", "z > nearest && z < furthest", "z >= nearest && z < furthest"),
+    ("ab-array", "methods/array/store.frag", "slot * pixels + p", "slot + p"),
+    ("ab-array", "common/sort.glsl", "nearer.x <= moving.x", "nearer.x >= moving.x"),
+    ("ab-ll", "methods/list/store.frag", "incoming()", "incoming().yx"),
+    ("ab-sb", "methods/sbuffer/offset.frag", "group + 1u", "group"),
+    ("ab-lbuffer", "methods/sbuffer/address.frag", "group_total[pixel_group(p)], count", "group_total[pixel_group(p)], 1u"),
+    ("ab-precalc", "methods/precalc/add_sums.comp", "+=", "="),
+    ("lin-pre", "methods/list/insert_cas32.frag", "<= fragment.x", ">= fragment.x"),
+    ("kb-mdt32", "methods/mdt/store_depth.frag", "max(depth, ", "min(depth, "),
+    ("kb-ab-ll", "common/resolve.frag", "fragment.x < fragments[0].x", "fragment.x > fragments[0].x"),
+    ("kplus-array", "methods/kplus/array.glsl", "node.x > furthest.x", "node.x < furthest.x"),
+    ("kplus-heap", "methods/kplus/heap.glsl", "right.x > node.x", "right.x < node.x"),
+    ("kplus-heap", "methods/kplus/store.frag", "depth >= NODE", "depth <= NODE"),
+]
+
+
+@pytest.fixture
+def plant(monkeypatch):
+    """Replaces one piece of a shader, which has to be there."""
+    def planted(path: str, right: str, wrong: str) -> None:
+        original = glsl.read
+        assert right in original(path), f"{path} no longer says {right!r}; plant the fault elsewhere"
+        monkeypatch.setattr(glsl, "read", lambda p: original(p).replace(right, wrong) if p == path else original(p))
+    return planted
+
+
+@pytest.mark.parametrize(("method", "path", "right", "wrong"), FAULTS, ids=lambda text: text.replace("/", "."))
+def test_a_wrong_line_of_glsl_is_seen(device, plant, method, path, right, wrong):
+    plant(path, right, wrong)
+    variant = with_k(catalog()[method].variant({}), 4)
+    drawn = [Drawn(device, variant, SCENES[name]) for name in ("sorted", "reverse-sorted", "tiles", "scattered")]
+    assert any(d.error > EXACT_ERROR or d.lost for d in drawn)
+
+
+def test_an_undeclared_write_does_not_compile(device):
+    """Barriers follow from declared reads and writes, so a pass cannot write what it only declares to read."""
+    silent = Method(
+        id="silent", name="silent", family="test", source="test", summary="test", guarantee="none", words="1", ties="",
+        buffers=(Buffer("counter", "P"), Buffer("address", "P")),
+        steps=(Pass("scan", "fullscreen", "methods/precalc/seed.frag", reads=("counter", "address")),))
+    with pytest.raises(ShaderError, match=r"methods/precalc/seed\.frag:\d+: .*method silent, pass scan"):
+        Drawn(device, silent.variant({}), SCENES["flat"])
+
+
+def test_a_pass_that_touches_written_buffers_waits_for_them(device, monkeypatch):
+    """Between two passes on one buffer there is a barrier, in every method that has such passes."""
+    barriers = []
+    monkeypatch.setattr(device.gl, "glMemoryBarrier", lambda bits, real=device.gl.glMemoryBarrier:
+                        (barriers.append(bits), real(bits)))
+    Drawn(device, catalog()["ab-array"].variant({}), SCENES["flat"])
+    storage = [bits for bits in barriers if bits == 0x2000]
+    assert len(storage) == 2  # clear before store, store before resolve
