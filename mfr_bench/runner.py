@@ -62,7 +62,7 @@ def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[s
     for cell in cells:
         variant = catalog[cell.method].variant(cell.params)
         code = glsl_hash(variant)
-        name = key({"method": cell.method, "params": dict(cell.params), "glsl": code, "scene": cell.scene.as_dict(),
+        name = key({"method": cell.method, "label": cell.label, "params": dict(cell.params), "glsl": code, "scene": cell.scene.as_dict(),
                     "measure": cell.measure.as_dict(), "renderer": device["renderer"], "version": device["version"],
                     "timer": timer})
         found.append(Job(cell, variant, name, code))
@@ -129,6 +129,7 @@ class Running:
     lost: int
     twin: Sampler | None = None  # the same again, for the noise floor
     passes: dict[str, list[float]] = field(default_factory=dict)
+    passes_s: float = 0.0  # spent on timing passes
     failed: bool = False
 
 
@@ -269,14 +270,13 @@ class Runner:
             sampler.add(time_ms)
             if not sampler.wanted:
                 break
+        if sampler.warm:
+            self._time_passes(running, work, frames=1)
 
     def _finish(self, running: Running, work: SceneWork) -> None:
         """Time the passes, check the image once more, write the row."""
         job, sampler = running.job, running.sampler
-        with self.split.work("passes"):
-            scene = work.show(len(sampler.samples_ms))
-            running.frame.show(scene)
-            self._time_passes(running)
+        self._time_passes(running, work, PASS_FRAMES)
         with self.split.work("check"):
             self._check_again(running, work)
         if running.twin:
@@ -295,19 +295,24 @@ class Runner:
         self._write(job, status, reason, values=values, warmup_ms=sampler.warmup_ms, samples_ms=sampler.samples_ms,
                     passes=running.passes, buffers=running.frame.memory_bytes)
 
-    def _time_passes(self, running: Running) -> None:
+    def _time_passes(self, running: Running, work: SceneWork, frames: int) -> None:
+        """Time the passes in frames of their own, between the batches, so that drift hits both alike."""
         limit_s = PASS_SHARE * running.job.cell.measure.time_limit_s
-        spent_s = 0.0
-        for _ in range(PASS_FRAMES):
-            times = self.timer.passes_ms(running.frame.draw)
-            for name, time_ms in times.items():
-                running.passes.setdefault(name, []).append(time_ms)
-            spent_s += sum(times.values()) / 1e3
-            if spent_s > limit_s:
-                break
+        done = len(next(iter(running.passes.values()), ()))
+        with self.split.work("passes"):
+            for _ in range(min(frames, PASS_FRAMES - done)):
+                if running.passes_s > limit_s:
+                    break
+                running.frame.show(work.show(len(running.sampler.samples_ms)))
+                times = self.timer.passes_ms(running.frame.draw)
+                running.passes_s += sum(times.values()) / 1e3
+                for name, time_ms in times.items():
+                    running.passes.setdefault(name, []).append(time_ms)
 
     def _check_again(self, running: Running, work: SceneWork) -> None:
         """The last image must be as right as the first: the worse of the two counts."""
+        running.frame.show(work.show(0))
+        running.frame.draw()
         running.lost += running.frame.lost_fragments()
         self.device.check(f"{running.job.cell.method}: sampling")
         if running.conformance:
@@ -316,12 +321,12 @@ class Runner:
 
     def _place(self, job: Job) -> dict[str, Any]:
         """Where the row stands in this experiment; not part of its key."""
-        return {"experiment": job.cell.experiment, "label": job.cell.label, "point": _json(job.cell.point)}
+        return {"experiment": job.cell.experiment, "point": _json(job.cell.point)}
 
     def _write(self, job: Job, status: str, reason: str | None, values: Mapping[str, Any], **more: Any) -> None:
         info = self.device.info
         row = self._place(job) | {
-            "key": job.key, "method": job.cell.method, "params": dict(job.cell.params),
+            "key": job.key, "method": job.cell.method, "label": job.cell.label, "params": dict(job.cell.params),
             "scene": job.cell.scene.as_dict(), "measure": job.cell.measure.as_dict(), "status": status,
             "reason": reason, "values": dict(values), "glsl_hash": job.glsl_hash,
             "device": {name: info[name] for name in ("slug", "renderer", "version")},

@@ -35,7 +35,7 @@ def plot(folders: tuple[str, ...]) -> None:
     from ..report import write_figures
 
     for folder in _results(folders):
-        for path in write_figures(folder):
+        for path in write_figures(folder, processes=2):
             click.echo(path)
         _name_damaged(folder)
 
