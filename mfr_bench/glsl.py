@@ -16,6 +16,7 @@ from .methods.spec import Buffer, Pass, Sizes, Variant, evaluate
 from .resources import shaders_dir
 
 VERSION = "#version 430 core"
+VERSION_FOR_FEATURES = "#version 450 core"  # what the extensions of FEATURE_EXTENSIONS are written against
 LINE_STRIDE = 100_000  # line numbers carry the file: Mesa drops the source number of #line
 DIAGNOSTICS_BINDING = 7  # GL guarantees eight storage blocks to a fragment shader
 EMPTY = 0xFFFFFFFF  # no fragment, no next node: above the bits of every depth in [0, 1]
@@ -162,6 +163,15 @@ def _clear_macro(variant: Variant, step: Pass) -> str:
     return f"#define CLEAR(p) {{ {body} }}"
 
 
+def _version(variant: Variant, words: set[str]) -> list[str]:
+    """The language and the extensions that the variant's features and the shader's words ask for."""
+    extensions = [name for feature in variant.needs for name in FEATURE_EXTENSIONS[feature]]
+    extensions += ["GL_ARB_gpu_shader_int64"] if "shader_atomic_int64" in variant.needs else []
+    extensions += ["GL_ARB_ES3_1_compatibility"] if "IS_HELPER" in words else []
+    version = VERSION_FOR_FEATURES if variant.needs else VERSION
+    return [version, *(f"#extension {name} : enable" for name in extensions)]
+
+
 def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None) -> Source:
     """The stage `entry` (default: the pass's own shader) of one pass, ready to compile."""
     entry = entry or step.shader
@@ -170,10 +180,7 @@ def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None)
     macro = _clear_macro(variant, step)
     words = set(re.findall(r"[A-Za-z_]\w*", body))
     words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()
-    prelude = [VERSION, "#extension GL_ARB_ES3_1_compatibility : enable"] if "IS_HELPER" in words else [VERSION]
-    prelude += [
-        f"#extension {name} : enable" for feature in variant.needs for name in FEATURE_EXTENSIONS[feature]]
-    prelude += ["#extension GL_ARB_gpu_shader_int64 : enable"] if "shader_atomic_int64" in variant.needs else []
+    prelude = _version(variant, words)
     values = define_values(variant, step, sizes)
     prelude += [f"#define {name} {literal(name, value)}" for name, value in sorted(values.items()) if name in words]
     prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "

@@ -8,8 +8,7 @@ flat out uint quad;
 flat out uint payload8;  // RGBA8
 
 void main() {
-    ivec2 corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1);
-    vec2 pixel = vec2(mix(in_rect.xy, in_rect.zw, equal(corner, ivec2(1))));
+    vec2 pixel = vec2((gl_VertexID & 1) == 0 ? in_rect.x : in_rect.z, (gl_VertexID & 2) == 0 ? in_rect.y : in_rect.w);
     quad = uint(gl_InstanceID);
     payload8 = packUnorm4x8(in_rgba);
     gl_Position = vec4(2.0 * pixel / vec2(width, height) - 1.0, 2.0 * in_depth - 1.0, 1.0);

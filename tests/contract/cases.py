@@ -27,7 +27,9 @@ SCENES = {
     "scattered": SceneConfig(size=(64, 48), depth_complexity=5, layout="random", quad_size=(11, 7), seed=6),
     "opaque": SceneConfig(size=(40, 40), depth_complexity=N, alpha=(1.0, 1.0), seed=7),
 }
-DEEP = SceneConfig(size=(31, 13), depth_complexity=128, seed=8)
+DEEP = {f"{layout} {order}": SceneConfig(size=(31, 13), depth_complexity=128, layout=layout, order=order, seed=8,
+                                         pixel_density=0.6, quad_size=(9, 5) if layout == "random" else None)
+        for layout in ("block", "tiles", "random") for order in ("random", "front_to_back", "back_to_front")}
 KS = (1, 4, 32)  # the Z-buffer's, fewer than the fragments, more than the fragments
 
 

@@ -5,16 +5,20 @@
 #include "common/lock.glsl"
 #include "methods/kplus/structure.glsl"
 
-// A full buffer refuses what is no nearer than its furthest. Before the lock this may read an older, further
-// furthest: it then lets a fragment through, and never refuses one that belongs.
+// A full buffer refuses what is no nearer than its furthest. Once full, slot 0 only comes nearer: an older value,
+// read before the lock, lets a fragment through and never refuses one that belongs. Before that it moves away, so
+// that it counts only after the counter: the barriers here and in `insert` keep that order.
 bool refused(uint p, uint depth) {
-    return counter[p] >= uint(K) && depth >= NODE(p, 0u).x;
+    if (counter[p] < uint(K)) return false;
+    memoryBarrierBuffer();
+    return depth >= NODE(p, 0u).x;
 }
 
 void insert(uint p, uvec2 fragment) {
     uint count = counter[p];
     if (count < uint(K)) {
         insert_empty(p, count, fragment);
+        memoryBarrierBuffer();
         counter[p] = count + 1u;
     } else if (fragment.x < NODE(p, 0u).x) {
         insert_full(p, fragment);
