@@ -15,9 +15,10 @@ from .layers import AXES
 from .layout import quad_count
 from .model import MAX_QUADS, Experiment, Measure, MethodEntry, Scene
 from .schema import ConfigFile, allowed, parse
-from .source import Document, Path, Problem, shown
+from .source import Document, Path, Problem, dotted, shown
 
 MAX_CELLS = 100_000
+EVERY_METHOD = "all"  # in `methods:`, stands for each method of the catalog at its defaults
 SWEPT_SECTIONS = {"scene": Scene, "measure": Measure}
 SWEPT_KEYS = tuple(f"{section}.{f.name}" for section, cls in SWEPT_SECTIONS.items() for f in fields(cls))
 
@@ -39,6 +40,7 @@ class _Checker:
         self.document, self.catalog = document, catalog
         self.problems: list[Problem] = []
         self.entries: list[MethodEntry | None] = []  # None where the id is not known
+        self.entry_paths: list[Path] = []  # where each entry is written
         self.params: dict[str, Value] = {}
         self.axes: dict[str, dict[str, tuple]] = {section: {} for section in AXES}
 
@@ -87,11 +89,17 @@ class _Checker:
     def _methods(self) -> None:
         listed = self.document.data.get("methods")
         for i, entry in enumerate(listed if isinstance(listed, list) else []):
-            self.entries.append(self._entry(("methods", i), {"id": entry} if isinstance(entry, str) else entry))
+            path = ("methods", i)
+            if entry == EVERY_METHOD:
+                made = [MethodEntry(m.id, m.name, {}) for m in self.catalog.values()]
+            else:
+                made = [self._entry(path, {"id": entry} if isinstance(entry, str) else entry)]
+            self.entries += made
+            self.entry_paths += [path] * len(made)
 
     def _entry(self, path: Path, entry: Any) -> MethodEntry | None:
         if not isinstance(entry, dict) or "id" not in entry:
-            self.problem(path, f"{shown(entry)} is not allowed; allowed: a method's id, or a mapping with id")
+            self.problem(path, f"{shown(entry)} is not allowed; allowed: a method's id, '{EVERY_METHOD}', or a mapping with id")
             return None
         method = self.catalog.get(entry["id"]) if isinstance(entry["id"], str) else None
         if method is None:
@@ -232,7 +240,8 @@ class _Checker:
         for i, entry in enumerate(self.entries):
             for j, other in enumerate(self.entries[:i]):
                 if entry.label == other.label and not self._alike(entry, other):
-                    self.problem(("methods", i), f"the label {entry.label!r} is also that of methods[{j}]; "
+                    self.problem(self.entry_paths[i],
+                                 f"the label {entry.label!r} is also that of {dotted(self.entry_paths[j])}; "
                                                  "allowed: a label of its own (label: ...)")
                     break
 

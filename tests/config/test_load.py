@@ -172,3 +172,10 @@ def test_imports_stay_light(module):
     code = f"import sys, {module}; print([m for m in ('pydantic', 'numpy', 'pandas', 'moderngl') if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_all_stands_for_every_method(load):
+    experiment = load(GOOD.replace("ab-array]", "all]").replace("[kplus-array, all", "[all, "
+                                   "{id: kplus-array, label: no culling, culling: off}"))
+    assert [e.id for e in experiment.methods] == [*CATALOG, "kplus-array"]
+    assert experiment.methods[-1].label == "no culling"

@@ -85,7 +85,7 @@ ONE_LINE = [
     (methods("[]"), "F:3: methods: [] is not allowed; allowed: a list of at least one method"),
     (methods("[kplus-aray]"), "F:3: methods[0]: unknown method 'kplus-aray'; allowed: floor, ab-array"),
     (methods("[kplus-aray]"), "; nearest: 'kplus-array'"),
-    (methods("[kplus-array, 7]"), "F:3: methods[1]: 7 is not allowed; allowed: a method's id, or a mapping with id"),
+    (methods("[kplus-array, 7]"), "F:3: methods[1]: 7 is not allowed; allowed: a method's id, 'all', or a mapping with id"),
     (methods("[kplus-array, {k: 7}]"), "F:3: methods[1]: {'k': 7} is not allowed"),
     (methods("[{id: kplus-array, cullin: off}]"), "F:3: methods[0].cullin: unknown parameter of kplus-array; "),
     (methods("[{id: kplus-array, cullin: off}]"), "; allowed: id, label, k, culling, sync; nearest: 'culling'"),
