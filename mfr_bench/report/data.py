@@ -25,6 +25,9 @@ MEASURES = {
     "floor_ratio": "time / floor",
     "memory_mib": "memory (MiB)",
     "memory_model_mib": "memory by the paper's formula (MiB)",
+    "ms_per_mib": "time per memory (ms / MiB)",
+    "fps_per_mib": "frames per second and MiB",
+    "words_per_pixel": "32-bit words per pixel",
     "share": "share of the passes' time",
 }
 MEASURES = {c.name: f"{c.name} ({c.unit})" if c.unit else c.name
@@ -97,6 +100,13 @@ class Point:
         if name in ("memory_mib", "memory_model_mib"):
             value = self.row[name.replace("mib", "bytes")]
             return None, None if value is None else value / MIB, None
+        if name == "words_per_pixel":
+            value = self.row["memory_bytes"]
+            return None, None if value is None else value / 4 / (self.row["width"] * self.row["height"]), None
+        if name in ("ms_per_mib", "fps_per_mib"):
+            of = self.measure("time_ms" if name == "ms_per_mib" else "fps")
+            memory = self.row["memory_bytes"]
+            return tuple(v / (memory / MIB) if v is not None and memory else None for v in of)
         if name == "share":
             return None, 1.0 if self.passes_ms else None, None
         return None, self.row[name], None

@@ -8,6 +8,7 @@ import sys
 import pytest
 
 from mfr_bench.errors import StoreError
+from mfr_bench.config import columns
 from mfr_bench.report import data, figures, style
 
 from . import planted
@@ -237,6 +238,20 @@ def test_frames_per_second_turn_the_interval_round(tmp_path):
     result = data.load(planted.folder(tmp_path, [cell("kb", "KB", 10.0)]))
     low, middle, high = result.points[0].measure("fps")
     assert middle == pytest.approx(100) and low < middle < high
+
+
+def test_measures_by_memory(tmp_path):
+    point = data.load(planted.folder(tmp_path, [cell("kb", "KB", 10.0)])).points[0]
+    mib = point.row["memory_bytes"] / 2**20
+    assert point.measure("ms_per_mib")[1] == pytest.approx(10 / mib)
+    assert point.measure("fps_per_mib")[1] == pytest.approx(100 / mib)
+    pixels = point.row["width"] * point.row["height"]
+    assert point.measure("words_per_pixel")[1] == pytest.approx(point.row["memory_bytes"] / 4 / pixels)
+
+
+def test_a_config_may_draw_every_derived_measure():
+    assert set(data.MEASURES) >= set(columns.MEASURED)
+    assert {"fps", "floor_ratio", "ms_per_mib", "fps_per_mib", "words_per_pixel"} <= set(columns.MEASURED)
 
 
 # --- every figure --------------------------------------------------------------------------------
