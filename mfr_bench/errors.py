@@ -34,6 +34,12 @@ class StoreError(MfrError):
     """A result folder that cannot be written or read."""
 
 
+class Interrupted(MfrError):  # noqa: N818 - how a run ended, not what is wrong
+    """Ctrl-C; the message says what is kept."""
+
+    exit_status = 130
+
+
 def nearest(word: str, allowed: Iterable[str]) -> str:
     """Return '; nearest: X' for the allowed name closest to `word`, or '' where none is close."""
     close = difflib.get_close_matches(word, list(allowed), n=1, cutoff=0.5)

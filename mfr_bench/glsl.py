@@ -9,27 +9,34 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 
 from .errors import ShaderError
-from .methods.spec import Buffer, Pass, Sizes, Variant, evaluate
+from .methods.spec import EMPTY, Buffer, Decided, Pass, Sizes, Target, Variant
 from .resources import shaders_dir
 
 VERSION = "#version 430 core"
 VERSION_FOR_FEATURES = "#version 450 core"  # what the extensions of FEATURE_EXTENSIONS are written against
 LINE_STRIDE = 100_000  # line numbers carry the file: Mesa drops the source number of #line
 DIAGNOSTICS_BINDING = 7  # GL guarantees eight storage blocks to a fragment shader
-EMPTY = 0xFFFFFFFF  # no fragment, no next node: above the bits of every depth in [0, 1]
+DIAGNOSTICS = ("lost_fragments", "arrived_fragments")  # counters outside every method's memory
 LOCK_TRIES = 60000  # below the 65,535 iterations at which llvmpipe ends a loop silently
 
 # The uniform block `Frame`, one uint each, in order.
-FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold")
+FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k")
 FRAME_BINDING = 0
 
 FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
     "fragment_shader_interlock": ("GL_ARB_fragment_shader_interlock", "GL_NV_fragment_shader_interlock",
                                   "GL_INTEL_fragment_shader_ordering"),
     "shader_atomic_int64": ("GL_NV_shader_atomic_int64",),
+}
+
+_INTEGER = {"r32ui": "u"}  # the letter before GLSL's type for texels that are whole numbers
+# Fragment and payload as GLSL types, by the words of the payload. A struct of three words has no padding in std430.
+TYPES: Mapping[int, tuple[str, ...]] = {
+    1: ("#define FRAGMENT uvec2", "#define PAYLOAD uint"),
+    2: ("struct Fragment { uint x; uint y; uint z; };", "#define FRAGMENT Fragment", "#define PAYLOAD uvec2"),
 }
 
 _INCLUDE = re.compile(r'^\s*#include\s+(?:"(?P<path>[^"]+)"|<(?P<slot>\w+)>)\s*$')
@@ -51,12 +58,12 @@ class Source:
         return re.sub(r"^\d+(?::(?P<mesa>\d+)\(\d+\)|\((?P<nvidia>\d+)\)\s?)", name, log, flags=re.MULTILINE)
 
 
-@lru_cache(maxsize=None)
+@cache
 def read(path: str) -> str:
     """Text of a file below shaders/."""
     file = shaders_dir() / path
     try:
-        return file.read_text()
+        return file.read_text(encoding="utf-8")
     except OSError as error:
         raise ShaderError(f"{path}: cannot be read: {error.strerror}") from None
 
@@ -66,7 +73,7 @@ def expand(entry: str, slots: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:
     files: list[str] = ["prelude"]
     lines: list[str] = []
 
-    def add(path: str, origin: str) -> None:
+    def add(path: str) -> None:
         if path in files:
             return
         files.append(path)
@@ -81,12 +88,12 @@ def expand(entry: str, slots: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:
             if target is None:
                 raise ShaderError(f"{path}:{at}: the method gives no include for <{match['slot']}>")
             try:
-                add(target, f"{path}:{at}")
+                add(target)
             except ShaderError as error:
                 raise ShaderError(f"{path}:{at}: {error}") from None
             lines.append(f"#line {number * LINE_STRIDE + at + 1}")
 
-    add(entry, entry)
+    add(entry)
     return "\n".join(lines) + "\n", tuple(files)
 
 
@@ -94,8 +101,9 @@ def define_values(variant: Variant, step: Pass, sizes: Sizes) -> dict[str, int]:
     """Every number that a pass of the variant may use, by its name in GLSL."""
     values: dict[str, int] = {
         "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
-        "N": sizes.n, "LOCAL": max(1, int(evaluate(variant.method.local, sizes, variant.scope))),
-        "REJECTS": int(sizes.rejects),
+        "N": sizes.n, "KEEP": variant.value("keep", sizes), "LOCAL": variant.value("keep", sizes),
+        "REJECTS": int(sizes.rejects), "COMPUTE": int(step.kind == "compute"),
+        "PAYLOAD_RGBA16F": 0,
     }
     for param in variant.all_params:
         value = variant.scope[param.name]
@@ -103,7 +111,7 @@ def define_values(variant: Variant, step: Pass, sizes: Sizes) -> dict[str, int]:
             values |= {f"{param.name}_{choice}".upper(): int(choice == value) for choice in param.choices}
         else:
             values[param.name.upper()] = value
-    formulas = {name: int(evaluate(str(value), sizes, variant.scope)) for name, value in step.defines.items()}
+    formulas = {name: variant.value(str(value), sizes) for name, value in step.defines.items()}
     return values | formulas
 
 
@@ -149,33 +157,49 @@ def buffer_bindings(variant: Variant, step: Pass) -> list[Binding]:
 
 
 def texture_bindings(variant: Variant, step: Pass) -> list[Binding]:
+    """Texture units of a pass. A pass that reads both copies of a target sees `name` and `name_current`, say."""
     names = {t.name for t in variant.targets}
-    refs = [r for r in step.reads if split_ref(r)[0] in names]
-    return [Binding(ref, split_ref(ref)[0], index) for index, ref in enumerate(refs)]
+    refs = [split_ref(r) for r in step.reads if split_ref(r)[0] in names]
+    first = dict(reversed(refs))
+    return [Binding(f"{name}.{role}" if role else name, name if role == first[name] else f"{name}_{role}", index)
+            for index, (name, role) in enumerate(refs)]
+
+
+def _sampler(target: Target) -> str:
+    """GLSL type by which a target is read, texel by texel."""
+    kind = "2DMS" if target.samples else "2DArray" if target.layers else "2D"
+    return f"{_INTEGER.get(target.format, '')}sampler{kind}"
 
 
 def _clear_macro(variant: Variant, step: Pass) -> str:
     """CLEAR(p): pixel p gives every P-th element of the pass's buffers its initial value."""
-    body = " ".join(
-        f"{b.name}[p] = {b.type}({b.clear});" if b.clear_heads else
-        f"for (uint i = (p); i < uint({b.name}.length()); i += pixels) {b.name}[i] = {b.type}({b.clear});"
-        for b in variant.buffers if b.name in step.writes)
+    def end(buffer: Buffer) -> str:
+        heads = buffer.clear_heads
+        return f"pixels * uint({1 if heads is True else heads})" if heads else f"uint({buffer.name}.length())"
+
+    def value(buffer: Buffer) -> str:
+        words = 1 + variant.payload_words if buffer.type == "FRAGMENT" else 1
+        return f"{buffer.type}({', '.join([buffer.clear or ''] * words)})"
+
+    body = " ".join(f"for (uint i = (p); i < {end(b)}; i += pixels) {b.name}[i] = {value(b)};"
+                    for b in variant.buffers if b.name in step.writes)
     return f"#define CLEAR(p) {{ {body} }}"
 
 
 def _version(variant: Variant, words: set[str]) -> list[str]:
     """The language and the extensions that the variant's features and the shader's words ask for."""
-    extensions = [name for feature in variant.needs for name in FEATURE_EXTENSIONS[feature]]
+    shading = [feature for feature in variant.needs if feature in FEATURE_EXTENSIONS]
+    extensions = [name for feature in shading for name in FEATURE_EXTENSIONS[feature]]
     extensions += ["GL_ARB_gpu_shader_int64"] if "shader_atomic_int64" in variant.needs else []
     extensions += ["GL_ARB_ES3_1_compatibility"] if "IS_HELPER" in words else []
-    version = VERSION_FOR_FEATURES if variant.needs else VERSION
+    version = VERSION_FOR_FEATURES if shading else VERSION
     return [version, *(f"#extension {name} : enable" for name in extensions)]
 
 
 def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None) -> Source:
     """The stage `entry` (default: the pass's own shader) of one pass, ready to compile."""
     entry = entry or step.shader
-    slots = {"fetch": step.fetch} if step.fetch else {}
+    slots = {name: path for name, path in (("fetch", step.fetch), ("resolver", step.resolver)) if path}
     body, files = expand(entry, slots)
     macro = _clear_macro(variant, step)
     words = set(re.findall(r"[A-Za-z_]\w*", body))
@@ -183,27 +207,47 @@ def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None)
     prelude = _version(variant, words)
     values = define_values(variant, step, sizes)
     prelude += [f"#define {name} {literal(name, value)}" for name, value in sorted(values.items()) if name in words]
+    prelude += ["#define K chosen_k"] if "K" in words and isinstance(variant.method.capacity, Decided) else []
+    prelude += TYPES[variant.payload_words]
     prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "
                    + " ".join(f"uint {name};" for name in FRAME_FIELDS) + " };")
     if not entry.endswith(".vert"):
         by_name = {b.name: b for b in variant.buffers}
         prelude += [_buffer_block(by_name[split_ref(b.ref)[0]], b.index, b.name, b.ref not in step.writes)
                     for b in buffer_bindings(variant, step)]
-        prelude += [f"layout(binding = {b.index}) uniform sampler2D {b.name};"
+        targets = {t.name: t for t in variant.targets}
+        prelude += [f"layout(binding = {b.index}) uniform {_sampler(targets[split_ref(b.ref)[0]])} {b.name};"
                     for b in texture_bindings(variant, step)]
         prelude += [macro] if "CLEAR" in words else []
-        prelude += [f"layout(location = {i}) out vec4 out_{split_ref(ref)[0]};"
-                    for i, ref in enumerate(colour_refs(variant, step))]
-        if "lost_fragments" in words:
-            prelude.append(f"layout(std430, binding = {DIAGNOSTICS_BINDING}) buffer Diagnostics "
-                           "{ uint lost_fragments; };")
+        prelude += _outputs(variant, step, sizes)
+        prelude += ["layout(early_fragment_tests) in;"] if step.state.early else []
+        if words.intersection(DIAGNOSTICS):
+            prelude.append(f"layout(std430, binding = {DIAGNOSTICS_BINDING}) buffer Diagnostics {{ "
+                           + " ".join(f"uint {name};" for name in DIAGNOSTICS) + " };")
     return Source(entry, "\n".join(prelude) + "\n" + body, files)
 
 
 def colour_refs(variant: Variant, step: Pass) -> list[str]:
     """The colour targets of a pass in location order; the depth target is attached apart."""
-    depth = {t.name for t in variant.targets if t.format == "depth32f"}
+    depth = {t.name for t in variant.targets if t.attaches == "depth"}
     return [ref for ref in step.into if split_ref(ref)[0] not in depth]
+
+
+def _outputs(variant: Variant, step: Pass, sizes: Sizes) -> list[str]:
+    """The colour targets as the shader writes them: outputs at locations, or images at units."""
+    targets = {t.name: t for t in variant.targets}
+    lines: list[str] = []
+    location = 0
+    for ref in colour_refs(variant, step):
+        name = split_ref(ref)[0]
+        target = targets.get(name)
+        layers = variant.layer_count(target, sizes) if target else 1
+        array = f"[{layers}]" if target and target.layers else ""
+        kind = _INTEGER.get(target.format, "") if target else ""
+        lines.append(f"layout(rgba32f, binding = {location}) writeonly uniform image2D out_{name};"
+                     if step.kind == "compute" else f"layout(location = {location}) out {kind}vec4 out_{name}{array};")
+        location += layers
+    return lines
 
 
 VERTEX = {"geometry": "scene/quad.vert", "fullscreen": "screen/triangle.vert"}
@@ -213,4 +257,4 @@ def stages(variant: Variant, step: Pass, sizes: Sizes) -> tuple[Source, ...]:
     """All stages of a pass: vertex and fragment, or compute alone."""
     if step.kind == "compute":
         return (source(variant, step, sizes),)
-    return source(variant, step, sizes, VERTEX[step.kind]), source(variant, step, sizes)
+    return source(variant, step, sizes, step.vertex or VERTEX[step.kind]), source(variant, step, sizes)

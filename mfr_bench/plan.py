@@ -94,6 +94,9 @@ def judge(cell: Cell, catalog: Mapping[str, Method], sizes: Sizes, limits: Limit
     missing = [f for f in variant.needs if limits and f not in limits.features]
     if missing:
         return "unsupported", f"needs {', '.join(missing)}"
+    deepest = variant.method.deepest
+    if deepest and sizes.n > deepest:
+        return "over_budget", f"a pixel has {sizes.n} fragments, the method has room for {deepest}"
     side = max(sizes.W, sizes.H)
     if limits and side > limits.max_texture_size:
         return "over_budget", f"needs textures of {side} pixels a side, the device allows {limits.max_texture_size}"
@@ -107,7 +110,7 @@ def judge(cell: Cell, catalog: Mapping[str, Method], sizes: Sizes, limits: Limit
 
 
 def _mib(count: float) -> str:
-    return f"{count / MIB:,.1f} MiB"
+    return f"{count / MIB:,.1f} MiB" if count >= 10 * MIB else f"{count / MIB:.3g} MiB"
 
 
 def overview(cells: Iterable[Cell], catalog: Mapping[str, Method],

@@ -19,8 +19,14 @@ def shaders_dir() -> Path:
     return _folder("shaders")
 
 
-def _folder(name: str) -> Path:
-    places = (PACKAGE / "_data" / name, PACKAGE.parent / name)
+def reference_dir() -> Path:
+    """The folder of the numbers that the papers print. Raises MfrError where the installation lacks it."""
+    return _folder("reference", "results/reference")
+
+
+def _folder(name: str, beside: str | None = None) -> Path:
+    """The folder `name` of an installed package, `beside` (by default the same name) in the repository."""
+    places = (PACKAGE / "_data" / name, PACKAGE.parent / (beside or name))
     for place in places:
         if place.is_dir():
             return place

@@ -7,7 +7,7 @@ import random
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import groupby
 from typing import Any
 
@@ -21,7 +21,7 @@ from .gpu.frame import Canvas, Frame, SceneBuffer
 from .gpu.timers import Timer
 from .measure.sampling import Sampler
 from .measure.split import Split
-from .methods.spec import Method, Sizes, Variant
+from .methods.spec import Method, Promise, Sizes, Variant
 from .oracle import composite, sizes_of
 from .plan import Cell, judge
 from .scene import Scene, generate
@@ -32,9 +32,11 @@ ANIMATION_FRAMES = 8  # seeds that an animated scene cycles through
 LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
 PASS_FRAMES = 7
 PASS_SHARE = 0.25  # of the time limit, at most, spent on frames whose passes are timed
+ALL = Promise()  # every fragment: the A-buffer's image
 NOMINAL = Sizes(W=1, H=1, n=2, F=1, quads=1)  # the scene is in a cell's key of its own
 
 Report = Callable[[dict[str, Any]], None]
+Sampled = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -58,14 +60,14 @@ def glsl_hash(variant: Variant) -> str:
 
 def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[str, str], timer: str) -> list[Job]:
     """The cells with their keys, which cover the method with its GLSL and parameters, scene, settings and device."""
+    variants = [catalog[cell.method].variant(cell.params) for cell in cells]
+    codes = {variant: glsl_hash(variant) for variant in set(variants)}
     found = []
-    for cell in cells:
-        variant = catalog[cell.method].variant(cell.params)
-        code = glsl_hash(variant)
-        name = key({"method": cell.method, "label": cell.label, "params": dict(cell.params), "glsl": code, "scene": cell.scene.as_dict(),
-                    "measure": cell.measure.as_dict(), "renderer": device["renderer"], "version": device["version"],
-                    "timer": timer})
-        found.append(Job(cell, variant, name, code))
+    for cell, variant in zip(cells, variants, strict=True):
+        name = key({"method": cell.method, "label": cell.label, "params": dict(cell.params), "glsl": codes[variant],
+                    "scene": cell.scene.as_dict(), "measure": cell.measure.as_dict(),
+                    "renderer": device["renderer"], "version": device["version"], "timer": timer})
+        found.append(Job(cell, variant, name, codes[variant]))
     return found
 
 
@@ -77,8 +79,9 @@ class SceneWork:
         with split.work("scene"):
             frames = ANIMATION_FRAMES if config.animate else 1
             self.scenes = [generate(config, frame) for frame in range(frames)]
-            self.sizes = _largest([sizes_of(scene) for scene in self.scenes])
-        self._device, self._oracles = device, {}
+            self._sizes = {id(scene): sizes_of(scene) for scene in self.scenes}
+            self.sizes = _largest(list(self._sizes.values()))
+        self._device, self._oracles, self._qualities = device, {}, {}
 
     @cached_property
     def quads(self) -> SceneBuffer:
@@ -96,14 +99,26 @@ class SceneWork:
             self.quads.replace(scene)
         return scene
 
-    def oracle(self, layers: int | None) -> np.ndarray:
-        """The float64 image of the scene on the device now, all fragments or the nearest `layers`; computed once."""
-        bound = None if layers is None or layers >= self.sizes.n else layers
-        which = id(self.quads.scene), bound
+    def promised(self, variant: Variant) -> np.ndarray:
+        """The float64 image that the variant aims at in the scene on the device now."""
+        return self.oracle(variant.promise(self._sizes[id(self.quads.scene)]))
+
+    def oracle(self, promise: Promise) -> np.ndarray:
+        """The float64 image of the promised fragments of the scene on the device now; computed once."""
+        if promise.layers is not None and promise.layers >= self.sizes.n:
+            promise = ALL
+        which = id(self.quads.scene), promise
         if which not in self._oracles:
             with self.split.work("oracle"):
-                self._oracles[which] = composite(self.quads.scene, bound)
+                self._oracles[which] = composite(self.quads.scene, promise.layers, promise.criterion)
         return self._oracles[which]
+
+    def quality(self, image: np.ndarray) -> dict[str, float | None]:
+        """Errors against all fragments; equal images, as exact methods give them, are compared once."""
+        which = id(self.quads.scene), hashlib.sha256(image).digest()
+        if which not in self._qualities:
+            self._qualities[which] = quality.quality(image, self.oracle(ALL))
+        return self._qualities[which]
 
     def release(self) -> None:
         for name in ("quads", "canvas"):
@@ -130,7 +145,20 @@ class Running:
     twin: Sampler | None = None  # the same again, for the noise floor
     passes: dict[str, list[float]] = field(default_factory=dict)
     passes_s: float = 0.0  # spent on timing passes
-    failed: bool = False
+    done: bool = False  # its row is written
+
+    @property
+    def samplers(self) -> list[Sampler]:
+        return [s for s in (self.sampler, self.twin) if s]
+
+    @property
+    def wanted(self) -> bool:
+        return not self.done and any(s.wanted for s in self.samplers)
+
+    @property
+    def share(self) -> float:
+        """How much of the most frames or time that it may take has been taken."""
+        return 0.0 if self.done else min(s.share for s in self.samplers)
 
 
 @dataclass
@@ -143,14 +171,18 @@ class Summary:
 
 
 class Runner:
-    """Measures jobs into a result folder. `report` receives each row as it is written."""
+    """Measures jobs into a result folder.
+
+    `report` receives each row as it is written, `sampled` how many cells' worth of the rows to come is done.
+    """
 
     def __init__(self, device: Device, timer: Timer, folder: ResultFolder, catalog: Mapping[str, Method],
-                 report: Report = lambda row: None, split: Split | None = None):
+                 report: Report = lambda row: None, sampled: Sampled = lambda cells: None,
+                 split: Split | None = None):
         self.device, self.timer, self.folder, self.catalog = device, timer, folder, catalog
-        self.report, self.split = report, split or Split()
+        self.report, self.sampled, self.split = report, sampled, split or Split()
         self.summary = Summary()
-        self._shuffle = random.Random(0).shuffle
+        self._shuffle = random.Random(0).shuffle  # noqa: S311 - an order, not a secret
 
     def run(self, todo: Sequence[Job], force: bool = False) -> Summary:
         """Measure every job that the folder lacks, or all with `force`, scene by scene."""
@@ -174,7 +206,12 @@ class Runner:
         return True
 
     def _run_scene(self, missing: list[Job]) -> None:
-        work = SceneWork(self.device, missing[0].cell.scene, self.split)
+        try:
+            work = SceneWork(self.device, missing[0].cell.scene, self.split)
+        except MemoryError as error:
+            for job in missing:
+                self._write(job, *failure(error), values={})
+            return
         try:
             allowed = [job for job in missing if not self._skipped(job, work.sizes)]
             for chunk in _chunks(allowed, work.sizes):
@@ -195,9 +232,8 @@ class Runner:
             self._sample(running, work)
         except KeyboardInterrupt:
             for r in running:
-                if r.sampler.stop_reason is None and len(r.sampler.samples_ms) >= r.job.cell.measure.min_samples:
-                    r.sampler.stop_reason = "interrupted"
-                    self._finish(r, work)
+                if r.sampler.interrupt():
+                    self._guarded(r, work, self._finish)
             raise
         finally:
             for r in running:
@@ -217,7 +253,7 @@ class Runner:
                 return self._checked(job, frame, work)
         except StoreError:
             raise
-        except Exception as error:
+        except Exception as error:  # noqa: BLE001 - whatever it is, it is this cell's result
             self._write(job, *failure(error), values=_scene_values(job, work.sizes))
         if frame:
             frame.release()
@@ -226,33 +262,34 @@ class Runner:
     def _checked(self, job: Job, frame: Frame, work: SceneWork) -> Running:
         image = frame.image()
         compared = job.variant.method.guarantee != "none"
-        conformance = quality.conformance(image, work.oracle(job.variant.layers)) if compared else {}
-        against_all = quality.quality(image, work.oracle(None)) if compared else {}
+        conformance = quality.conformance(image, work.promised(job.variant)) if compared else {}
+        against_all = work.quality(image) if compared else {}
         return Running(job, frame, Sampler(job.cell.measure), conformance, against_all, frame.lost_fragments())
 
     def _sample(self, running: list[Running], work: SceneWork) -> None:
         """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done."""
         self._plant_twin(running)
-        entries = [(r, s) for r in running for s in (r.sampler, r.twin) if s]
+        entries = [(r, s) for r in running for s in r.samplers]
         while entries:
             self._shuffle(entries)
-            for r, sampler in list(entries):
-                self._guarded(r, work, lambda r=r, sampler=sampler: self._batch(r, sampler, work))
-            for r in {id(r): r for r, _ in entries}.values():
-                if not r.failed and not any(s.wanted for s in (r.sampler, r.twin) if s):
-                    self._guarded(r, work, lambda r=r: self._finish(r, work))
-            entries = [(r, s) for r, s in entries if s.wanted and not r.failed]
+            for r, sampler in entries:
+                self._guarded(r, work, partial(self._batch, sampler=sampler))
+            for r in running:
+                if not r.wanted:
+                    self._guarded(r, work, self._finish)
+            self.sampled(sum(r.share for r in running))
+            entries = [(r, s) for r, s in entries if s.wanted and not r.done]
 
-    def _guarded(self, running: Running, work: SceneWork, step: Callable[[], None]) -> None:
-        """Run a step of a cell; what goes wrong in it costs that cell alone."""
-        if running.failed:
+    def _guarded(self, running: Running, work: SceneWork, step: Callable[[Running, SceneWork], None]) -> None:
+        """Run a step of a cell that is not done; what goes wrong in it costs that cell alone."""
+        if running.done:
             return
         try:
-            step()
+            step(running, work)
         except StoreError:
             raise
-        except Exception as error:
-            running.failed = True
+        except Exception as error:  # noqa: BLE001 - whatever it is, it is this cell's result
+            running.done = True
             self._write(running.job, *failure(error), values=_scene_values(running.job, work.sizes))
 
     def _plant_twin(self, running: list[Running]) -> None:
@@ -261,7 +298,7 @@ class Runner:
         if self.summary.noise_floor_rel is None and methods:
             methods[0].twin = Sampler(methods[0].job.cell.measure)
 
-    def _batch(self, running: Running, sampler: Sampler, work: SceneWork) -> None:
+    def _batch(self, running: Running, work: SceneWork, sampler: Sampler) -> None:
         for _ in range(sampler.wanted):
             scene = work.show(len(sampler.samples_ms))
             running.frame.show(scene)
@@ -283,17 +320,19 @@ class Runner:
             low, _, high = ratio_interval(running.twin.samples_ms, sampler.samples_ms)
             if low is not None and high is not None:
                 self.summary.noise_floor_rel = max(abs(low - 1), abs(high - 1))
-        status, reason = verdict(job.variant.method, running.conformance, running.lost)
+        status, reason = verdict(job.variant, running.conformance, running.lost)
         low, middle, high = sampler.interval
         values = _scene_values(job, work.sizes) | running.conformance | running.quality | {
             "samples": len(sampler.samples_ms), "timer": self.timer.name, "time_ms": middle, "time_ms_low": low,
             "time_ms_high": high, "noisy": sampler.noisy, "stop_reason": sampler.stop_reason,
             "memory_bytes": sum(running.frame.memory_bytes.values()),
             "lost_fragments": running.lost, "geometry_passes": running.frame.geometry_passes,
-            "hit_ratio": _hit_ratio(job, work.sizes, running.lost),
+            "discarded_share": running.frame.discarded_share(),
+            "hit_ratio": _hit_ratio(running, work.sizes),
         }
         self._write(job, status, reason, values=values, warmup_ms=sampler.warmup_ms, samples_ms=sampler.samples_ms,
                     passes=running.passes, buffers=running.frame.memory_bytes)
+        running.done = True
 
     def _time_passes(self, running: Running, work: SceneWork, frames: int) -> None:
         """Time the passes in frames of their own, between the batches, so that drift hits both alike."""
@@ -316,7 +355,7 @@ class Runner:
         running.lost += running.frame.lost_fragments()
         self.device.check(f"{running.job.cell.method}: sampling")
         if running.conformance:
-            again = quality.conformance(running.frame.image(), work.oracle(running.job.variant.layers))
+            again = quality.conformance(running.frame.image(), work.promised(running.job.variant))
             running.conformance = {name: max(value, again[name]) for name, value in running.conformance.items()}
 
     def _place(self, job: Job) -> dict[str, Any]:
@@ -341,9 +380,9 @@ class Runner:
         self.summary.statuses[row["status"]] = self.summary.statuses.get(row["status"], 0) + 1
 
 
-def verdict(method: Method, conformance: Mapping[str, float | int], lost: int) -> tuple[str, str | None]:
+def verdict(variant: Variant, conformance: Mapping[str, float | int], lost: int) -> tuple[str, str | None]:
     """Status and reason of a measured cell: an exact method is wrong above 1e-4, or where it lost a fragment."""
-    if not method.guarantee.startswith("exact"):
+    if not variant.guarantee.startswith("exact"):
         return "ok", None
     if lost:
         return "wrong", f"{lost} fragments lost"
@@ -357,7 +396,7 @@ def failure(error: Exception) -> tuple[str, str]:
     """Status and reason of a cell that raised: whatever a method or a driver does costs its own cell only."""
     if isinstance(error, MemoryError):
         return "out_of_memory", str(error) or "out of memory"
-    return "crashed", str(error) if isinstance(error, MfrError) else f"{type(error).__name__}: {error}"
+    return "crashed", " ".join((str(error) if isinstance(error, MfrError) else repr(error)).split())
 
 
 def _chunks(todo: list[Job], sizes: Sizes) -> Iterator[list[Job]]:
@@ -377,15 +416,20 @@ def _chunks(todo: list[Job], sizes: Sizes) -> Iterator[list[Job]]:
 
 def _scene_values(job: Job, sizes: Sizes) -> dict[str, Any]:
     """What is known of a cell without running it."""
+    decision = job.variant.decision(sizes)
     return {"fragments": sizes.F, "covered_pixels": sum(sizes.histogram[1:]),
-            "max_fragments": len(sizes.histogram) - 1, "memory_model_bytes": job.variant.model_bytes(sizes)}
+            "max_fragments": len(sizes.histogram) - 1, "memory_model_bytes": job.variant.model_bytes(sizes),
+            "chosen_k": decision.k if decision else None}
 
 
-def _hit_ratio(job: Job, sizes: Sizes, lost: int) -> float | None:
-    """Fragments kept / generated: what the method promises to keep, less what it counted as lost."""
-    if job.variant.method.guarantee == "none" or not sizes.F:
+def _hit_ratio(running: Running, sizes: Sizes) -> float | None:
+    """Fragments kept / generated: what the method promises to keep, or with a choice that weakens it what it stored,
+    less what it counted as lost."""
+    variant = running.job.variant
+    if variant.method.guarantee == "none" or not sizes.F:
         return None
-    return max(0, job.variant.kept(sizes) - lost) / sizes.F
+    stored = running.frame.stored_fragments() if variant.weaknesses else None
+    return max(0, (variant.kept(sizes) if stored is None else stored) - running.lost) / sizes.F
 
 
 def _json(value: Any) -> Any:

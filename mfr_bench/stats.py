@@ -46,15 +46,16 @@ def median_interval(samples: Sequence[float], confidence: float = 0.95) -> Inter
     return ordered[rank - 1], median, ordered[count - rank]
 
 
-def ratio_interval(over: Sequence[float], under: Sequence[float]) -> Interval:
-    """Ratio of the medians of two sample sets, with an interval of at least 95 % confidence.
+def ratio_interval(over: Sequence[float], under: Sequence[float], confidence: float = 0.95) -> Interval:
+    """Ratio of the medians of two sample sets, with an interval of at least the given confidence.
 
     Two 97.5 % intervals hold both medians at once in at least 95 % of cases (Bonferroni), whether or
-    not the sets depend on each other. Samples are positive. The ends are None below 7 samples in either
-    set, and all three are None where either is empty or the lower median is 0.
+    not the sets depend on each other. Samples are positive. The ends are None where either set has too
+    few samples (below 7 for 95 %), and all three are None where either is empty or the lower median is 0.
     """
-    over_low, over_median, over_high = median_interval(over, 0.975)
-    under_low, under_median, under_high = median_interval(under, 0.975)
+    each = (1 + confidence) / 2
+    over_low, over_median, over_high = median_interval(over, each)
+    under_low, under_median, under_high = median_interval(under, each)
     if over_median is None or not under_median:
         return None, None, None
     if over_low is None or not under_low or under_high is None:

@@ -85,7 +85,9 @@ COLUMNS = (
     Column("noisy", "bool", "", "the interval was still wider than asked for when time or samples ran out"),
     Column("stop_reason", "str", "", "why sampling stopped"),
     Column("lost_fragments", "int", "fragments", "fragments that the method counted as dropped"),
+    Column("discarded_share", "float", "", "share of the fragments that early z discards before the store (occupancy)"),
     Column("geometry_passes", "int", "", "times the geometry was drawn in a frame"),
+    Column("chosen_k", "int", "fragments", "k, where the method chooses it from the scene"),
     Column("glsl_hash", "str", "", "hash of the shaders that ran", "cell"),
     Column("key", "str", "", "name of the cell file", "cell"),
     Column("device", "str", "", "short name of the device", "joined"),
@@ -150,6 +152,8 @@ def write_file(path: Path, content: bytes, durable: bool = False) -> None:
 def _make_folder(folder: Path) -> None:
     """A folder that outlives a loss of power: its name is synced too, not only what it holds."""
     if not folder.is_dir():
+        if folder.exists():
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
         _make_folder(folder.parent)
         folder.mkdir(exist_ok=True)
         _sync_folder(folder.parent)
@@ -164,10 +168,11 @@ def _sync_folder(folder: Path) -> None:
 
 
 def _unwritable(path: Path, error: OSError) -> str:
-    full = error.errno in (errno.ENOSPC, errno.EDQUOT)
-    what = "free some space" if full else "make the folder writable"
-    return (f"{path}: cannot be written: {error.strerror or error}; {what} or choose another folder with --out, "
-            "then run the same command again: cells already written are kept")
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+    locked = error.errno in (errno.EACCES, errno.EPERM, errno.EROFS)
+    what = "free some space or " if full else "make the folder writable or " if locked else ""
+    return (f"{path}: cannot be written: {error.strerror or error}; {what}choose another folder, "
+            "then run the same command again: what is written stays")
 
 
 def _plain(value: Any) -> Any:
@@ -317,7 +322,9 @@ class ResultFolder:
 
     def write_manifest(self, manifest: Mapping[str, Any]) -> None:
         """Replace manifest.json. Raises StoreError."""
-        write_file(self.path / "manifest.json", _text({"schema": SCHEMA} | _plain(manifest)), durable=True)
+        path = self.path / "manifest.json"
+        write_file(path, _text({"schema": SCHEMA} | _plain(manifest)), durable=True)
+        self._damaged.pop(path, None)
 
     def manifest(self) -> dict[str, Any]:
         """What manifest.json holds; empty where there is none that can be used."""
@@ -405,7 +412,8 @@ def result_rows(cells: Iterable[Cell]) -> list[Row]:
 
 def _result_row(cell: Cell, floor: Cell | None) -> Row:
     width, height = cell["scene"]["size"]
-    joined = {"width": width, "height": height, "k": cell["params"].get("k"), "device": device_name(cell),
+    joined = {"width": width, "height": height, "k": cell["params"].get("k", cell["values"].get("chosen_k")),
+              "device": device_name(cell),
               "floor_ms": floor["values"]["time_ms"] if floor else None}
     origins = {"cell": cell, "scene": cell["scene"], "values": cell["values"], "joined": joined}
     return {c.name: origins[c.origin].get(c.name) for c in COLUMNS}

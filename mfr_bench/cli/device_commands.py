@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import json
-import shutil
 import textwrap
 from dataclasses import asdict, replace
 from pathlib import Path
 
 import click
 
-from .options import DEVICE, JSON, PROFILE, SET, ConfigName, MethodName, first_experiment, method
+from .options import DEVICE, JSON, PROFILE, SET, ConfigName, MethodName, OutPath, first_experiment, method
+from .output import note, say, width
+
+WRONG = 3
 
 CHECKER = 8  # pixels, side of a square behind a transparent image
 CHECKER_GREYS = (0.75, 0.9)
-
-
-def _width() -> int:
-    return max(40, min(110, shutil.get_terminal_size((100, 24)).columns))
 
 
 def _device_or_reason(want: str):
@@ -36,7 +34,9 @@ def _device_or_reason(want: str):
 @JSON
 @DEVICE
 def methods(as_json: bool, device: str) -> None:
-    """List every method: paper, passes, memory, guarantee, and whether this device runs it.
+    """List every method, and whether this device runs it.
+
+    With its paper, passes, memory, guarantee, and parameters.
 
     \b
     Examples: mfr-bench methods
@@ -47,10 +47,12 @@ def methods(as_json: bool, device: str) -> None:
     found, reason = _device_or_reason(device)
     records = [_method_record(m, found, reason) for m in catalog().values()]
     if as_json:
-        click.echo(json.dumps(records, indent=2))
+        say(json.dumps(records, indent=2))
         return
+    if reason:
+        note(reason)
     for record in records:
-        click.echo(_method_text(record, _width()))
+        say(_method_text(record, width()))
 
 
 def _method_record(declared, device, reason: str | None) -> dict:
@@ -61,7 +63,7 @@ def _method_record(declared, device, reason: str | None) -> dict:
         "summary": declared.summary, "passes": list(declared.pass_names), "guarantee": declared.guarantee,
         "words_per_pixel": declared.words, "ties": declared.ties, "failure": declared.failure,
         "params": [{"name": p.name, "default": p.default, "allowed": p.allowed, "doc": p.doc,
-                    "needs": dict(p.needs),
+                    "needs": dict(p.needs), "weakens": dict(p.weakens),
                     "unsupported": [c for c, f in p.needs.items() if device and f not in device.features]}
                    for p in declared.params],
         "needs": sorted({*declared.needs, *(f for p in declared.params for f in p.needs.values())}),
@@ -87,7 +89,10 @@ def _method_text(record: dict, width: int) -> str:
 @JSON
 @DEVICE
 def doctor(as_json: bool, device: str) -> None:
-    """Show the OpenGL device, test what it does right, and choose the timer.
+    """Show the OpenGL device, test it, and choose the timer.
+
+    \b
+    Example: mfr-bench doctor
 
     Without a driver it says in one line what to install, and ends with exit status 1.
     """
@@ -103,7 +108,7 @@ def doctor(as_json: bool, device: str) -> None:
         "extensions": sorted(found.extensions),
         "self_tests": [asdict(f) for f in findings], "calibration": asdict(calibration),
     }
-    click.echo(json.dumps(record, indent=2) if as_json else _doctor_text(record))
+    say(json.dumps(record, indent=2) if as_json else _doctor_text(record))
     if any(f.passed is False for f in findings):
         click.get_current_context().exit(1)
 
@@ -113,8 +118,8 @@ def _doctor_text(record: dict) -> str:
     marks = {True: "pass", False: "FAIL", None: "-"}
     lines = [f"device      {device['renderer']} ({device['kind']})", f"vendor      {device['vendor']}",
              f"version     {device['version']}",
-             f"limits      {limits['max_block_bytes'] / 2**20:.0f} MiB per storage block, "
-             f"textures of {limits['max_texture_size']} pixels a side",
+             (f"limits      {limits['max_block_bytes'] / 2**20:.0f} MiB per storage block, "
+              f"textures of {limits['max_texture_size']} pixels a side"),
              f"features    {', '.join(limits['features']) or 'none of the optional ones'}",
              f"missing     {', '.join(record['missing_features']) or 'nothing'}",
              f"extensions  {len(record['extensions'])} (listed with --json)", ""]
@@ -127,11 +132,13 @@ def _doctor_text(record: dict) -> str:
 
 @click.command()
 @click.argument("config", type=ConfigName())
-@click.option("--out", required=True, type=click.Path(dir_okay=False), help="The .npz file to write.")
+@click.option("--out", required=True, type=OutPath(dir_okay=False), help="The .npz file to write.")
 @PROFILE
 @SET
 def scene(config: str, out: str, profile: str | None, overrides: tuple[str, ...]) -> None:
-    """Write the scene of CONFIG's first cell as NumPy arrays: viewport, and per quad rect, depth, rgba.
+    """Write the scene of CONFIG's first cell as NumPy arrays.
+
+    viewport (W, H); and per quad, in submission order, rect, depth and rgba.
 
     \b
     Example: mfr-bench scene smoke --set scene.layout=tiles --out scene.npz
@@ -150,23 +157,24 @@ def scene(config: str, out: str, profile: str | None, overrides: tuple[str, ...]
     np.savez(data, viewport=np.array(made.viewport, dtype=np.int32), rect=made.rect, depth=made.depth, rgba=made.rgba,
              fragment_probability=np.float64(made.fragment_probability), seed=np.uint32(made.seed))
     write_file(Path(out), data.getvalue())
-    click.echo(f"{out}: {len(made)} quads for {made.viewport[0]} x {made.viewport[1]} pixels")
+    say(f"{out}: {len(made)} quads for {made.viewport[0]} x {made.viewport[1]} pixels")
 
 
 @click.command()
 @click.argument("config", type=ConfigName())
 @click.option("--method", "method_id", required=True, type=MethodName(), help="The method that renders.")
-@click.option("--out", required=True, type=click.Path(dir_okay=False),
+@click.option("--out", required=True, type=OutPath(dir_okay=False),
               help="F.npy: float32 (H, W, 4), premultiplied, row 0 at the bottom. F.png: upright, over a checkerboard.")
 @PROFILE
 @SET
 @DEVICE
 def render(config: str, method_id: str, out: str, profile: str | None, overrides: tuple[str, ...],
            device: str) -> None:
-    """Render the scene of CONFIG's first cell by one method, and say how far it is from the oracle.
+    """Render CONFIG's first scene by one method, and check the image.
 
     \b
-    Example: mfr-bench render smoke --method kplus-array --set k=8 --out image.png
+    Example:
+      mfr-bench render smoke --method kplus-array --set k=8 --out image.png
     """
     from ..errors import DeviceError, UsageError
     from ..methods import catalog
@@ -184,6 +192,7 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
 
     from ..gpu.device import open_device
     from ..gpu.single import render as draw
+    from ..runner import verdict
 
     opened = open_device(device)
     decision = judge(cell, catalog(), sizes, opened.limits)
@@ -191,21 +200,28 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
         raise DeviceError(f"{method_id}: {decision[0]}: {decision[1]}")
     image = draw(opened, variant, made, sizes)
     write_file(Path(out), _npy(image) if out.endswith(".npy") else _png(image))
-    errors = conformance(image, composite(made, variant.layers))
-    click.echo(f"{out}: {sizes.W} x {sizes.H}, {sizes.F} fragments, max_abs_error {errors['max_abs_error']:.3g}, "
-               f"{errors['wrong_pixels']} wrong pixels")
+    promise = variant.promise(sizes)
+    errors = (conformance(image, composite(made, promise.layers, promise.criterion))
+              if variant.guarantee != "none" else None)
+    said = (f"max_abs_error {errors['max_abs_error']:.3g}, {errors['wrong_pixels']} wrong pixels" if errors
+            else "no image to compare")
+    say(f"{out}: {sizes.W} x {sizes.H}, {sizes.F} fragments, {said}")
+    if errors and verdict(variant, errors, lost=0)[0] == "wrong":
+        click.get_current_context().exit(WRONG)
 
 
 def _first_cell(config: str, method_id: str, profile: str | None, overrides: tuple[str, ...]):
-    """The first cell of a method in a config; a method that the config does not list runs with its parameters."""
+    """The first cell of a method in a config, --set above all else; a method that is not listed has no entry there."""
     from ..config import MethodEntry
     from ..methods import catalog
     from ..plan import expand
 
     declared = method(method_id)
     experiment = first_experiment(config, profile, overrides)
-    listed = [e for e in experiment.methods if e.id == method_id] or [MethodEntry(method_id, declared.name, {})]
-    cells = expand(replace(experiment, methods=(listed[0],)), catalog())
+    entry = next((e for e in experiment.methods if e.id == method_id), MethodEntry(method_id, declared.name, {}))
+    chosen = {text.partition("=")[0].strip().removeprefix("params.") for text in overrides}
+    own = {name: value for name, value in entry.params.items() if name not in chosen}
+    cells = expand(replace(experiment, methods=(replace(entry, params=own),)), catalog())
     cell = next(c for c in cells if c.method == method_id)
     return cell, declared.variant(cell.params)
 
@@ -243,7 +259,9 @@ def _png(image) -> bytes:
 @SET
 def shader(method_id: str, pass_name: str | None, config: str, profile: str | None,
            overrides: tuple[str, ...]) -> None:
-    """Print the GLSL of METHOD as it is compiled: includes expanded, defines in place.
+    """Print the GLSL of METHOD as it is compiled.
+
+    Includes are expanded, and defines in place.
 
     \b
     Example: mfr-bench shader kplus-array --pass store --set k=16
@@ -257,11 +275,12 @@ def shader(method_id: str, pass_name: str | None, config: str, profile: str | No
     if pass_name is not None and pass_name not in names:
         raise UsageError(f"--pass: {method_id} has no pass {pass_name!r}; allowed: {', '.join(names)}"
                          f"{nearest(pass_name, names)}")
+    sizes = expected_sizes(cell.scene)
     for step in variant.passes:
-        if step.kind == "clear" or pass_name not in (None, step.name):
+        if step.kind == "clear" or pass_name not in (None, step.name) or not variant.runs(step, sizes):
             continue
-        for stage in stages(variant, step, expected_sizes(cell.scene)):
-            click.echo(f"// {method_id}, pass {step.name}: {stage.entry}\n{stage.text}")
+        for stage in stages(variant, step, sizes):
+            say(f"// {method_id}, pass {step.name}: {stage.entry}\n{stage.text}")
 
 
 COMMANDS = (methods, doctor, scene, render, shader)

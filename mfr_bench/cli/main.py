@@ -2,31 +2,30 @@
 
 from __future__ import annotations
 
-import os
 import sys
 
 import click
 
 from .. import __version__
-from ..errors import MfrError, UsageError, nearest
-from . import device_commands, report_commands, run_command
-
-INTERRUPTED = 130
+from ..errors import Interrupted, MfrError, UsageError, nearest
+from . import claims_command, device_commands, report_commands, run_command
+from .output import note, prepare_streams, say
 
 EPILOG = """
 \b
 Examples:
-  mfr-bench run smoke                      every method on a small scene, in a minute
-  mfr-bench run kplus2015-fig6 --dry-run   what would be measured, and what would be skipped
-  mfr-bench plot results                   draw all figures again
-  mfr-bench doctor                         the OpenGL device, and what it does right
+  mfr-bench run smoke                  every method, small, within a minute
+  mfr-bench run smoke --dry-run        what is measured, what skipped, and why
+  mfr-bench table results              the tables of all that was measured
+  mfr-bench doctor                     the OpenGL device, and its self-tests
 
 \b
-Exit status: 0 done, 1 a cell crashed or ran out of time or memory, 2 the command or a config is wrong,
-3 an image is wrong, 130 interrupted.
+Exit status: 0 done; 1 a cell crashed, or ran out of time or memory;
+2 the command or a config is wrong; 3 an image is wrong; 130 interrupted.
 
 \b
-Shell completion: eval "$(_MFR_BENCH_COMPLETE=bash_source mfr-bench)"   (or zsh_source, fish_source)
+Shell completion (or zsh_source, fish_source):
+  eval "$(_MFR_BENCH_COMPLETE=bash_source mfr-bench)"
 """
 
 
@@ -40,50 +39,56 @@ class Commands(click.Group):
         return super().resolve_command(context, args)
 
 
-@click.group(cls=Commands, epilog=EPILOG, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Commands, epilog=EPILOG, invoke_without_command=True,
+             context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mfr-bench")
-def cli() -> None:
+@click.pass_context
+def cli(context: click.Context) -> None:
     """Benchmark of multi-fragment rendering: A-buffers, k-buffers, depth peeling, on your own GPU.
 
     Every image that is timed is first checked against a float64 oracle.
     """
+    if context.invoked_subcommand is None:
+        say(context.get_help())
+        context.exit(2)
 
 
-for module in (run_command, report_commands, device_commands):
+for module in (run_command, report_commands, claims_command, device_commands):
     for command in module.COMMANDS:
         cli.add_command(command)
+
+
+def main() -> None:
+    """Entry point: every ending is a line and an exit status, never a traceback for a user's mistake."""
+    prepare_streams()
+    status, lines = _outcome()
+    for line in lines:
+        note(line)
+    sys.exit(status)
+
+
+def _outcome() -> tuple[int, list[str]]:
+    """Run the command: its exit status, and what is to be said of it on stderr."""
+    try:
+        status = cli.main(prog_name="mfr-bench", standalone_mode=False)
+        sys.stdout.flush()
+    except UsageError as error:
+        return error.exit_status, error.lines
+    except MfrError as error:
+        return error.exit_status, [str(error)]
+    except click.ClickException as error:
+        return 2, [_one_line(error)]
+    except (KeyboardInterrupt, click.Abort):
+        return Interrupted.exit_status, ["interrupted"]
+    except MemoryError as error:
+        return 1, [f"out of memory: {error}"]
+    except OSError as error:
+        return 1, [f"{error.filename or 'the output'}: {error.strerror or error}"]
+    return (status if isinstance(status, int) else 0), []
 
 
 def _one_line(error: click.ClickException) -> str:
     """click's complaint with the command in front and its help at the end."""
     context = getattr(error, "ctx", None)
     command = context.command_path if context else "mfr-bench"
-    return f"{command}: {' '.join(error.format_message().split())}; see {command} --help"
-
-
-def main() -> None:
-    """Entry point: every ending is a line and an exit status, never a traceback for a user's mistake."""
-    try:
-        status = cli.main(prog_name="mfr-bench", standalone_mode=False)
-        sys.stdout.flush()
-        sys.exit(status if isinstance(status, int) else 0)
-    except UsageError as error:
-        _complain(*error.lines)
-        sys.exit(error.exit_status)
-    except MfrError as error:
-        _complain(str(error))
-        sys.exit(error.exit_status)
-    except click.ClickException as error:
-        _complain(_one_line(error))
-        sys.exit(2)
-    except (KeyboardInterrupt, click.Abort):
-        _complain("interrupted; what was measured is kept")
-        sys.exit(INTERRUPTED)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # nothing reads what is still buffered
-        sys.exit(0)
-
-
-def _complain(*lines: str) -> None:
-    for line in lines:
-        print(line, file=sys.stderr)
+    return f"{command}: {' '.join(error.format_message().split()).rstrip('.')}; see {command} --help"

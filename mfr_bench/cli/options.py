@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import click
 
+from ..errors import nearest
+
 
 class ConfigName(click.ParamType):
     """A file, a folder, or the name of a shipped config."""
 
     name = "config"
+
+    def convert(self, value, param, context):
+        if not value:
+            self.fail("'' is no config; allowed: a file, a folder, or a name that 'mfr-bench configs' lists")
+        return value
 
     def shell_complete(self, context, param, incomplete):
         from click.shell_completion import CompletionItem
@@ -33,7 +40,25 @@ class MethodName(click.ParamType):
         return [CompletionItem(f"{done},{i}" if done else i) for i in catalog() if i.startswith(last)]
 
 
-DEVICE = click.option("--device", type=click.Choice(["auto", "gpu", "cpu"]), default="auto", show_default=True,
+class OutPath(click.Path):
+    """Where to write: an empty name, as an unset variable gives it, is none."""
+
+    def convert(self, value, param, context):
+        if not value:
+            self.fail("'' is no place to write to")
+        return super().convert(value, param, context)
+
+
+class DeviceKind(click.Choice):
+    """Names the nearest kind for one that does not exist."""
+
+    def convert(self, value, param, context):
+        if value not in self.choices:
+            self.fail(f"{value!r} is not allowed; allowed: {', '.join(self.choices)}{nearest(value, self.choices)}")
+        return value
+
+
+DEVICE = click.option("--device", type=DeviceKind(["auto", "gpu", "cpu"]), default="auto", show_default=True,
                       help="The OpenGL device: a GPU, a software driver on the CPU, or a GPU where there is one.")
 SET = click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE",
                    help="Change a key of the config, e.g. k=8 or scene.size=[64,64]; may be repeated.")
@@ -43,11 +68,12 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 def method(method_id: str):
     """The method of this id. Raises UsageError with the nearest id."""
-    from ..errors import UsageError, nearest
+    from ..errors import UsageError
     from ..methods import catalog
 
     if method_id not in catalog():
-        raise UsageError(f"unknown method {method_id!r}; allowed: {', '.join(catalog())}{nearest(method_id, catalog())}")
+        raise UsageError(f"unknown method {method_id!r}; allowed: {', '.join(catalog())}"
+                         f"{nearest(method_id, catalog())}")
     return catalog()[method_id]
 
 

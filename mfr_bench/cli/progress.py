@@ -7,9 +7,17 @@ import time
 from collections.abc import Mapping
 from typing import Any
 
+from .output import note
+
+ENOUGH = 0.1  # cells; from fewer no time is foretold
+FAILED = ("wrong", "crashed", "timeout", "out_of_memory", "overflow")
+
 
 def duration(seconds: float) -> str:
     minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    if hours:
+        return f"{hours} h {minutes:02} min"
     return f"{minutes} min {rest:02} s" if minutes else f"{rest} s"
 
 
@@ -17,27 +25,24 @@ def outcome(row: Mapping[str, Any]) -> str:
     """One line on a finished cell: method, where it stands in the sweep, time or reason."""
     point = " ".join(f"{name.removeprefix('scene.')}={value}" for name, value in row["point"].items())
     time_ms = row["values"].get("time_ms")
-    said = f"{time_ms:.3g} ms" if time_ms is not None else row["reason"]
-    status = "" if row["status"] == "ok" else f" {row['status']}"
-    return f"{row['label']} {point}:{status} {said}".replace(" :", ":")
+    said = ([] if row["status"] == "ok" else [row["status"]]) + ([row["reason"]] if row["reason"] else [])
+    said += [] if time_ms is None else [f"{time_ms:.3g} ms"]
+    return f"{' '.join([row['label'], point]).rstrip()}: {', '.join(said)}"
 
 
 class Progress:
-    """Counts rows of `total` as they come. `note` lines stay on the screen."""
+    """Counts rows of `total` as they come. On a terminal rows that failed stay on the screen."""
 
     def __init__(self, total: int, name: str):
         self.total, self.name, self.done = total, name, 0
+        self._skipped, self._begun, self._last = 0, 0.0, "starting"
         self._start = time.monotonic()
-        self._live = None
-        if sys.stderr.isatty():
-            from rich.console import Console
-            from rich.live import Live
+        self._live = _live_line() if total else None
 
-            self._live = Live(console=Console(stderr=True), refresh_per_second=4, transient=True)
-
-    def __enter__(self) -> Progress:
+    def __enter__(self):
         if self._live:
             self._live.start()
+            self._show(at_once=True)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -46,20 +51,48 @@ class Progress:
 
     @property
     def left_s(self) -> float | None:
-        """Time left if the remaining cells take what the done ones took."""
+        """Time left if the remaining cells take what the measured ones took; cells that are skipped take none."""
+        worked = self.done - self._skipped + self._begun
         spent = time.monotonic() - self._start
-        return spent / self.done * (self.total - self.done) if self.done else None
+        return spent / worked * max(0.0, self.total - self._skipped - worked) if worked > ENOUGH else None
 
     def row(self, row: Mapping[str, Any]) -> None:
+        """A cell is done."""
         self.done += 1
-        left = f", {duration(self.left_s)} left" if self.done < self.total else ""
-        line = f"{self.name} {self.done}/{self.total}{left}  {outcome(row)}"
-        failed = row["status"] in ("wrong", "crashed", "timeout", "out_of_memory", "overflow")
+        measured = row["values"].get("time_ms") is not None
+        self._skipped += not measured
+        self._begun = max(0.0, self._begun - measured)
+        self._last = outcome(row)
         if self._live is None:
-            print(line, file=sys.stderr, flush=True)
-        else:
-            from rich.text import Text
+            note(self._line())
+            return
+        if row["status"] in FAILED:
+            self._live.console.print(self._last, markup=False, highlight=False)
+        self._show()
 
-            self._live.update(Text(line, overflow="ellipsis", no_wrap=True))
-            if failed:
-                self._live.console.print(Text(line))
+    def sampled(self, cells: float) -> None:
+        """Cells in hand, each as the fraction of the most frames or time that it may take."""
+        self._begun = cells
+        self._last = self._last if self.done else "measuring"
+        if self._live:
+            self._show()
+
+    def _line(self) -> str:
+        left = f", {duration(self.left_s)} left" if self.left_s is not None and self.done < self.total else ""
+        return f"{self.name} {self.done}/{self.total}{left}  {self._last}"
+
+    def _show(self, at_once: bool = False) -> None:
+        from rich.text import Text
+
+        self._live.update(Text(self._line(), overflow="ellipsis", no_wrap=True), refresh=at_once)
+
+
+def _live_line():
+    """A line at the bottom of a terminal that redraws itself; None where stderr is none that can."""
+    if not sys.stderr.isatty():
+        return None
+    from rich.console import Console
+    from rich.live import Live
+
+    console = Console(stderr=True)
+    return None if console.is_dumb_terminal else Live(console=console, refresh_per_second=4, transient=True)

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import click
 
+from .output import note, say, width
+
 FOLDERS = click.argument("folders", nargs=-1, required=True, metavar="DIR...", type=click.Path())
 
 
@@ -17,17 +19,23 @@ def _results(folders: tuple[str, ...]):
 
 def write_report(folder) -> list[Path]:
     """Everything that is derived from a result folder's cells: CSV, tables, figures."""
-    from ..report import write_figures, write_tables
+    from ..report import write_figures
+
+    return [*_write_tables(folder), *write_figures(folder)]
+
+
+def _write_tables(folder) -> list[Path]:
+    from ..report import write_tables
     from ..store import derive
 
     derive(folder)
-    return [*write_tables(folder), *write_figures(folder)]
+    return write_tables(folder)
 
 
 @click.command()
 @FOLDERS
 def plot(folders: tuple[str, ...]) -> None:
-    """Draw the figures of every result at or below DIR again.
+    """Draw the figures of all results at or below DIR again.
 
     \b
     Example: mfr-bench plot results/llvmpipe/smoke
@@ -36,44 +44,45 @@ def plot(folders: tuple[str, ...]) -> None:
 
     for folder in _results(folders):
         for path in write_figures(folder, processes=2):
-            click.echo(path)
-        _name_damaged(folder)
+            say(path)
+        for line in folder.damaged:
+            note(line)
 
 
 @click.command()
 @FOLDERS
 def table(folders: tuple[str, ...]) -> None:
-    """Print the tables of every result at or below DIR, and write them with results.csv and passes.csv.
+    """Print the tables of all results at or below DIR.
+
+    Writes them again, too, with results.csv and passes.csv.
 
     \b
     Example: mfr-bench table results | less
     """
-    from ..report import terminal_table, write_tables
-    from ..store import derive
+    from ..report import terminal_table
 
-    for number, folder in enumerate(_results(folders)):
-        derive(folder)
-        write_tables(folder)
-        click.echo(("\n" if number else "") + terminal_table(folder), nl=False)
-
-
-def _name_damaged(folder) -> None:
-    for line in folder.damaged:
-        click.echo(line, err=True)
+    results = _results(folders)
+    say("\n".join(terminal_table(folder, width()) for folder in results).rstrip("\n"))
+    for folder in results:  # after all are shown: a folder may be there only to be read
+        _write_tables(folder)
 
 
 @click.command()
 def configs() -> None:
-    """List the configs that come with the package, by the names that `run` takes."""
+    """List the configs that come with the package.
+
+    \b
+    Example: mfr-bench configs
+    """
     from ..config import load, shipped
     from ..methods import catalog
 
-    width = max(map(len, shipped()))
+    longest = max(map(len, shipped()))
     for name, path in shipped().items():
         experiment = load(str(path), catalog())[0]
         source = " ".join(filter(None, (experiment.source.get("paper"), f"figure {experiment.source['figure']}"
                                         if experiment.source.get("figure") else "")))
-        click.echo(f"{name:{width}}  {experiment.title}{f' ({source})' if source else ''}")
+        say(f"{name:{longest}}  {experiment.title}{f' ({source})' if source else ''}")
 
 
 COMMANDS = (plot, table, configs)

@@ -12,16 +12,27 @@ TILE = 32  # pixels, side of a tile of layout `tiles`
 TILES_STREAM = 6  # of the hash, by which tiles are shuffled; scene.quads has the others
 
 
+@lru_cache(maxsize=256)
 def block(size: tuple[int, int], density: float) -> tuple[int, int]:
     """Width and height of the block: the viewport's shape, its area nearest to density·W·H.
 
     Where several shapes are as near, the one closest to the viewport's own aspect ratio.
     """
-    width, height = size
-    target, ideal = density * width * height, width * math.sqrt(density)
-    shapes = [(w, min(max(round(target / w), 1), height))
-              for w in range(max(1, int(ideal * 0.9)), min(width, int(ideal * 1.1) + 1) + 1)]
+    (width, height), scale = size, math.sqrt(density)
+    target, ideal = density * width * height, width * scale
+    shapes = [(w, _rest(target, w, height)) for w in _about(ideal, width)]
+    shapes += [(_rest(target, h, width), h) for h in _about(height * scale, height)]
     return min(shapes, key=lambda s: (abs(s[0] * s[1] - target), abs(s[0] - ideal)))
+
+
+def _about(ideal: float, most: int) -> range:
+    """Lengths within a tenth of the ideal one."""
+    return range(max(1, int(ideal * 0.9)), min(most, int(ideal * 1.1) + 1) + 1)
+
+
+def _rest(area: float, side: int, most: int) -> int:
+    """The other side that brings a rectangle nearest to the area."""
+    return min(max(round(area / side), 1), most)
 
 
 @lru_cache(maxsize=256)

@@ -13,6 +13,7 @@ import moderngl
 
 from ..errors import DeviceError, ShaderError
 from ..glsl import FEATURE_EXTENSIONS, Source
+from ..methods.spec import SAMPLE_FEATURES, SAMPLE_STENCIL
 from ..plan import Limits
 from .rawgl import RawGL
 
@@ -49,12 +50,24 @@ class Device:
 
     @cached_property
     def features(self) -> frozenset[str]:
-        """Features of `glsl.FEATURE_EXTENSIONS` that this device offers by one of their extensions."""
-        return frozenset(f for f, names in FEATURE_EXTENSIONS.items() if self.extensions.intersection(names))
+        """Features that this device offers, by an extension of `glsl.FEATURE_EXTENSIONS`, a number, or a trial."""
+        from .selftest import tests_each_sample  # itself draws on a device
+
+        shading = {f for f, names in FEATURE_EXTENSIONS.items() if self.extensions.intersection(names)}
+        samples = {f for f, count in SAMPLE_FEATURES.items() if count in self._sample_counts}
+        routing = {SAMPLE_STENCIL} if "samples_4" in samples and tests_each_sample(self) else set()
+        return frozenset(shading | samples | routing)
+
+    @cached_property
+    def _sample_counts(self) -> frozenset[int]:
+        """Samples that both kinds of target used for stencil routing can have."""
+        most = min(int(self.ctx.info[f"GL_MAX_{kind}_SAMPLES"]) for kind in ("INTEGER", "DEPTH_TEXTURE"))
+        both = self.gl.sample_counts("r32ui") & self.gl.sample_counts("depth24_stencil8")
+        return frozenset(count for count in both if count <= most)
 
     @property
     def missing_features(self) -> frozenset[str]:
-        return frozenset(FEATURE_EXTENSIONS) - self.features
+        return frozenset({*FEATURE_EXTENSIONS, *SAMPLE_FEATURES, SAMPLE_STENCIL}) - self.features
 
     @cached_property
     def limits(self) -> Limits:
@@ -106,7 +119,8 @@ def compile_message(log: str, sources: tuple[Source, ...], owner: str) -> str:
 
 def slug(renderer: str) -> str:
     """A renderer string as a folder name: `NVIDIA H200/PCIe/SSE2` -> `nvidia-h200`, `llvmpipe (LLVM 15…)` -> `llvmpipe`."""
-    return re.sub(r"[^a-z0-9]+", "-", re.split(r"[(/]", renderer.lower())[0]).strip("-") or "unknown"
+    bare = re.sub(r"\((r|tm)\)", "", renderer.lower())
+    return re.sub(r"[^a-z0-9]+", "-", re.split(r"[(/]", bare)[0]).strip("-") or "unknown"
 
 
 def _create(index: int) -> Device:

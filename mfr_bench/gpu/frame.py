@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..glsl import (
+    DIAGNOSTICS,
     DIAGNOSTICS_BINDING,
     FRAME_BINDING,
     FRAME_FIELDS,
@@ -17,7 +18,7 @@ from ..glsl import (
     stages,
     texture_bindings,
 )
-from ..methods.spec import IMAGE, Counted, Grown, Loop, Pass, Sizes, Variant, evaluate
+from ..methods.spec import IMAGE, Counted, Grown, Loop, Pass, Sizes, Target, Variant, evaluate
 from ..scene import Scene
 from . import rawgl
 from .device import Device
@@ -86,17 +87,24 @@ class Frame:
         self.geometry_passes = 0  # of the last frame
         self._capacity = variant.start_capacity(sizes)
         self._room = self._capacity  # elements allocated; never less than the capacity in use
+        self._counted = 0  # samples that the latest counting pass let through
+        self._chosen_k = 0  # of a method whose k the host decides
         self._shown = quads.scene
         self._uniforms = device.ctx.buffer(reserve=32)
         self._diagnostics = device.ctx.buffer(np.zeros(4, dtype=np.uint32).tobytes())
         self._query = device.gl.generate("Queries")
-        self._textures = {t.name: [Texture(device.gl, t.format, (sizes.W, sizes.H)) for _ in range(t.copies)]
-                          for t in variant.targets}
+        self._probing = False
+        self._textures = {t.name: [self._texture(t) for _ in range(t.copies)] for t in variant.targets}
         self._buffers: dict[str, list] = {}
         self._allocate()
-        self._passes = {id(step): PassRunner(self, step) for step in variant.passes}
+        self._passes = {id(step): PassRunner(self, step) for step in variant.passes if variant.runs(step, sizes)}
         self._write_uniforms()
         device.check(f"{variant.method.id}: allocation")
+
+    def _texture(self, target: Target) -> Texture:
+        samples, layers = self.variant.samples(target, self.sizes), self.variant.layer_count(target, self.sizes)
+        return Texture(self.gl, target.format, (self.sizes.W, self.sizes.H),
+                       samples if target.samples else 0, layers if target.layers else 0)
 
     def _allocate(self) -> None:
         """Make every buffer that is missing or too small for the room."""
@@ -112,16 +120,15 @@ class Frame:
     def _write_uniforms(self) -> None:
         scene = self._shown
         values = {"width": self.sizes.W, "height": self.sizes.H, "pixels": self.sizes.P, "capacity": self._capacity,
-                  "seed": scene.seed, "keep_threshold": min(scene.keep_threshold, 2**32 - 1)}
+                  "seed": scene.seed, "keep_threshold": min(scene.keep_threshold, 2**32 - 1),
+                  "chosen_k": self._chosen_k}
         self._uniforms.write(np.array([values[name] for name in FRAME_FIELDS], dtype=np.uint32).tobytes())
 
     @property
     def memory_bytes(self) -> dict[str, int]:
         """Bytes of each allocated object, by the name of its declaration."""
         buffers = {name: sum(b.size for b in copies) for name, copies in self._buffers.items()}
-        words = {"r32f": 1, "rg32f": 2, "rgba32f": 4, "depth32f": 1}
-        textures = {name: sum(4 * words[t.format] * t.size[0] * t.size[1] for t in copies)
-                    for name, copies in self._textures.items()}
+        textures = {name: sum(t.bytes for t in copies) for name, copies in self._textures.items()}
         return buffers | textures
 
     def show(self, scene: Scene) -> None:
@@ -134,6 +141,7 @@ class Frame:
         """Run every pass in order; `mark` is called with the pass's name after each."""
         self.geometry_passes = 0
         self._unpublished: set[str] = set()
+        self._touched: set[str] = set(self._buffers)  # by the frame before
         self._uniforms.bind_to_uniform_block(FRAME_BINDING)
         self._diagnostics.bind_to_storage_buffer(DIAGNOSTICS_BINDING)
         iteration = 0
@@ -155,7 +163,9 @@ class Frame:
         return times
 
     def _run(self, step: Pass, iteration: int, mark: Mark | None) -> int | None:
-        runner = self._passes[id(step)]
+        runner = self._passes.get(id(step))
+        if runner is None or (step.probes and not self._probing):
+            return None
         self._publish(runner)
         if step.counts:
             self.gl.glBeginQuery(rawgl.SAMPLES_PASSED, self._query)
@@ -164,19 +174,31 @@ class Frame:
         counted = None
         if step.counts:
             self.gl.glEndQuery(rawgl.SAMPLES_PASSED)
-            counted = self.gl.query_result(self._query)
+            counted = self._counted = self.gl.query_result(self._query)
             if isinstance(self.variant.method.capacity, Counted):
                 self._set_capacity(counted)
+        if step.decides:
+            self._decide()
         if mark:
             mark(step.name)
         return counted
 
     def _publish(self, runner: PassRunner) -> None:
-        """A barrier where the pass touches buffers that an earlier pass wrote."""
-        if self._unpublished & runner.touched:
+        """A barrier where the pass touches buffers that an earlier pass wrote, or writes what one still reads."""
+        if self._unpublished & runner.touched or self._touched & runner.written:
             self.gl.glMemoryBarrier(rawgl.BARRIERS["storage"])
             self._unpublished.clear()
+            self._touched.clear()
         self._unpublished |= runner.written
+        self._touched |= runner.touched
+
+    def _decide(self) -> None:
+        """Set k and the capacity for the passes that follow, from what the last one has written."""
+        decided = self.variant.method.capacity
+        choice = decided.rule(self.words(decided.reads).tolist(), self._counted, self.sizes.P, self.variant.scope)
+        self._chosen_k = choice.k
+        self._set_capacity(choice.capacity)
+        self._write_uniforms()
 
     def _set_capacity(self, elements: int) -> None:
         if elements > self._room:
@@ -193,8 +215,16 @@ class Frame:
         wanted = int(self.words(grown.counter)[0])
         if wanted <= self._capacity:
             return True
-        self._set_capacity(2 * self._capacity)
+        self._grow(2 * self._capacity)
         return False
+
+    def _grow(self, elements: int) -> None:
+        """Room for so many elements. Raises MemoryError where a storage block cannot have it."""
+        most = self.device.limits.max_block_bytes
+        for buffer in self.variant.buffers:
+            if (size := self.variant.block_bytes(buffer, self.sizes, elements)) > most:
+                raise MemoryError(f"{buffer.name} would grow to {size} bytes, a storage block holds {most}")
+        self._set_capacity(elements)
 
     def draw_fitting(self) -> None:
         """Draw until every growing buffer holds the frame. Raises MemoryError where it cannot grow further."""
@@ -206,12 +236,32 @@ class Frame:
         self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
         return np.frombuffer(self._buffers[name][0].read(), dtype=np.uint32)
 
+    def stored_fragments(self) -> int | None:
+        """Fragments that took room in the last frame, where a growing buffer counts them."""
+        grown = self.variant.method.capacity
+        return int(self.words(grown.counter)[0]) if isinstance(grown, Grown) else None
+
     def lost_fragments(self) -> int:
         """Fragments that found no room or never got the lock, since the last call."""
+        return self._diagnostic("lost_fragments")
+
+    def discarded_share(self) -> float | None:
+        """Share of the fragments that early z discards before the store; draws a frame. None for methods without."""
+        if not any(step.probes for step in self.variant.passes) or not self.sizes.F:
+            return None
+        self._diagnostic("arrived_fragments")
+        passes, self._probing = self.geometry_passes, True
+        self.draw()
+        self.geometry_passes, self._probing = passes, False
+        return 1 - self._diagnostic("arrived_fragments") / self.sizes.F
+
+    def _diagnostic(self, name: str) -> int:
+        """A counter's value, which starts anew."""
         self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
-        lost = int(np.frombuffer(self._diagnostics.read(4), dtype=np.uint32)[0])
-        self._diagnostics.write(bytes(4))
-        return lost
+        at = 4 * DIAGNOSTICS.index(name)
+        value = int(np.frombuffer(self._diagnostics.read(4, offset=at), dtype=np.uint32)[0])
+        self._diagnostics.write(bytes(4), offset=at)
+        return value
 
     def image(self) -> np.ndarray:
         """float32 (H, W, 4), premultiplied, row 0 at the bottom."""
@@ -266,7 +316,8 @@ class PassRunner:
             content = [frame.quads.attributes(self.program)] if step.kind == "geometry" else []
             self.vao = frame.device.ctx.vertex_array(self.program, content)
         self.groups = int(evaluate(step.groups, sizes, variant.scope)) if step.groups else 0
-        self.writes_depth = any(frame.texture(r, 0).is_depth for r in step.into)
+        self.instances = variant.value(step.instances, sizes)
+        self.writes_depth = step.state.depth_write and any(frame.texture(r, 0).is_depth for r in step.into)
 
     @cached_property
     def takes_iteration(self) -> bool:
@@ -284,7 +335,7 @@ class PassRunner:
     def run(self, iteration: int) -> None:
         self._bind(iteration)
         if self.step.kind == "compute":
-            self.program.run(self.groups)
+            self._dispatch(iteration)
             return
         framebuffer = self._framebuffer(iteration)
         framebuffer.use(colour=bool(self.step.into), depth=self.writes_depth)
@@ -294,7 +345,7 @@ class PassRunner:
             return
         self._apply_state()
         if self.step.kind == "fullscreen":
-            self.vao.render(mode=4, vertices=3)  # GL_TRIANGLES
+            self.vao.render(mode=4, vertices=3, instances=self.instances)  # GL_TRIANGLES
         elif len(self.frame.quads.scene):
             self.vao.render(mode=5, vertices=4, instances=len(self.frame.quads.scene))  # GL_TRIANGLE_STRIP
 
@@ -305,6 +356,16 @@ class PassRunner:
             self.frame.texture(binding.ref, iteration).bind(binding.index)
         if self.takes_iteration:
             self.program["iteration"] = iteration
+
+    def _dispatch(self, iteration: int) -> None:
+        """Images are published at once: what comes next may be a draw, a fetch or a read-back."""
+        for unit, ref in enumerate(self.step.into):
+            self.frame.texture(ref, iteration).bind_image(unit)
+        if self.step.into:
+            self.gl.glMemoryBarrier(rawgl.BARRIERS["image"])
+        self.program.run(self.groups)
+        if self.step.into:
+            self.gl.glMemoryBarrier(rawgl.BARRIERS["image"])
 
     def _apply_state(self) -> None:
         state = self.step.state
@@ -320,6 +381,13 @@ class PassRunner:
             self.gl.glDepthFunc(rawgl.DEPTH_FUNCTIONS[state.depth_test])
         else:
             self.gl.glDisable(rawgl.DEPTH_TEST)
+        if state.stencil:
+            self.gl.glEnable(rawgl.STENCIL_TEST)
+            self.gl.glStencilFunc(rawgl.STENCIL_TESTS[state.stencil.test], state.stencil.reference, 0xFF)
+            self.gl.glStencilOp(*[rawgl.STENCIL_UPDATES[state.stencil.update]] * 3)
+        else:
+            self.gl.glDisable(rawgl.STENCIL_TEST)
+        (self.gl.glEnable if state.multisample else self.gl.glDisable)(rawgl.MULTISAMPLE)
 
     def release(self) -> None:
         for framebuffer in self.framebuffers.values():

@@ -8,18 +8,24 @@ from typing import Any
 ENUM, UINT, INT, FLOAT, BOOL = ctypes.c_uint, ctypes.c_uint, ctypes.c_int, ctypes.c_float, ctypes.c_ubyte
 SIZE, POINTER = ctypes.c_int, ctypes.c_void_p
 
-BLEND, DEPTH_TEST, COLOR, DEPTH = 0x0BE2, 0x0B71, 0x1800, 0x1801
-TEXTURE_2D, TEXTURE_2D_ARRAY, NEAREST = 0x0DE1, 0x8C1A, 0x2600
+BLEND, DEPTH_TEST, STENCIL_TEST, COLOR, DEPTH, DEPTH_STENCIL = 0x0BE2, 0x0B71, 0x0B90, 0x1800, 0x1801, 0x84F9
+TEXTURE_2D, TEXTURE_2D_ARRAY, TEXTURE_2D_MULTISAMPLE, NEAREST = 0x0DE1, 0x8C1A, 0x9100, 0x2600
 TEXTURE_MIN_FILTER, TEXTURE_MAG_FILTER = 0x2801, 0x2800
-FRAMEBUFFER, FRAMEBUFFER_COMPLETE, COLOR_ATTACHMENT0, DEPTH_ATTACHMENT = 0x8D40, 0x8CD5, 0x8CE0, 0x8D00
+FRAMEBUFFER, FRAMEBUFFER_COMPLETE, COLOR_ATTACHMENT0 = 0x8D40, 0x8CD5, 0x8CE0
+DEPTH_ATTACHMENT, DEPTH_STENCIL_ATTACHMENT = 0x8D00, 0x821A
 TIMESTAMP, SAMPLES_PASSED, QUERY_RESULT = 0x8E28, 0x8914, 0x8866
-TEXTURE0, MULTISAMPLE = 0x84C0, 0x809D
+TEXTURE0, MULTISAMPLE, TEXTURE_SAMPLES, SAMPLES, NUM_SAMPLE_COUNTS = 0x84C0, 0x809D, 0x9106, 0x80A9, 0x9380
 
-FORMATS = {"r32f": 0x822E, "rg32f": 0x8230, "rgba32f": 0x8814, "depth32f": 0x8CAC}
+FORMATS = {"r32f": 0x822E, "rg32f": 0x8230, "rgba32f": 0x8814, "r32ui": 0x8236, "depth32f": 0x8CAC,
+           "depth24_stencil8": 0x88F0}
 EQUATIONS = {"add": 0x8006, "max": 0x8008}
 FACTORS = {"one": 1, "one_minus_src_alpha": 0x0303, "one_minus_dst_alpha": 0x0305}
-DEPTH_FUNCTIONS = {"less": 0x0201, "lequal": 0x0203}
-BARRIERS = {"storage": 0x2000, "buffer_update": 0x200}
+STENCIL_TESTS = {"equal": 0x0202, "always": 0x0207}
+STENCIL_UPDATES = {"increment": 0x1E02, "decrement": 0x1E03}  # both clamp
+DEPTH_FUNCTIONS = {"less": 0x0201, "equal": 0x0202, "lequal": 0x0203, "always": 0x0207}
+# `image`: shader image access, fetches from textures, and everything done through framebuffers.
+BARRIERS = {"storage": 0x2000, "buffer_update": 0x200, "image": 0x20 | 0x8 | 0x400}
+WRITE_ONLY = 0x88B9
 ERRORS = {0x0500: "GL_INVALID_ENUM", 0x0501: "GL_INVALID_VALUE", 0x0502: "GL_INVALID_OPERATION",
           0x0505: "GL_OUT_OF_MEMORY", 0x0506: "GL_INVALID_FRAMEBUFFER_OPERATION", 0x0507: "GL_CONTEXT_LOST"}
 
@@ -29,20 +35,30 @@ _SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "glBlendEquation": (None, (ENUM,)),
     "glBlendFunc": (None, (ENUM, ENUM)),
     "glDepthFunc": (None, (ENUM,)),
+    "glStencilFunc": (None, (ENUM, INT, UINT)),
+    "glStencilOp": (None, (ENUM, ENUM, ENUM)),
     "glDepthMask": (None, (BOOL,)),
     "glColorMask": (None, (BOOL, BOOL, BOOL, BOOL)),
     "glViewport": (None, (INT, INT, SIZE, SIZE)),
     "glClearBufferfv": (None, (ENUM, INT, ctypes.POINTER(FLOAT))),
+    "glClearBufferuiv": (None, (ENUM, INT, ctypes.POINTER(UINT))),
+    "glClearBufferfi": (None, (ENUM, INT, FLOAT, INT)),
     "glGenTextures": (None, (SIZE, ctypes.POINTER(UINT))),
     "glDeleteTextures": (None, (SIZE, ctypes.POINTER(UINT))),
     "glActiveTexture": (None, (ENUM,)),
     "glBindTexture": (None, (ENUM, UINT)),
     "glTexStorage2D": (None, (ENUM, SIZE, ENUM, SIZE, SIZE)),
+    "glTexStorage3D": (None, (ENUM, SIZE, ENUM, SIZE, SIZE, SIZE)),
+    "glTexStorage2DMultisample": (None, (ENUM, SIZE, ENUM, SIZE, SIZE, BOOL)),
+    "glGetTexLevelParameteriv": (None, (ENUM, INT, ENUM, ctypes.POINTER(INT))),
+    "glGetInternalformativ": (None, (ENUM, ENUM, ENUM, SIZE, ctypes.POINTER(INT))),
+    "glBindImageTexture": (None, (UINT, UINT, INT, BOOL, INT, ENUM, ENUM)),
     "glTexParameteri": (None, (ENUM, ENUM, INT)),
     "glGenFramebuffers": (None, (SIZE, ctypes.POINTER(UINT))),
     "glDeleteFramebuffers": (None, (SIZE, ctypes.POINTER(UINT))),
     "glBindFramebuffer": (None, (ENUM, UINT)),
     "glFramebufferTexture": (None, (ENUM, ENUM, UINT, INT)),
+    "glFramebufferTextureLayer": (None, (ENUM, ENUM, UINT, INT, INT)),
     "glDrawBuffers": (None, (SIZE, ctypes.POINTER(ENUM))),
     "glReadBuffer": (None, (ENUM,)),
     "glReadPixels": (None, (INT, INT, SIZE, SIZE, ENUM, ENUM, POINTER)),
@@ -81,6 +97,24 @@ class RawGL:
 
     def clear(self, buffer: int, index: int, values: tuple[float, ...]) -> None:
         self.glClearBufferfv(buffer, index, (FLOAT * len(values))(*values))
+
+    def clear_whole(self, buffer: int, index: int, value: int) -> None:
+        """Clear a colour of unsigned whole numbers."""
+        self.glClearBufferuiv(buffer, index, (UINT * 4)(value, value, value, value))
+
+    def sample_counts(self, format: str) -> frozenset[int]:
+        """The numbers of samples that multisample textures of a format can have."""
+        count = INT()
+        self.glGetInternalformativ(TEXTURE_2D_MULTISAMPLE, FORMATS[format], NUM_SAMPLE_COUNTS, 1, ctypes.byref(count))
+        found = (INT * max(1, count.value))()
+        self.glGetInternalformativ(TEXTURE_2D_MULTISAMPLE, FORMATS[format], SAMPLES, count.value, found)
+        return frozenset(found[:count.value])
+
+    def texture_samples(self, target: int) -> int:
+        """Samples that the bound texture really has: a driver may give more than were asked for."""
+        count = INT()
+        self.glGetTexLevelParameteriv(target, 0, TEXTURE_SAMPLES, ctypes.byref(count))
+        return count.value
 
     def query_result(self, query: int) -> int:
         """Result of a query, 64 bits; waits for it."""

@@ -12,14 +12,16 @@ import numpy as np
 
 from ..config.model import Scene as SceneConfig
 from ..errors import MfrError
-from ..methods.shared import SYNC, clear
+from ..methods.shared import MULTISAMPLING, SYNC, K, clear, resolve, route, routed_targets
 from ..methods.spec import IMAGE, Buffer, Method, Pass, when
-from ..oracle import fragment_counts, sizes_of
+from ..oracle import composite, fragment_counts, sizes_of
+from ..quality import conformance
 from ..scene import generate
 from .device import Device
 from .frame import Canvas, Frame, SceneBuffer
 from .timers import GpuTimer, Timer, WallTimer
 
+ROUTED_SCENE = SceneConfig(size=(16, 16), depth_complexity=4)
 SCENE = SceneConfig(size=(192, 160), depth_complexity=24, pixel_density=0.9)
 WORK = SceneConfig(size=(512, 512), depth_complexity=0)
 FIRST_ROUNDS = 16
@@ -46,6 +48,8 @@ LOCKED = _probe("lock", clear("counter", "semaphore"),
                 Pass("count", "geometry", "probe/locked_count.frag", writes=("counter", "semaphore")), SHOW,
                 buffers=(COUNTER, Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin"))),
                 params=(SYNC,))
+ROUTED = _probe("stencil routing", *route("k"), resolve("depths", "colours", fetch="methods/routing/fetch.glsl"),
+                targets=routed_targets("k"), params=(MULTISAMPLING,), fixed=(K.at(4),), local="k")
 BUSY = _probe("work", Pass("work", "fullscreen", "probe/work.frag", into=(IMAGE,)))
 
 
@@ -102,6 +106,23 @@ def _locked(bench: _Bench, sync: str) -> tuple[bool, str]:
     return total == bench.sizes.F, f"{total} of {bench.sizes.F} plain increments under the lock"
 
 
+def _routed(device: Device, multisampling: str) -> tuple[bool, str]:
+    bench = _Bench(device, ROUTED_SCENE)
+    try:
+        frame = bench.frame(ROUTED, multisampling=multisampling)
+        frame.draw()
+        wrong = conformance(frame.image(), composite(bench.scene))["wrong_pixels"]
+        frame.release()
+    finally:
+        bench.release()
+    return wrong == 0, f"{bench.sizes.P - wrong} of {bench.sizes.P} pixels with every fragment in a sample of its own"
+
+
+def tests_each_sample(device: Device) -> bool:
+    """Whether the stencil of each sample is tested with multisampling off; GL lets a device test one for all."""
+    return bool(_finding("", lambda: _routed(device, "off")).passed)
+
+
 def self_tests(device: Device) -> list[Finding]:
     """Run every test but the timers'. A test that cannot even compile has failed."""
     bench = _Bench(device, SCENE)
@@ -115,6 +136,10 @@ def self_tests(device: Device) -> list[Finding]:
         findings.append(_finding("interlock", lambda: _locked(bench, "interlock")))
     else:
         findings.append(Finding("interlock", None, "no fragment shader interlock extension"))
+    if "samples_4" in device.features:
+        findings.append(_finding("stencil routing", lambda: _routed(device, "on")))
+    else:
+        findings.append(Finding("stencil routing", None, "no targets of 4 samples"))
     bench.release()
     return findings
 

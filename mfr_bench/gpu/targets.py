@@ -6,47 +6,85 @@ import ctypes
 
 import numpy as np
 
+from ..methods.spec import FORMAT_WORDS
 from . import rawgl
 from .rawgl import RawGL
 
 
 class Texture:
-    """An immutable texture without mipmaps or filtering. `format` is a key of `rawgl.FORMATS`."""
+    """An immutable texture without mipmaps or filtering. `format` is a key of `rawgl.FORMATS`.
 
-    def __init__(self, gl: RawGL, format: str, size: tuple[int, int]):
-        self.gl, self.format, self.size = gl, format, size
+    With `samples` it is a multisample texture, with `layers` an array; without either, a plain one.
+    """
+
+    def __init__(self, gl: RawGL, format: str, size: tuple[int, int], samples: int = 0, layers: int = 0):
+        self.gl, self.format, self.size, self.layers = gl, format, size, layers
+        self.target = (rawgl.TEXTURE_2D_MULTISAMPLE if samples else rawgl.TEXTURE_2D_ARRAY if layers
+                       else rawgl.TEXTURE_2D)
         self.name = gl.generate("Textures")
-        gl.glBindTexture(rawgl.TEXTURE_2D, self.name)
-        gl.glTexStorage2D(rawgl.TEXTURE_2D, 1, rawgl.FORMATS[format], *size)
+        gl.glBindTexture(self.target, self.name)
+        self._allocate(samples)
+        self.samples = gl.texture_samples(self.target) if samples else 1
+
+    def _allocate(self, samples: int) -> None:
+        internal = rawgl.FORMATS[self.format]
+        if samples:
+            self.gl.glTexStorage2DMultisample(self.target, samples, internal, *self.size, True)
+            return
+        if self.layers:
+            self.gl.glTexStorage3D(self.target, 1, internal, *self.size, self.layers)
+        else:
+            self.gl.glTexStorage2D(self.target, 1, internal, *self.size)
         for parameter in (rawgl.TEXTURE_MIN_FILTER, rawgl.TEXTURE_MAG_FILTER):
-            gl.glTexParameteri(rawgl.TEXTURE_2D, parameter, rawgl.NEAREST)
+            self.gl.glTexParameteri(self.target, parameter, rawgl.NEAREST)
 
     @property
     def is_depth(self) -> bool:
         return self.format.startswith("depth")
 
+    @property
+    def bytes(self) -> int:
+        """Of all samples and layers."""
+        return 4 * FORMAT_WORDS[self.format] * self.size[0] * self.size[1] * self.samples * max(1, self.layers)
+
+    def attach(self, attachment: int) -> None:
+        """To the bound framebuffer; the layers of an array to successive attachments."""
+        for layer in range(self.layers):
+            self.gl.glFramebufferTextureLayer(rawgl.FRAMEBUFFER, attachment + layer, self.name, 0, layer)
+        if not self.layers:
+            self.gl.glFramebufferTexture(rawgl.FRAMEBUFFER, attachment, self.name, 0)
+
     def bind(self, unit: int) -> None:
         self.gl.glActiveTexture(rawgl.TEXTURE0 + unit)
-        self.gl.glBindTexture(rawgl.TEXTURE_2D, self.name)
+        self.gl.glBindTexture(self.target, self.name)
+
+    def bind_image(self, unit: int) -> None:
+        """For a compute pass to write."""
+        self.gl.glBindImageTexture(unit, self.name, 0, False, 0, rawgl.WRITE_ONLY, rawgl.FORMATS[self.format])
 
     def release(self) -> None:
         self.gl.delete("Textures", self.name)
 
 
 class Framebuffer:
-    """Draws into `textures`: colours in location order, at most one depth."""
+    """Draws into `textures`: colours in location order, at most one depth, with its stencil where it has one."""
 
     def __init__(self, gl: RawGL, textures: list[Texture]):
         self.gl, self.textures, self.size = gl, textures, textures[0].size
         self.colours = [t for t in textures if not t.is_depth]
         self.name = gl.generate("Framebuffers")
         gl.glBindFramebuffer(rawgl.FRAMEBUFFER, self.name)
-        for index, texture in enumerate(self.colours):
-            gl.glFramebufferTexture(rawgl.FRAMEBUFFER, rawgl.COLOR_ATTACHMENT0 + index, texture.name, 0)
+        self.locations: dict[int, range] = {}  # of each colour texture, by its name
+        first = 0
+        for texture in self.colours:
+            texture.attach(rawgl.COLOR_ATTACHMENT0 + first)
+            self.locations[texture.name] = range(first, first + max(1, texture.layers))
+            first += max(1, texture.layers)
         for texture in textures:
             if texture.is_depth:
-                gl.glFramebufferTexture(rawgl.FRAMEBUFFER, rawgl.DEPTH_ATTACHMENT, texture.name, 0)
-        attachments = [rawgl.COLOR_ATTACHMENT0 + i for i in range(len(self.colours))] or [0]
+                texture.attach(rawgl.DEPTH_STENCIL_ATTACHMENT if "stencil" in texture.format
+                               else rawgl.DEPTH_ATTACHMENT)
+        attachments = [rawgl.COLOR_ATTACHMENT0 + i for i in range(first)] or [0]
         gl.glDrawBuffers(len(attachments), (ctypes.c_uint * len(attachments))(*attachments))
         status = gl.glCheckFramebufferStatus(rawgl.FRAMEBUFFER)
         if status != rawgl.FRAMEBUFFER_COMPLETE:
@@ -60,11 +98,20 @@ class Framebuffer:
         self.gl.glDepthMask(depth)
 
     def clear(self, texture: Texture, values: tuple[float, ...]) -> None:
-        """Give one attached texture a value. The framebuffer is in use, with writes allowed."""
-        if texture.is_depth:
+        """Give one attached texture a value: channels, or depth and stencil. It is in use, with writes allowed."""
+        if "stencil" in texture.format:
+            self.gl.glClearBufferfi(rawgl.DEPTH_STENCIL, 0, values[0], int(values[1]))
+        elif texture.is_depth:
             self.gl.clear(rawgl.DEPTH, 0, values)
         else:
-            self.gl.clear(rawgl.COLOR, self.colours.index(texture), values)
+            for location in self.locations[texture.name]:
+                self._clear_colour(location, texture, values)
+
+    def _clear_colour(self, location: int, texture: Texture, values: tuple[float, ...]) -> None:
+        if texture.format.endswith("ui"):
+            self.gl.clear_whole(rawgl.COLOR, location, int(values[0]))
+        else:
+            self.gl.clear(rawgl.COLOR, location, values)
 
     def read(self) -> np.ndarray:
         """float32 (H, W, 4) of the first colour texture, row 0 at the bottom."""

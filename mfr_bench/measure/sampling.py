@@ -65,12 +65,25 @@ class Sampler:
         return self.stop_reason is not None and not self.precise
 
     @property
+    def share(self) -> float:
+        """How much of the most frames or time that it may take has been taken."""
+        if self.stop_reason:
+            return 1.0
+        return min(1.0, max(self.spent_s / self.measure.time_limit_s, len(self.samples_ms) / self.measure.max_samples))
+
+    @property
     def wanted(self) -> int:
+        """Frames to time next."""
         if self.stop_reason:
             return 0
         if not self.warm:
             return next(n for n in WARMUP_FRAMES if n > len(self.warmup_ms)) - len(self.warmup_ms)
         return self._goal - len(self.samples_ms)
+
+    def interrupt(self) -> bool:
+        """Stop here. Whether there are samples enough to keep."""
+        self.stop_reason = self.stop_reason or "interrupted"
+        return len(self.samples_ms) >= min(self.measure.min_samples, self.measure.max_samples)
 
     def add(self, time_ms: float) -> None:
         """Take one frame's time and decide what follows."""

@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
-from .shared import SORT, clear, resolve
-from .spec import Buffer, Method, Pass
+from .shared import OCCUPANCY, PAYLOAD, RESOLVE_OPTIONS, K, clear, occupied, resolve
+from .spec import Buffer, Method, Param, Pass
 
 ORDER = 2
 
-METHODS = [
-    Method(
-        id="ab-array", name="AB_Array", family="array",
-        source="Crassin 2010; Liu et al. 2010 (FreePipe); kplus_2015 §2",
-        summary="n slots per pixel, given out by an atomic counter; needs n beforehand",
-        guarantee="exact all", words="2*n + 1", ties="kept, in order of arrival",
-        params=(SORT,),
-        buffers=(Buffer("counter", "P", clear="0u"), Buffer("nodes", "2*n*P", type="uvec2")),
+
+def array(method_id: str, name: str, source: str, summary: str, *params: Param, select: bool = False,
+          **more) -> Method:
+    """Slots for as many fragments as the deepest pixel has; with `select` the resolve picks the k nearest."""
+    store = Pass("store", "geometry", "methods/array/store.frag", writes=("counter", "nodes"))
+    return Method(
+        id=method_id, name=name, family="array", source=source, summary=summary, words="2*n + 1",
+        params=(*params, *RESOLVE_OPTIONS, PAYLOAD),
+        buffers=(Buffer("counter", "P", clear="0u"), Buffer("nodes", "2*n*P", type="FRAGMENT")),
         steps=(
             clear("counter"),
-            Pass("store", "geometry", "methods/array/store.frag", writes=("counter", "nodes")),
-            resolve("counter", "nodes", fetch="methods/array/fetch.glsl", defines={"SLOTS": "n"}),
+            *(occupied(store) if select else (store,)),
+            resolve("counter", "nodes", fetch="methods/array/fetch.glsl", select=select, defines={"SLOTS": "n"}),
         ),
-    ),
+        **more,
+    )
+
+
+METHODS = [
+    array("ab-array", "AB_Array", "Crassin 2010; Liu et al. 2010 (FreePipe); kplus_2015 §2",
+          "n slots per pixel, given out by an atomic counter; needs n beforehand",
+          guarantee="exact all", ties="kept, in order of arrival"),
+    array("kb-ab-array", "KB-AB_Array", "kplus_2015 §2, §5",
+          "n slots per pixel for all fragments; the resolve picks the k nearest", K, OCCUPANCY, select=True,
+          guarantee="exact k nearest", ties="kept; the first to arrive wins the last place", local="k"),
 ]

@@ -1,37 +1,161 @@
-"""k+-buffers: the k nearest fragments, kept unsorted in a bounded structure under mutual exclusion.
+"""k+-buffers: the k best fragments, kept unsorted in a bounded structure under mutual exclusion.
 
-Measured against Table 1 of kplus_2015 (2k + 2 words): with `sync: interlock` the semaphore, one word, is absent.
+Slot 0 of a pixel holds the worst of its k fragments, and is empty until the other slots are taken: the test before
+the lock then needs that one slot, and no order between it and a counter. The paper keeps the furthest in slot 0 from
+the first fragment on, which is the same set in the end.
+
+Words per pixel, beside Table 1 of kplus_2015:
+
+- `kplus-array`, `kplus-heap`, `kplus-array-r`, `kplus-generic`: counter, semaphore and 2k, as printed; without the
+  semaphore with `sync: interlock`.
+- `kplus-sb`: the printed 3 words are address, semaphore, and a counter that holds both the fragments counted and the
+  slots taken. Beside them stand the shared counters of the S-buffer, a few dozen words per frame.
+- `kplus-sb-dynamic`: the same, and 4 KiB of histogram per frame (§5.2).
+- `peel-kplus` has no row there: 2k + 2, and 3 for the boundary between iterations, a fragment and how often it was
+  composited.
 """
 
 from __future__ import annotations
 
-from .shared import CULLING, SORT, SYNC, K, clear, resolve
-from .spec import Buffer, Method, Param, Pass, when
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ..prediction import BINS, fragments_in, predict_k
+from .sbuffer import ADDRESS, COUNTERS, HASH, MAPPING, referencing
+from .shared import (
+    CLEAR_IMAGE,
+    CULLING,
+    OCCUPANCY,
+    PAYLOAD,
+    RESOLVE_OPTIONS,
+    SORT,
+    SYNC,
+    K,
+    clear,
+    count,
+    occupied,
+    resolve,
+)
+from .spec import PAYLOAD_WORDS, UNDER, Buffer, Choice, Counted, Decided, Loop, Method, Param, Params, Pass, State, when
 
 ORDER = 7
 
-STRUCTURE = Param("structure", "array", "how the k fragments are kept", choices=("array", "heap"))
+STRUCTURE = Param("structure", "array", "how the k fragments are kept: max-array, max-heap, or a heap where a pixel "
+                  "has at least k > 16 fragments", choices=("array", "heap", "adaptive"))
+CRITERION = Param("criterion", "nearest", "which k fragments are the best: nearest, furthest, or most opaque",
+                  choices=("nearest", "furthest", "opaque"))
+MEMORY_MB = Param("memory_mb", 200.0, "memory budget M_b in MiB", real=True, low=0, high=2**20)
+HIT_RATIO = Param("hit_ratio", 0.95, "robustness ratio R_h: share of the fragments that should be kept", real=True,
+                  low=0, high=1)
+
+COUNTER = Buffer("counter", "P", clear="0u", coherent=True)
+SEMAPHORE = Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin"))
+NODES = Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", clear_heads=True, coherent=True)
+RANGES = Buffer("nodes", "2*capacity", type="FRAGMENT", coherent=True)
+GROUP_TOTAL = Buffer("group_total", "counters", clear="0u")
+HISTOGRAM = Buffer("histogram", str(BINS), clear="0u")
+
+TIES = "kept; for the k-th place the lesser payload stays"
+FETCH = "methods/kplus/fetch.glsl"
+EXACT_RANGES = {"EXACT_RANGES": 1}
+PER_PIXEL = {"EXACT_RANGES": 0}
 
 
-def kplus(structure: str, name: str, summary: str) -> Method:
+def store(shader: str = "methods/kplus/store.frag", **more) -> Pass:
+    return Pass("store", "geometry", shader, writes=("counter", "semaphore", "nodes"), **more)
+
+
+def kplus(method_id: str, name: str, section: str, summary: str, *params: Param, fixed: tuple[Param, ...],
+          occupancy: Param = OCCUPANCY, **more) -> Method:
+    """A k+-buffer of k slots per pixel."""
+    shader = more.pop("shader", "methods/kplus/store.frag")
     return Method(
-        id=f"kplus-{structure}", name=name, family="kplus",
-        source="kplus_2014; kplus_2015 §3, Alg. 1 and 2",
-        summary=summary,
-        guarantee="exact k nearest", words="2*k + 2", ties="kept; beyond the k-th place the first to arrive stays",
-        params=(K, SYNC, CULLING, SORT), fixed=(STRUCTURE.at(structure),), local="k",
-        buffers=(Buffer("counter", "P", clear="0u", coherent=True),
-                 Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
-                 Buffer("nodes", "2*k*P", type="uvec2", coherent=True)),
+        id=method_id, name=name, family="kplus", source=f"kplus_2015 {section}", summary=summary,
+        words="2*k + 2", local="k", fixed=fixed,
+        params=(K, *params, SYNC, CULLING, occupancy, *RESOLVE_OPTIONS, PAYLOAD),
+        buffers=(COUNTER, SEMAPHORE, NODES),
         steps=(
-            clear("counter", "semaphore"),
-            Pass("store", "geometry", "methods/kplus/store.frag", writes=("counter", "semaphore", "nodes")),
-            resolve("counter", "nodes", fetch="methods/array/fetch.glsl", defines={"SLOTS": "k"}),
+            clear("counter", "semaphore", "nodes"),
+            *occupied(store(shader, defines=PER_PIXEL)),
+            resolve("counter", "nodes", fetch=FETCH, defines=PER_PIXEL),
         ),
+        **{"guarantee": "exact k nearest", "ties": TIES, **more},
     )
 
 
+def ranged(method_id: str, name: str, section: str, summary: str, counting: tuple[Pass, ...],
+           params: tuple[Param, ...], buffers: tuple[Buffer, ...] = (), **more) -> Method:
+    """A k+-buffer in contiguous ranges of exactly the fragments that are kept, sized by the passes `counting`."""
+    return Method(
+        id=method_id, name=name, family="kplus", source=f"kplus_2015 {section}", summary=summary,
+        guarantee="exact k nearest", ties=TIES,
+        params=(*params, SYNC, CULLING, COUNTERS, HASH.at("tile"), OCCUPANCY, *RESOLVE_OPTIONS, PAYLOAD),
+        fixed=(STRUCTURE.at("adaptive"), CRITERION, MAPPING),
+        buffers=(COUNTER, ADDRESS, SEMAPHORE, GROUP_TOTAL, RANGES, *buffers),
+        steps=(
+            clear("counter", "semaphore", "group_total", *(b.name for b in buffers)),
+            *counting,
+            *referencing(bounded=True),
+            *occupied(store(reads=("address",), defines=EXACT_RANGES)),
+            resolve("counter", "address", "nodes", fetch=FETCH, defines=EXACT_RANGES),
+        ),
+        **more,
+    )
+
+
+def predicted(counts: Sequence[int], fragments: int, pixels: int, params: Params) -> Choice:
+    """k of `kplus-sb-dynamic`: 4 bytes for each word of a fragment, and of a pixel's counter, address and semaphore."""
+    pixel_bytes = 12 if params["sync"] == "spin" else 8
+    fragment_bytes = 4 * (1 + PAYLOAD_WORDS[str(params["payload"])])
+    room = fragments_in(float(params["memory_mb"]), pixels, fragment_bytes, pixel_bytes)
+    return predict_k(counts, fragments, float(params["hit_ratio"]), room)
+
+
+COUNT = replace(count(), shader="methods/kplus/count.frag")
+HISTOGRAM_PASS = Pass("histogram", "fullscreen", "methods/kplus/histogram.frag", reads=("counter",),
+                      writes=("histogram",), decides=True)
+
+MULTI_PASS = Method(
+    id="peel-kplus", name="multi-pass K+B-Array", family="kplus", source="kplus_2015 §4.3",
+    summary="each iteration keeps and composites the k nearest fragments beyond the furthest of the last",
+    guarantee="exact all", words="2*k + 5",
+    ties="kept; across two iterations in order of payload, within one in order of the slots",
+    params=(replace(K, doc="fragments peeled per pixel and iteration"), SYNC, SORT),
+    fixed=(STRUCTURE, CRITERION, CULLING), local="k",
+    buffers=(COUNTER, SEMAPHORE, NODES, Buffer("last", "2*P", type="uvec2", clear="0u"),
+             Buffer("repeats", "P", clear="0u")),
+    steps=(
+        CLEAR_IMAGE,
+        clear("counter", "semaphore", "nodes", "last", "repeats"),
+        Loop((
+            store("methods/kplus/store_beyond.frag", reads=("last", "repeats"), defines=PER_PIXEL),
+            resolve("counter", "nodes", fetch=FETCH, defines=PER_PIXEL, state=State(blend=UNDER)),
+            Pass("advance", "fullscreen", "methods/kplus/advance.frag",
+                 writes=("counter", "nodes", "last", "repeats"), defines=PER_PIXEL, counts=True),
+        ), times="ceil(n / k)"),
+    ),
+)
+
 METHODS = [
-    kplus("array", "K+B-Array", "max-array: the furthest of the k fragments stands first, the others unsorted"),
-    kplus("heap", "K+B-Heap", "max-heap: the furthest of the k fragments is the root; meant for k > 16"),
+    kplus("kplus-array", "K+B-Array", "§3, Alg. 1 and 2",
+          "max-array: the furthest of the k fragments stands first, the others unsorted", fixed=(STRUCTURE, CRITERION)),
+    kplus("kplus-array-r", "K+B-Array-R", "§3.2.1, Alg. 2",
+          "max-array whose first k-1 fragments take their slots without the lock", fixed=(STRUCTURE, CRITERION),
+          shader="methods/kplus/store_revised.frag"),
+    kplus("kplus-heap", "K+B-Heap", "§3, Alg. 1 and 2",
+          "max-heap: the furthest of the k fragments stands first; meant for k > 16",
+          fixed=(STRUCTURE.at("heap"), CRITERION)),
+    kplus("kplus-generic", "generalized K+B", "§3.2.2, Eq. 2",
+          "the k best fragments by a criterion, composited by depth", CRITERION, STRUCTURE, fixed=(),
+          occupancy=replace(OCCUPANCY, acts=when("criterion", "nearest")),
+          guarantee="exact k best",
+          ties="kept; for the k-th place the nearer stays, then the lesser payload"),
+    ranged("kplus-sb", "K+B-AB_SB", "§4.1, Alg. 3",
+           "contiguous ranges of min(f, k) fragments from a bounded count; array or heap for each pixel",
+           (COUNT,), (K,), capacity=Counted("bounded(k)"), words="2*f_k + 3", local="k"),
+    ranged("kplus-sb-dynamic", "dynamic K+B-AB_SB", "§4.2, Eq. 6 and 7, Alg. 3",
+           "the same, with k from the depth-complexity histogram by a memory budget and a hit ratio",
+           (count(), HISTOGRAM_PASS), (MEMORY_MB, HIT_RATIO), (HISTOGRAM,),
+           capacity=Decided("histogram", predicted), words="2*f_k + 3", local=f"min(n, {BINS})"),
+    MULTI_PASS,
 ]

@@ -1,43 +1,67 @@
-"""Linked lists of fragments: unsorted with a sorting resolve, or kept sorted by the insertion."""
+"""Linked lists of fragments: unsorted with a sorting resolve, or kept sorted by the insertion.
+
+Words beside those of kplus_2015, Table 1 (3f + 1):
+- Every method: one word for the shared counter, and what the capacity, doubled until the frame fits, has to spare.
+- `allocation: paged`: whole pages of 4 cells per pixel, and one word per pixel for its next cell and the lock.
+- `ab-ll-paged`: a link per page in place of one per cell; Crassin's page, counter and lock of a pixel are one word.
+- `ab-ll-bucket`: a head per list, and the pixel's depth bounds.
+- `packed: on`, `insert: max64`: 64-bit records for cells and heads, 3f + 2; gpupro5_ch1 has no formula.
+- `atomic64: emulated`: a lock per pixel.
+- `early_culling: on` takes no cell for what it drops, so less may be allocated than for all fragments.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import K, SORT, clear, resolve, resolve_sorted
-from .spec import ON_OFF, Buffer, Grown, Method, Param, Pass, When, when
+from .shared import (
+    ATOMIC64,
+    EARLY_CULLING,
+    PAYLOAD,
+    RESOLVE_OPTIONS,
+    STAGE,
+    K,
+    clear,
+    resolve,
+    resolve_sorted,
+    wide_buffers,
+)
+from .spec import ON_OFF, Buffer, Grown, Method, Param, Pass, when
 
 ORDER = 3
 
+PAGE = 4  # cells (Crassin 2010; gpupro5_ch1 §1.2)
+PAGED = {"PAGE": PAGE}
+
 GROWN = Grown(start="P", counter="cell_counter")
+GROWN_IN_PAGES = replace(GROWN, wanted=f"paged({PAGE})")
+GROWN_EITHER_WAY = replace(GROWN, wanted=f"paged({PAGE}) if allocation == 'paged' else F")
+
 COUNTER = Buffer("cell_counter", "1", clear="0u")
-
-# One index space for heads (below P) and links (above), so that a walk treats both alike.
-NEXT = Buffer("next", "P + capacity", clear="EMPTY", clear_heads=True)
-CELLS = Buffer("cells", "2*capacity", type="uvec2")
-
-RECORDS = Buffer("records", "2*(P + capacity)", type="uint64_t", clear="0", clear_heads=True)
-PAYLOAD = Buffer("payload", "capacity")
+# One index space for heads and links, so that a walk treats both alike.
+NEXT = Buffer("next", "buckets*P + capacity", clear="EMPTY", clear_heads="BUCKETS")
+CELLS = Buffer("cells", "2*capacity", type="FRAGMENT")
+PLACE = Buffer("place", "P", clear="0u", coherent=True)
+COLOURS = Buffer("payload", "capacity", type="PAYLOAD", coherent=True)
 
 FETCH = "methods/list/fetch.glsl"
 FETCH_PACKED = "methods/list/fetch_packed.glsl"
 
-PACKED = Param("packed", "off", "depth and link in one 64-bit record", choices=ON_OFF,
-               needs={"on": "shader_atomic_int64"})
+PACKED = Param("packed", "off", "depth and link in one 64-bit record", choices=ON_OFF)
 INSERT = Param("insert", "cas32", "sorted insertion by 32-bit compare-and-swap or by 64-bit atomic maximum",
-               choices=("cas32", "max64"), needs={"max64": "shader_atomic_int64"})
+               choices=("cas32", "max64"))
+ALLOCATION = Param("allocation", "counter", "cells one by one from a shared counter, or in pages of 4 of a pixel",
+                   choices=("counter", "paged"))
+BUCKETS = Param("buckets", 4, "lists per pixel, by equal ranges of its depths", low=2, high=32)
+ONE_BY_ONE, ONE_LIST = ALLOCATION.at("counter"), BUCKETS.at(1)
 
 
-def only(buffer: Buffer, condition: When) -> Buffer:
-    return replace(buffer, when=condition)
-
-
-def store(shader: str, *buffers: str, **more) -> Pass:
-    return Pass("store", "geometry", shader, writes=("cell_counter", *buffers), **more)
+def store(shader: str, *buffers: str, name: str = "store", **more) -> Pass:
+    return Pass(name, "geometry", shader, writes=("cell_counter", *buffers), defines=PAGED, **more)
 
 
 def gpupro(method_id: str, name: str, section: str, summary: str, switch: Param, plain: str, wide: str,
-           unsorted: bool) -> Method:
+           unsorted: bool, **more) -> Method:
     """A method of gpupro5_ch1 §1.2: 32-bit cells where `switch` is at its default, else 64-bit records."""
     other = next(c for c in switch.choices if c != switch.default)
     narrow, broad = when(switch.name, switch.default), when(switch.name, other)
@@ -45,19 +69,18 @@ def gpupro(method_id: str, name: str, section: str, summary: str, switch: Param,
     return Method(
         id=method_id, name=name, family="list", source=f"gpupro5_ch1 {section}", summary=summary,
         guarantee="exact all", words="3*f + 1", ties="kept, in no fixed order",
-        params=(switch, SORT) if unsorted else (switch,),
-        capacity=GROWN,
-        buffers=(COUNTER, only(replace(NEXT, coherent=not unsorted), narrow),
-                 only(replace(CELLS, coherent=not unsorted), narrow),
-                 only(replace(RECORDS, coherent=not unsorted), broad), only(PAYLOAD, broad)),
+        buffers=(COUNTER, replace(NEXT, coherent=not unsorted, when=narrow),
+                 replace(CELLS, coherent=not unsorted, when=narrow),
+                 *wide_buffers("records", "P + capacity", condition=broad, clear_heads=True),
+                 replace(COLOURS, when=broad), replace(PLACE, when=when("allocation", "paged"))),
         steps=(
-            clear("cell_counter", "next", when=narrow),
-            clear("cell_counter", "records", when=broad),
-            replace(store(plain, "next", "cells", when=narrow), name="build"),
-            replace(store(wide, "records", "payload", when=broad), name="build"),
+            clear("cell_counter", "next", "records", "wide_lock", "place"),
+            store(plain, "next", "cells", "place", name="build", when=narrow),
+            store(wide, "records", "payload", "place", "wide_lock", name="build", when=broad),
             replace(finish("next", "cells", when=narrow), name="render", fetch=FETCH),
             replace(finish("records", "payload", when=broad), name="render", fetch=FETCH_PACKED),
         ),
+        **more,
     )
 
 
@@ -67,21 +90,48 @@ METHODS = [
         source="Yang et al. 2010; kplus_2015 §2",
         summary="unsorted linked lists, cells from one shared counter; grown and redone on overflow",
         guarantee="exact all", words="3*f + 1", ties="kept, in order of the links",
-        params=(SORT,), capacity=GROWN,
+        params=(*RESOLVE_OPTIONS, PAYLOAD), fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN,
         buffers=(COUNTER, NEXT, CELLS),
         steps=(clear("cell_counter", "next"), store("methods/list/store.frag", "next", "cells"),
                resolve("next", "cells", fetch=FETCH)),
     ),
+    Method(
+        id="ab-ll-paged", name="LL-Paged", family="list",
+        source="Crassin 2010; gpupro5_ch1 §1.2; kplus_2014 (LL-Paged)",
+        summary="linked lists of pages of 4 fragments; a lock per pixel only while a page is taken",
+        guarantee="exact all", words=f"(2 + 1/{PAGE})*paged({PAGE})/P + 1", ties="kept, in order of the cells",
+        params=(*RESOLVE_OPTIONS, PAYLOAD), fixed=(ALLOCATION.at("paged"), ONE_LIST), capacity=GROWN_IN_PAGES,
+        buffers=(COUNTER, PLACE, Buffer("page_link", f"ceil(capacity/{PAGE})"), CELLS),
+        steps=(clear("cell_counter", "place"),
+               store("methods/list/store_paged.frag", "place", "page_link", "cells"),
+               resolve("place", "page_link", "cells", fetch="methods/list/fetch_paged.glsl", defines=PAGED)),
+    ),
+    Method(
+        id="ab-ll-bucket", name="AB_LL-BUN", family="list",
+        source="Vasilakis and Fudos 2013; kplus_2015 §2",
+        summary="several linked lists per pixel by depth range, after a pass for the depth bounds; smaller sorts",
+        guarantee="exact all", words="3*f + buckets + 2", ties="kept, in order of the links",
+        params=(BUCKETS, *RESOLVE_OPTIONS, PAYLOAD), fixed=(ONE_BY_ONE,), capacity=GROWN,
+        buffers=(COUNTER, Buffer("nearest", "P", clear="EMPTY"), Buffer("furthest", "P", clear="0u"), NEXT, CELLS),
+        steps=(clear("cell_counter", "next", "nearest", "furthest"),
+               Pass("bounds", "geometry", "methods/list/bounds.frag", writes=("nearest", "furthest")),
+               store("methods/list/store.frag", "next", "cells", reads=("nearest", "furthest")),
+               resolve("next", "cells", fetch="methods/list/fetch_buckets.glsl", defines={"LISTS": "buckets"})),
+    ),
     gpupro("lin-post", "POST-LIN", "§1.2.1-1.2.2", "unsorted linked lists, sorted when they are rendered",
-           PACKED, "methods/list/store.frag", "methods/list/store_packed.frag", unsorted=True),
+           PACKED, "methods/list/store.frag", "methods/list/store_packed.frag", unsorted=True,
+           params=(PACKED, replace(ATOMIC64, acts=when("packed", "on")), ALLOCATION, *RESOLVE_OPTIONS, PAYLOAD),
+           fixed=(ONE_LIST,), capacity=GROWN_EITHER_WAY),
     gpupro("lin-pre", "PRE-LIN", "§1.2.3", "linked lists kept sorted by the insertion",
-           INSERT, "methods/list/insert_cas32.frag", "methods/list/insert_max64.frag", unsorted=False),
+           INSERT, "methods/list/insert_cas32.frag", "methods/list/insert_max64.frag", unsorted=False,
+           params=(INSERT, replace(ATOMIC64, acts=when("insert", "max64")), EARLY_CULLING, STAGE, PAYLOAD),
+           fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN),
     Method(
         id="kb-ab-ll", name="KB-AB_LL", family="list",
         source="Yu et al. 2012; kplus_2015 §2, §5",
         summary="unsorted linked lists of all fragments; the resolve picks the k nearest",
         guarantee="exact k nearest", words="3*f + 1", ties="kept, the first in the list wins the last place",
-        params=(K, SORT), capacity=GROWN, local="k",
+        params=(K, *RESOLVE_OPTIONS, PAYLOAD), fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN, local="k",
         buffers=(COUNTER, NEXT, CELLS),
         steps=(clear("cell_counter", "next"), store("methods/list/store.frag", "next", "cells"),
                resolve("next", "cells", select=True, fetch=FETCH)),

@@ -1,26 +1,50 @@
-"""Multi depth test: a cascade of atomic minima per fragment."""
+"""Multi depth test: a cascade of atomic minima per fragment.
+
+2k words per pixel, as in Table 1 of kplus_2015. Emulated 64-bit atomics take a semaphore beside them, one
+word per pixel.
+"""
 
 from __future__ import annotations
 
-from .shared import CULLING, K, clear, resolve_sorted
-from .spec import Buffer, Method, Pass
+from .shared import ATOMIC64, CULLING, OCCUPANCY, STAGE, K, clear, occupied, resolve_sorted, wide_buffers
+from .spec import Buffer, Method, Param, Pass, when
 
 ORDER = 6
+
+KEY = Param("key", "float_bits", "what is compared: the bits of the float depth, or the papers' scaled conversion",
+            choices=("float_bits", "fixed"),
+            weakens={"fixed": "depths that are equal after the conversion collide, and lose all but one colour"})
+DEPTH_BITS = Param("depth_bits", 24, "bits of the scaled conversion, whose number the papers do not print",
+                   low=8, high=24, acts=when("key", "fixed"))
 
 METHODS = [
     Method(
         id="kb-mdt32", name="KB-MDT_32", family="mdt",
         source="Liu et al. 2010; Maule et al. 2013; kplus_2015 §2",
-        summary="32-bit atomic minima sort the k nearest depths, a second geometry pass brings their colours; "
-                "keys are the bits of the float depth, which keep its order without loss",
+        summary="32-bit atomic minima sort the k nearest depths, a second geometry pass brings their colours",
         guarantee="exact k nearest", words="2*k", ties="collide: one colour is kept, further slots show none",
-        params=(K, CULLING),
+        params=(K, KEY, DEPTH_BITS, CULLING, OCCUPANCY, STAGE), local="k",
         buffers=(Buffer("depths", "k*P", clear="EMPTY", coherent=True), Buffer("colours", "k*P", clear="0u")),
         steps=(
             clear("depths", "colours"),
-            Pass("store_depth", "geometry", "methods/mdt/store_depth.frag", writes=("depths",)),
-            Pass("store", "geometry", "methods/mdt/store_colour.frag", reads=("depths",), writes=("colours",)),
+            *occupied(
+                Pass("store_depth", "geometry", "methods/mdt/store_depth.frag", writes=("depths",)),
+                Pass("store", "geometry", "methods/mdt/store_colour.frag", reads=("depths",), writes=("colours",)),
+            ),
             resolve_sorted("depths", "colours", fetch="methods/mdt/fetch.glsl"),
+        ),
+    ),
+    Method(
+        id="kb-mdt64", name="KB-MDT_64", family="mdt",
+        source="Kubisch 2014; kplus_2015 §2",
+        summary="64-bit atomic minima sort the k nearest fragments, depth and colour at once",
+        guarantee="exact k nearest", words="2*k", ties="kept, in order of payload, the k-th place included",
+        params=(K, ATOMIC64, OCCUPANCY, STAGE), local="k",
+        buffers=wide_buffers("nodes", "k*P", word="EMPTY"),
+        steps=(
+            clear("nodes", "wide_lock"),
+            *occupied(Pass("store", "geometry", "methods/mdt/store64.frag", writes=("nodes", "wide_lock"))),
+            resolve_sorted("nodes", fetch="methods/mdt/fetch64.glsl"),
         ),
     ),
 ]

@@ -2,14 +2,38 @@
 
 The papers give no words per pixel for these; `words` counts the textures that the sources describe, at
 the float precision that exactness asks of them here.
+
+peel-bucket composites the fragments that it peels from the front and from the back of a bucket at once, so that
+memory does not grow with the scene: 8 words for both colours of a bucket, 2 for its edges and 2 for those to come,
+2 for the colours just peeled.
+
+peel-srab takes fragments in order of arrival, so all must be held until they are sorted. Its source keeps the
+targets of all passes, 2 words per sample, and 1 word per sample of depth and stencil. Here each pass copies its
+targets into an array (2n words, 2 words per sample more) and notes for each sample the primitive that it came
+from (1 word per sample), for each pixel where the next pass resumes and how many fragments it has (2 words). The
+source moves on by the stencil's starting value instead, which ends at 254 fragments: a stencil has 8 bits.
 """
 
 from __future__ import annotations
 
-from .shared import CLEAR_IMAGE, CLEARED
-from .spec import IMAGE, MAX, OVER, UNDER, Loop, Method, Pass, State, Target
+from .shared import (
+    CLEAR_IMAGE,
+    CLEARED,
+    MULTISAMPLING,
+    RESOLVE_OPTIONS,
+    clear,
+    resolve,
+    route,
+    routed_targets,
+)
+from .spec import IMAGE, MAX, OVER, SAMPLE_FEATURES, UNDER, Buffer, Loop, Method, Param, Pass, State, Target
 
 ORDER = 1
+
+SAMPLES = Param("samples", 4, "samples of a pixel, fragments taken by a pass; 8 in the source", of=(4, 8, 16, 32),
+                needs={str(count): feature for feature, count in SAMPLE_FEATURES.items()})
+NO_BOUNDS = (-2.0, -2.0, 0.0, 0.0)  # below every (-z, z)
+UNBOUNDED = (1.0, 2.0, 0.0, 0.0)  # as (-z, z) around every depth
 
 METHODS = [
     Method(
@@ -37,7 +61,7 @@ METHODS = [
         targets=(Target("bounds", "rg32f", copies=2), Target("front", "rgba32f", copies=2),
                  Target("behind", "rgba32f"), Target("back", "rgba32f")),
         steps=(
-            Pass("bounds", "geometry", "methods/peel/dual_bounds.frag", into=("bounds.previous",),
+            Pass("bounds", "geometry", "common/depth_bounds.frag", into=("bounds.previous",),
                  clears={"bounds.previous": (-1.0, -1.0, 0.0, 0.0)}, state=State(blend=MAX)),
             Pass("clear", "clear", into=("front.previous", "back"), clears={"front.previous": CLEARED, "back": CLEARED}),
             Loop((
@@ -50,6 +74,50 @@ METHODS = [
             ), times="n // 2 + 1"),
             Pass("combine", "fullscreen", "methods/peel/dual_combine.frag", reads=("front.previous", "back"),
                  into=(IMAGE,)),
+        ),
+    ),
+    Method(
+        id="peel-bucket", name="BUN", family="peel",
+        source="Liu et al. 2009; Vasilakis & Fudos 2013; kplus_2015 §2",
+        summary="bucket peeling: the pixel's depth range in uniform buckets, the nearest and the furthest fragment of "
+                "each per geometry pass, by MAX blending into as many targets",
+        guarantee="exact all", words="2 + 14*buckets", ties="one of them is kept, the others are lost",
+        params=(Param("buckets", 8, "buckets of a pixel, each a render target", high=8),),
+        targets=(Target("bounds", "rg32f"), Target("edges", "rg32f", copies=2, layers="buckets")),
+        buffers=(Buffer("colours", "2*buckets*P"), Buffer("layers", "8*buckets*P", type="vec4", clear="0.0")),
+        steps=(
+            Pass("bounds", "geometry", "common/depth_bounds.frag", into=("bounds",),
+                 clears={"bounds": NO_BOUNDS}, state=State(blend=MAX)),
+            Pass("clear", "clear", into=("edges.previous",), clears={"edges.previous": UNBOUNDED}),
+            clear("layers"),
+            Loop((
+                Pass("peel", "geometry", "methods/peel/bucket.frag", reads=("bounds", "edges.previous"),
+                     writes=("colours",), into=("edges.current",), clears={"edges.current": NO_BOUNDS},
+                     state=State(blend=MAX)),
+                Pass("blend", "fullscreen", "methods/peel/bucket_blend.frag",
+                     reads=("edges.previous", "edges.current", "colours"), writes=("layers",), counts=True),
+            ), times="n // 2 + 2"),
+            Pass("combine", "fullscreen", "methods/peel/bucket_combine.frag", reads=("layers",), into=(IMAGE,)),
+        ),
+    ),
+    Method(
+        id="peel-srab", name="SRAB multi-pass", family="peel",
+        source="Myers & Bavoil 2007; Bavoil & Myers 2008",
+        summary="stencil-routed A-buffer: each geometry pass takes the next `samples` fragments of a pixel, in order "
+                "of arrival; the resolve sorts them all",
+        guarantee="exact all", words="2*samples*ceil(n/samples) + samples", ties="kept, in order of arrival",
+        params=(SAMPLES, MULTISAMPLING, *RESOLVE_OPTIONS),
+        targets=(*routed_targets("samples"), Target("arrivals", "r32ui", samples="samples")),
+        buffers=(Buffer("counter", "P", clear="0u"), Buffer("resume", "P", clear="0u"),
+                 Buffer("nodes", "2*n*P", type="uvec2")),
+        steps=(
+            clear("counter", "resume"),
+            Loop((
+                *route("samples", "arrivals", reads=("resume",)),
+                Pass("collect", "fullscreen", "methods/routing/collect.frag", reads=("depths", "colours", "arrivals"),
+                     writes=("counter", "resume", "nodes"), counts=True),
+            ), times="ceil(n/samples)"),
+            resolve("counter", "nodes", fetch="methods/array/fetch.glsl", defines={"SLOTS": "n"}),
         ),
     ),
 ]

@@ -2,6 +2,9 @@
 
 Beside the 2f + 2 words stand what the scan works in: a second address word per pixel where full-screen steps
 take turns, or one word per 1024 pixels for the compute scan. sbuffer_2012's memory table shows the like (§4).
+
+PreCalc_Fixed needs n beforehand and no count pass: the paper calls it a one-pass scheme, whose referencing is one
+full-screen pass.
 """
 
 from __future__ import annotations
@@ -9,7 +12,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE
-from .shared import SORT, clear, count
+from .shared import PAYLOAD, RESOLVE_OPTIONS, clear, count, resolve
 from .spec import Buffer, Counted, Loop, Method, Param, Pass, when
 
 ORDER = 5
@@ -26,7 +29,7 @@ METHODS = [
         source="Peeper 2008; sbuffer_2012 §2, §4 (PreCalc, PreCalc_OpenCL)",
         summary="count, prefix sum over all pixels, store into exact ranges",
         guarantee="exact all", words="2*f + 2", ties="kept, in order of arrival",
-        params=(SCAN, SORT), capacity=Counted(),
+        params=(SCAN, *RESOLVE_OPTIONS, PAYLOAD), capacity=Counted(),
         buffers=(COUNTER, replace(ADDRESS, copies=2, when=FULLSCREEN), replace(ADDRESS, when=COMPUTE), NODES,
                  Buffer("block_sum", f"ceil(P/{SCAN_BLOCK})", when=COMPUTE)),
         steps=(
@@ -37,13 +40,29 @@ METHODS = [
             Loop((Pass("scan", "fullscreen", "methods/precalc/scan.frag", reads=("address.previous",),
                        writes=("address.current",), when=FULLSCREEN),), times="ceil(log2(P))", until_empty=False),
             Pass("scan", "compute", "methods/precalc/scan_blocks.comp", reads=("counter",),
-                 writes=("address", "block_sum"), groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK, when=COMPUTE),
+                 writes=("address", "block_sum"), groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK,
+                 when=COMPUTE),
             Pass("scan", "compute", "methods/precalc/scan_sums.comp", writes=("block_sum",), groups="1",
                  defines=BLOCK, when=COMPUTE),
             Pass("scan", "compute", "methods/precalc/add_sums.comp", reads=("block_sum",), writes=("address",),
                  groups=f"min(65535, ceil(P/{SCAN_BLOCK // 2}))", defines=BLOCK, when=COMPUTE),
             replace(STORE, writes=("address.previous", "nodes")),
             replace(RESOLVE, reads=("counter", "address.previous", "nodes")),
+        ),
+    ),
+    Method(
+        id="ab-precalc-fixed", name="PreCalc_Fixed", family="precalc",
+        source="sbuffer_2012 §4 (PreCalc_Fixed), after Peeper 2008",
+        summary="room for n fragments in every pixel: address = pixel * n; needs n beforehand",
+        guarantee="exact all", words="2*n + 2", ties="kept, in order of arrival",
+        params=(*RESOLVE_OPTIONS, PAYLOAD),
+        buffers=(COUNTER, ADDRESS, replace(NODES, words="2*n*P")),
+        steps=(
+            clear("counter"),
+            Pass("scan", "fullscreen", "methods/precalc/address_fixed.frag", writes=("address",)),
+            Pass("store", "geometry", "methods/precalc/store_fixed.frag", reads=("address",),
+                 writes=("counter", "nodes")),
+            resolve("counter", "address", "nodes", fetch="methods/precalc/fetch_fixed.glsl"),
         ),
     ),
 ]

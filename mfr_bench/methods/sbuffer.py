@@ -5,7 +5,7 @@ Beside the 2f + 2 words of kplus_2015, Table 1, stand the shared counters: one w
 
 from __future__ import annotations
 
-from .shared import SORT, clear, count, resolve
+from .shared import PAYLOAD, RESOLVE_OPTIONS, K, clear, count, resolve
 from .spec import Buffer, Counted, Method, Param, Pass
 
 ORDER = 4
@@ -18,35 +18,46 @@ HASH = Param("hash", "column", "which counter a pixel uses: its index modulo S, 
 
 COUNTER = Buffer("counter", "P", clear="0u")
 ADDRESS = Buffer("address", "P")
-NODES = Buffer("nodes", "2*capacity", type="uvec2")
+NODES = Buffer("nodes", "2*capacity", type="FRAGMENT")
 FETCH = "methods/sbuffer/fetch.glsl"
 STORE = Pass("store", "geometry", "methods/sbuffer/store.frag", writes=("address", "nodes"))
 RESOLVE = resolve("counter", "address", "nodes", fetch=FETCH)
 
 
-def sbuffer(method_id: str, name: str, source: str, summary: str, **parameters) -> Method:
+def referencing(bounded: bool = False) -> tuple[Pass, ...]:
+    """The passes that give every non-empty pixel its range; with `bounded`, of at most K fragments."""
+    defines = {"BOUNDED": int(bounded)}
+    more = ("counter",) if bounded else ()
+    return (Pass("referencing", "fullscreen", "methods/sbuffer/address.frag", reads=("counter",),
+                 writes=("address", "group_total", *more), defines=defines),
+            Pass("referencing", "fullscreen", "methods/sbuffer/offset.frag", reads=("counter", "group_total"),
+                 writes=("address", "nodes") if bounded else ("address",), defines=defines))
+
+
+def sbuffer(method_id: str, name: str, source: str, summary: str, finish: Pass = RESOLVE, **more) -> Method:
     return Method(
         id=method_id, name=name, family="sbuffer", source=source, summary=summary,
-        guarantee="exact all", words="2*f + 2", ties="kept, in order of arrival", capacity=Counted(),
+        words="2*f + 2", capacity=Counted(),
         buffers=(COUNTER, ADDRESS, Buffer("group_total", "counters", clear="0u"), NODES),
         steps=(
             clear("counter", "group_total"),
             count(),
-            Pass("referencing", "fullscreen", "methods/sbuffer/address.frag", reads=("counter",),
-                 writes=("address", "group_total")),
-            Pass("referencing", "fullscreen", "methods/sbuffer/offset.frag", reads=("counter", "group_total"),
-                 writes=("address",)),
+            *referencing(),
             STORE,
-            RESOLVE,
+            finish,
         ),
-        **parameters,
+        **{"guarantee": "exact all", "ties": "kept, in order of arrival", **more},
     )
 
 
 METHODS = [
     sbuffer("ab-sb", "AB_SB", "sbuffer_2012 §3", "S-buffer: ranges from S shared counters, only for non-empty pixels",
-            params=(COUNTERS, MAPPING, HASH, SORT)),
+            params=(COUNTERS, MAPPING, HASH, *RESOLVE_OPTIONS, PAYLOAD)),
     sbuffer("ab-lbuffer", "l-buffer", "Lipowski 2010; sbuffer_2012 §2, §4",
             "ranges from one shared counter, only for non-empty pixels",
-            params=(SORT,), fixed=(COUNTERS.at(1), MAPPING.at("forward"), HASH.at("column"))),
+            params=(*RESOLVE_OPTIONS, PAYLOAD), fixed=(COUNTERS.at(1), MAPPING.at("forward"), HASH.at("column"))),
+    sbuffer("kb-ab-sb", "KB-AB_SB", "kplus_2015 §2, §5", "S-buffer of all fragments; the resolve picks the k nearest",
+            finish=resolve("counter", "address", "nodes", fetch=FETCH, select=True), guarantee="exact k nearest",
+            ties="kept; the first to arrive wins the last place", local="k",
+            params=(K, COUNTERS, MAPPING, HASH, *RESOLVE_OPTIONS, PAYLOAD)),
 ]

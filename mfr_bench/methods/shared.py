@@ -3,17 +3,54 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
-from .spec import IMAGE, ON_OFF, Param, Pass
+from .spec import (
+    EMPTY,
+    IMAGE,
+    MAX,
+    ON_OFF,
+    SAMPLE_STENCIL,
+    Buffer,
+    Param,
+    Params,
+    Pass,
+    State,
+    Stencil,
+    Target,
+    When,
+    when,
+)
 
 K = Param("k", 8, "fragments kept per pixel, the nearest", low=1, high=1024)
 SYNC = Param("sync", "spin", "mutual exclusion per pixel: spin lock with a semaphore, or fragment shader interlock",
              choices=("spin", "interlock"), needs={"interlock": "fragment_shader_interlock"})
 CULLING = Param("culling", "on", "refuse fragments beyond the furthest kept before the critical section",
                 choices=ON_OFF)
-SORT = Param("sort", "hybrid", "sort of the resolve: insertion, shell, or insertion up to 16 fragments and shell above",
-             choices=("insertion", "shell", "hybrid"))
+SORT = Param("sort", "hybrid", "sort of the resolve; hybrid: insertion up to 16 fragments, shell above; lplus: batches "
+             "of the nearest 32; register: blocks of at most 32 in registers, merged",
+             choices=("insertion", "shell", "hybrid", "bubble", "lplus", "register"))
+LOCAL_ARRAY = Param("local_array", 0, "fragments that the resolve's local array holds; 0: as many as a pixel may need, "
+                    "with lplus 32; a pixel with more loses them, counted", low=0, high=4096)
+BMA = Param("bma", "off", "backwards memory allocation: one resolve for each power of two of fragments, so that a "
+            "shallow pixel does not pay for the deepest one's local array", choices=ON_OFF)
+STAGE = Param("resolve", "fragment", "the resolve as a full-screen draw, or as a compute shader that writes the image",
+              choices=("fragment", "compute"))
+RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE)  # the parameters of `resolve`; a method may offer some or all
+ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emulated by 32-bit ones",
+                 choices=("native", "emulated"), needs={"native": "shader_atomic_int64"})
+EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of 0.95", choices=ON_OFF,
+                      weakens={"on": "fragments behind an opacity of 0.95 may be missing, an error of up to 0.05"})
+PAYLOAD = Param("payload", "rgba8", "stored colour, straight: 8 bits a channel, or 16-bit floats in two words, in units "
+                "of 1/255, which hold an 8-bit colour without error", choices=("rgba8", "rgba16f"))
+
+MULTISAMPLING = Param(
+    "multisampling", "on", "while fragments are routed. off, as in the source: a fragment covers all samples, whose "
+    "stencils GL lets a device test by one of them; on: it covers those that it covers, right where primitives meet "
+    "no pixel but at its edges or in a shared edge", choices=ON_OFF, needs={"off": SAMPLE_STENCIL})
+OCCUPANCY = Param("occupancy", 0, "intervals of the occupancy map by which early z discards fragments beyond the k-th "
+                  "before the store; 0: none", of=(0, 32, 64, 128), low=0, high=128)
 
 CLEARED = (0.0, 0.0, 0.0, 0.0)
 CLEAR_IMAGE = Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,))
@@ -24,17 +61,149 @@ def clear(*buffers: str, **more) -> Pass:
     return Pass("clear", "fullscreen", "common/clear.frag", writes=buffers, **more)
 
 
+def wide_buffers(name: str, elements: str, word: str = "0u", condition: When | None = None,
+                 **more) -> tuple[Buffer, ...]:
+    """A coherent buffer of 64-bit elements for common/atomic64.glsl, by ATOMIC64, and the emulation's `wide_lock`.
+
+    `word` is what the clear pass gives to both words of an element. Clear and write `wide_lock` with the buffer.
+    An element must be used by the fragments of one pixel only, because the emulation has one lock per pixel.
+    """
+    native, emulated = (when("atomic64", c) & condition if condition else when("atomic64", c) for c in ATOMIC64.choices)
+    words = f"2*({elements})"
+    shared = {"coherent": True, **more}
+    return (Buffer(name, words, type="uint64_t", clear=f"packUint2x32(uvec2({word}))", when=native, **shared),
+            Buffer(name, words, type="uvec2", clear=word, when=emulated, **shared),
+            Buffer("wide_lock", "P", clear="0u", coherent=True, when=emulated))
+
+
+def routed_targets(samples: str) -> tuple[Target, ...]:
+    """Multisample targets for stencil routing: per sample a fragment, 2 words, and depth and stencil, 1 word."""
+    return (Target("depths", "r32ui", samples=samples), Target("colours", "r32ui", samples=samples),
+            Target("routing", "depth24_stencil8", samples=samples))
+
+
+def route(samples: str, *more_targets: str, reads: tuple[str, ...] = ()) -> tuple[Pass, ...]:
+    """Passes that send the fragments of a pixel to its samples one by one, in order of arrival."""
+    into = ("depths", "colours", *more_targets)
+    store = Pass("store", "geometry", "methods/routing/store.frag", reads=reads, into=(*into, "routing"),
+                 clears=dict.fromkeys(into, (EMPTY,)), defines={"MULTI_PASS": int(bool(more_targets))})
+    return (Pass("route", "fullscreen", "methods/routing/start.frag", into=("routing",), clears={"routing": (1.0, 1)},
+                 state=State(stencil=Stencil("always", "increment")), vertex="screen/triangles.vert",
+                 instances=samples),
+            *(replace(store, state=State(stencil=Stencil("equal", "decrement", 2), multisample=choice == "on"),
+                      when=when("multisampling", choice)) for choice in MULTISAMPLING.choices))
+
+
 def count() -> Pass:
     """Geometry pass that counts fragments per pixel, and in total by an occlusion query."""
     return Pass("count", "geometry", "common/count.frag", writes=("counter",), counts=True)
 
 
 def resolve(*reads: str, select: bool = False, defines: Mapping[str, Any] | None = None, **more) -> Pass:
-    """Full-screen pass that sorts and composites what the pass's `fetch` reads; with `select` only the LOCAL nearest."""
+    """Pass that sorts and composites what its `fetch` reads; with `select` only the k nearest.
+
+    Its parameters are RESOLVE_OPTIONS.
+    """
     return Pass("resolve", "fullscreen", "common/resolve.frag", reads=reads, into=(IMAGE,),
-                defines={"SELECT": int(select), **(defines or {})}, **more)
+                defines={"SELECT": int(select), "LISTS": 1, **(defines or {})}, expand=_resolve_passes, **more)
 
 
 def resolve_sorted(*reads: str, **more) -> Pass:
-    """Full-screen pass that composites fragments which the pass's `fetch` already reads nearest first."""
-    return Pass("resolve", "fullscreen", "common/resolve_sorted.frag", reads=reads, into=(IMAGE,), **more)
+    """Pass that composites fragments which its `fetch` already reads nearest first. Its parameter is STAGE."""
+    return Pass("resolve", "fullscreen", "common/resolve.frag", reads=reads, into=(IMAGE,),
+                resolver="common/resolve_sorted.glsl", defines={"LISTS": 1}, expand=_staged, **more)
+
+
+KTH_DEPTH = Target("kth_depth", "depth32f")
+NO_BOUNDS = (-1.0, -1.0, 0.0, 0.0)  # of (-z, z), by MAX blending
+
+
+def occupied(store: Pass, *further: Pass) -> tuple[Pass, ...]:
+    """The store passes of a k-buffer, with what OCCUPANCY puts before them (occupancy_2015); both need K.
+
+    Beside the method's words stand 3 per pixel for the depth bounds and the k-th depth, and a bit per interval.
+    """
+    on = when("occupancy", *(d for d in OCCUPANCY.of if d))
+    mask = Buffer("occupied", "occupancy / 32 * P", clear="0u")
+    return (
+        Pass("occupancy", "fullscreen", "common/clear.frag", writes=("occupied",), buffers=(mask,), when=on),
+        Pass("occupancy", "geometry", "common/depth_bounds.frag", into=("bounds",), clears={"bounds": NO_BOUNDS},
+             state=State(blend=MAX), targets=(Target("bounds", "rg32f"), KTH_DEPTH), when=on),
+        Pass("occupancy", "geometry", "common/occupancy/mark.frag", reads=("bounds",), writes=("occupied",), when=on),
+        Pass("occupancy", "fullscreen", "common/occupancy/cull.frag", reads=("bounds", "occupied"),
+             into=(KTH_DEPTH.name,), state=State(depth_test="always"), when=on),
+        _before_kth(Pass("occupancy", "geometry", "common/occupancy/arrive.frag", probes=True, when=on)),
+        *(replace(p, expand=_culled) for p in (store, *further)),
+    )
+
+
+def _culled(step: Pass, scope: Params) -> tuple[Pass, ...]:
+    step = replace(step, expand=None)
+    return (_before_kth(step) if scope.get("occupancy") else step,)
+
+
+def _before_kth(step: Pass) -> Pass:
+    """The pass with fragments beyond the k-th depth discarded before its shader."""
+    return replace(step, into=(*step.into, KTH_DEPTH.name),
+                   state=replace(step.state, depth_test="lequal", depth_write=False, early=True))
+
+
+RESOLVERS = {"lplus": "common/resolve_lplus.glsl", "register": "common/resolve_register.glsl"}
+RESOLVER = "common/resolve_local.glsl"  # every other sort works in one local array
+LPLUS = 32  # l of the l+-depth-sorting (kplus_2015 §4.4)
+NARROWEST, WIDEST = 8, 32  # fragments of the smallest and the largest sorting network
+TILE = 8  # pixels, side of the square that a work group of the compute resolve shades
+
+# Classes of backwards memory allocation: class i has at most 8 * 2**i fragments; the last has no bound.
+CLASS_BOUNDS = tuple(8 << i for i in range(8))
+PIXEL_CLASS = Target("pixel_class", "depth32f")  # class / 16 as depth; 1 for an empty pixel
+
+
+def _resolve_passes(step: Pass, scope: Params) -> tuple[Pass, ...]:
+    sort = scope.get("sort", SORT.default)
+    step = replace(step, resolver=RESOLVERS.get(str(sort), RESOLVER))
+    length = str(scope.get("local_array") or ("keep" if sort != "lplus" else f"min({LPLUS}, keep)"))
+    if sort == "register":
+        length = f"ceil({length}/{_network(length)})*{_network(length)}"
+    if scope.get("bma") != "on":
+        return _staged(_with_local(step, length), scope)
+    return (_classify(step, length), *(p for i in range(len(CLASS_BOUNDS))
+                                       for p in _staged(_of_class(step, i, length), scope)))
+
+
+def _network(length: str) -> str:
+    """Fragments that a sorting network for a local array of this length takes at once: 8, 16 or 32."""
+    return f"min({WIDEST}, doubled({NARROWEST}, {length}))"
+
+
+def _with_local(step: Pass, length: str) -> Pass:
+    return replace(step, defines={**step.defines, "LOCAL": length, "NETWORK": _network(length)})
+
+
+def _classify(step: Pass, length: str) -> Pass:
+    """Pass that writes every pixel's class as its depth, and clears the image for those without fragments."""
+    last = f"min({len(CLASS_BOUNDS) - 1}, ceil(log2(max({CLASS_BOUNDS[0]}, {length}))) - 3)"
+    return replace(step, shader="common/classify.frag", resolver=None, into=(IMAGE, PIXEL_CLASS.name),
+                   targets=(PIXEL_CLASS,), defines={**step.defines, "LAST_CLASS": last},
+                   state=State(depth_test="always"), expand=None)
+
+
+def _of_class(step: Pass, index: int, length: str) -> Pass:
+    """The resolve of one class: the depth test passes its pixels, the local array is as long as they need."""
+    last = index == len(CLASS_BOUNDS) - 1
+    step = _with_local(step, length if last else f"min({CLASS_BOUNDS[index]}, {length})")
+    return replace(step, into=(IMAGE, PIXEL_CLASS.name), defines={**step.defines, "CLASS": index},
+                   vertex="screen/triangle_of_class.vert",
+                   needed=f"{CLASS_BOUNDS[index - 1]} < {length}" if index else None,
+                   state=State(depth_test="equal", depth_write=False, early=True))
+
+
+def _staged(step: Pass, scope: Params) -> tuple[Pass, ...]:
+    """The resolve in the stage that `resolve` asks for."""
+    if scope.get("resolve") != "compute":
+        return (replace(step, expand=None),)
+    classed = PIXEL_CLASS.name in step.into
+    return (replace(step, kind="compute", shader="common/resolve.comp", into=(IMAGE,), state=State(), vertex=None,
+                    reads=step.reads + ((PIXEL_CLASS.name,) if classed else ()),
+                    defines={**step.defines, "TILE": TILE, "CLASSED": int(classed)}, expand=None,
+                    groups=f"min(65535, ceil(W/{TILE})*ceil(H/{TILE}))"),)

@@ -10,9 +10,9 @@ that one text is evaluated for allocation, compared with the paper's, and printe
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cache, cached_property
 from typing import Any, Literal
 
 from ..errors import nearest
@@ -21,6 +21,9 @@ Value = int | float | str
 Params = Mapping[str, Value]
 
 ON_OFF = ("on", "off")
+EMPTY = 0xFFFFFFFF  # no fragment, no next node: above the bits of every depth in [0, 1]
+SAMPLE_FEATURES: Mapping[str, int] = {f"samples_{count}": count for count in (4, 8, 16, 32)}  # of multisample targets
+SAMPLE_STENCIL = "sample_stencil"  # the feature of testing each sample's stencil with multisampling off
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,10 @@ class Sizes:
         """Fragments left when each pixel keeps at most `k`: the sum of min(f, k) over the pixels."""
         return sum(min(f, k) * pixels for f, pixels in enumerate(self.histogram))
 
+    def paged(self, page: int) -> int:
+        """Cells in the pages of `page` cells that the fragments fill when no two pixels share one."""
+        return sum(math.ceil(f / page) * page * pixels for f, pixels in enumerate(self.histogram))
+
     def names(self) -> dict[str, float]:
         return {"W": self.W, "H": self.H, "P": self.P, "n": self.n, "F": self.F, "f": self.F / self.P}
 
@@ -56,7 +63,7 @@ def doubled(start: int, needed: int) -> int:
     return capacity
 
 
-@lru_cache(maxsize=None)
+@cache
 def _compiled(formula: str):
     return compile(formula, f"<formula {formula}>", "eval")
 
@@ -64,7 +71,7 @@ def _compiled(formula: str):
 def evaluate(formula: str, sizes: Sizes, params: Params) -> float:
     """Value of a resource formula for one frame. Raises NameError for a name it does not know."""
     functions = {"ceil": math.ceil, "floor": math.floor, "log2": math.log2, "min": min, "max": max, "doubled": doubled,
-                 "bounded": sizes.bounded}
+                 "bounded": sizes.bounded, "paged": sizes.paged}
     scope = {"__builtins__": {}} | functions | sizes.names() | dict(params)
     if "k" in params:
         scope["f_k"] = sizes.bounded(int(params["k"])) / sizes.P
@@ -73,7 +80,10 @@ def evaluate(formula: str, sizes: Sizes, params: Params) -> float:
 
 @dataclass(frozen=True)
 class Param:
-    """One parameter of a method: a whole number in [low, high], one of `choices`, or a `real` number in (low, high)."""
+    """One parameter of a method: a whole number in [low, high] or `of` a list, one of `choices`, or a `real` number.
+
+    A real number lies between the bounds, neither of which it reaches.
+    """
 
     name: str
     default: Value
@@ -82,13 +92,25 @@ class Param:
     low: float = 1
     high: float = 1024
     real: bool = False
-    needs: Mapping[str, str] = field(default_factory=dict)  # choice -> feature the device must have
+    of: tuple[int, ...] = ()
+    needs: Mapping[str, str] = field(default_factory=dict)  # choice, or a range "5-8" -> feature the device must have
+    weakens: Mapping[str, str] = field(default_factory=dict)  # choice -> the known failure that it brings
+    acts: When | None = None  # where it has an effect; elsewhere it stands at its default
 
     @property
     def allowed(self) -> str:
         if self.real:
             return f"a number between {self.low} and {self.high}"
-        return " | ".join(self.choices) if self.choices else f"a whole number from {self.low} to {self.high}"
+        if self.choices or self.of:
+            return " | ".join(map(str, self.choices or self.of))
+        return f"a whole number from {self.low} to {self.high}"
+
+    def need(self, value: Value) -> str | None:
+        """The feature that a device must have for the value."""
+        if self.choices:
+            return self.needs.get(str(value))
+        ranges = ((*map(float, key.split("-")), feature) for key, feature in self.needs.items())
+        return next((feature for low, *high, feature in ranges if low <= float(value) <= (high or [low])[0]), None)
 
     def at(self, value: Value) -> Param:
         """The same parameter with another default, for `Method.fixed`."""
@@ -103,7 +125,8 @@ class Param:
                 return value
             raise ValueError(f"{value!r} is not allowed; allowed: {self.allowed}{nearest(str(value), self.choices)}")
         number = isinstance(value, (int, float) if self.real else int) and not isinstance(value, bool)
-        if not number or not (self.low < value < self.high if self.real else self.low <= value <= self.high):
+        inside = number and (self.low < value < self.high if self.real else self.low <= value <= self.high)
+        if not inside or (self.of and value not in self.of):
             raise ValueError(f"{value!r} is not allowed; allowed: {self.allowed}")
         return float(value) if self.real else value
 
@@ -114,9 +137,13 @@ class When:
 
     name: str
     values: tuple[Value, ...]
+    also: When | None = None
 
     def holds(self, params: Params) -> bool:
-        return params[self.name] in self.values
+        return params[self.name] in self.values and (self.also is None or self.also.holds(params))
+
+    def __and__(self, other: When) -> When:
+        return replace(self, also=self.also & other if self.also else other)
 
 
 def when(name: str, *values: Value) -> When:
@@ -127,16 +154,52 @@ def when(name: str, *values: Value) -> When:
 class Grown:
     """Capacity that starts at `start` elements and doubles whenever the counter, read after a frame, has passed it.
 
-    `counter` names the one-word buffer that counts what the frame asked for; the frame is then redone.
+    `counter` names the one-word buffer that counts what the frame asked for, `wanted` by its formula; the frame is
+    then redone.
     """
 
     start: str
     counter: str
+    wanted: str = "F"
 
 
 @dataclass(frozen=True)
 class Counted:
-    """Capacity known inside the frame: what the pass that `counts` has counted by an occlusion query."""
+    """Capacity known inside the frame: what the pass that `counts` has counted by an occlusion query.
+
+    `elements` is the same as a formula of the scene's sizes.
+    """
+
+    elements: str = "F"
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What the host sets inside a frame: fragments kept per pixel, and elements for all that are kept."""
+
+    k: int
+    capacity: int
+
+
+Rule = Callable[[Sequence[int], int, int, Params], Choice]
+
+
+@dataclass(frozen=True)
+class Decided:
+    """k and the capacity set by the host inside the frame, after the pass that `decides`.
+
+    `reads` names the buffer that the pass has written: pixels with 1, 2, … fragments, deeper ones in the last place.
+    `rule` gives the choice from it, the fragments counted, the pixels of the viewport and the parameters. Later
+    passes see the chosen k as K.
+    """
+
+    reads: str
+    rule: Rule
+
+
+# FRAGMENT is a depth with its payload, PAYLOAD a payload; formulas count them with the plain payload of one word.
+ELEMENT_WORDS: Mapping[str, int] = {"uint": 1, "uvec2": 2, "uint64_t": 2, "vec4": 4, "FRAGMENT": 2, "PAYLOAD": 1}
+PAYLOAD_WORDS: Mapping[str, int] = {"rgba8": 1, "rgba16f": 2}
 
 
 @dataclass(frozen=True)
@@ -144,35 +207,57 @@ class Buffer:
     """A shader storage buffer of 32-bit words.
 
     `words` is its length as a formula, in which `capacity` is the method's. `clear` is the GLSL value that the
-    clear pass gives to every element, or with `clear_heads` to the first P. Two copies take turns in a loop.
+    clear pass gives to every element, or with `clear_heads` to the first P, or P times
+    the parameter that it names in GLSL. Two copies take turns in a loop.
     """
 
     name: str
     words: str
-    type: str = "uint"  # GLSL element type: uint, uvec2 or uint64_t
+    type: str = "uint"  # GLSL element type, a key of ELEMENT_WORDS
     clear: str | None = None
-    clear_heads: bool = False
+    clear_heads: bool | str = False
     coherent: bool = False
     copies: int = 1
     when: When | None = None
 
     @property
     def element_words(self) -> int:
-        return {"uint": 1, "uvec2": 2, "uint64_t": 2}[self.type]
+        return ELEMENT_WORDS[self.type]
 
 
-Format = Literal["r32f", "rg32f", "rgba32f", "depth32f"]
-FORMAT_WORDS: Mapping[str, int] = {"r32f": 1, "rg32f": 2, "rgba32f": 4, "depth32f": 1}
+Format = Literal["r32f", "rg32f", "rgba32f", "r32ui", "depth32f", "depth24_stencil8"]
+FORMAT_WORDS: Mapping[str, int] = {"r32f": 1, "rg32f": 2, "rgba32f": 4, "r32ui": 1, "depth32f": 1,
+                                   "depth24_stencil8": 1}
 
 
 @dataclass(frozen=True)
 class Target:
-    """A texture of the viewport's size that passes draw into. Two copies are used in turn in a loop."""
+    """A texture of the viewport's size that passes draw into. Two copies are used in turn in a loop.
+
+    `samples` and `layers` are formulas: of a multisample texture, and of an array whose layers are drawn into at
+    once, at successive locations.
+    """
 
     name: str
     format: Format
     copies: int = 1
     when: When | None = None
+    samples: str | None = None
+    layers: str | None = None
+
+    @property
+    def attaches(self) -> Literal["colour", "depth"]:
+        """Where a framebuffer takes it; a stencil comes with a depth."""
+        return "depth" if self.format.startswith("depth") else "colour"
+
+
+@dataclass(frozen=True)
+class Stencil:
+    """Stencil test of each sample, and what becomes of its value whether it passes or fails; both clamp at the ends."""
+
+    test: Literal["always", "equal"]
+    update: Literal["increment", "decrement"]
+    reference: int = 0
 
 
 @dataclass(frozen=True)
@@ -180,7 +265,11 @@ class State:
     """Fixed-function state of a draw. `blend` is equation, source factor, destination factor."""
 
     blend: tuple[str, str, str] | None = None
-    depth_test: Literal["less", "lequal"] | None = None
+    depth_test: Literal["less", "lequal", "equal", "always"] | None = None
+    depth_write: bool = True  # where a depth target is attached
+    early: bool = False  # the tests come before the shader, whatever it writes
+    stencil: Stencil | None = None
+    multisample: bool = True  # in a multisample target; off: a fragment covers all samples where it covers the middle
 
 
 UNDER = ("add", "one_minus_dst_alpha", "one")  # premultiplied, front to back
@@ -199,7 +288,9 @@ class Pass:
     pass only writes buffers, and its colour writes are masked. `reads` and `writes` name buffers, or
     targets as textures; in a loop `.current` and `.previous` tell the copies apart. The executor puts a
     memory barrier before any pass that touches what an earlier one wrote. `clears` gives targets the
-    values that they start the pass with; a pass of kind `clear` does nothing else.
+    values that they start the pass with; a pass of kind `clear` does nothing else. A compute pass writes `into`
+    as images. `expand` makes the passes that run out of the declared one and the chosen parameters; `targets` and
+    `buffers` are resources that shared code brings to whatever method uses it.
     """
 
     name: str
@@ -212,9 +303,18 @@ class Pass:
     state: State = State()
     defines: Mapping[str, Any] = field(default_factory=dict)
     groups: str | None = None  # compute: number of work groups, a formula
+    instances: str = "1"  # fullscreen: how often it is drawn, a formula
     counts: bool = False  # count the samples that pass, by an occlusion query
+    decides: bool = False  # afterwards the host sets k and the capacity, as the method's `Decided` says
     fetch: str | None = None  # the include by which a resolve reads fragments
+    resolver: str | None = None  # the include by which a resolve makes them one colour
+    vertex: str | None = None  # another vertex shader than the kind's own
     when: When | None = None
+    needed: str | None = None  # a formula; the pass is left out where it gives 0
+    probes: bool = False  # counts fragments that arrive, and runs only where that is asked for
+    expand: Callable[[Pass, Params], tuple[Pass, ...]] | None = None
+    targets: tuple[Target, ...] = ()
+    buffers: tuple[Buffer, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -226,7 +326,15 @@ class Loop:
     until_empty: bool = True
 
 
-Guarantee = Literal["exact all", "exact k nearest", "approximate", "none"]
+Guarantee = Literal["exact all", "exact k nearest", "exact k best", "approximate", "none"]
+
+
+@dataclass(frozen=True)
+class Promise:
+    """The image that a method aims at: of each pixel the `layers` best fragments by `criterion`, or all of them."""
+
+    layers: int | None = None
+    criterion: str = "nearest"
 
 
 @dataclass(frozen=True)
@@ -252,16 +360,18 @@ class Method:
     targets: tuple[Target, ...] = ()
     needs: tuple[str, ...] = ()
     fixed: tuple[Param, ...] = ()  # parameters of shared shaders, at defaults that this method never varies
-    local: str = "n"  # length of the resolve's local array, a formula
-    capacity: Grown | Counted | None = None
+    local: str = "n"  # most fragments of a pixel that its resolve composites, a formula
+    capacity: Grown | Counted | Decided | None = None
     failure: str | None = None  # the known failure of an approximate method
+    deepest: int | None = None  # most fragments of a pixel that the method can hold
 
     def param(self, name: str) -> Param | None:
         return next((p for p in self.params if p.name == name), None)
 
     def complete(self, given: Mapping[str, Any]) -> dict[str, Value]:
-        """All parameters of the method, `given` ones parsed, the others at their defaults."""
-        return {p.name: p.parse(given[p.name]) if p.name in given else p.default for p in self.params}
+        """All parameters of the method: `given` ones parsed, others and those without effect at their defaults."""
+        chosen = {p.name: p.parse(given[p.name]) if p.name in given else p.default for p in self.params}
+        return {p.name: chosen[p.name] if p.acts is None or p.acts.holds(chosen) else p.default for p in self.params}
 
     def variant(self, params: Params) -> Variant:
         return Variant(self, self.complete(params))
@@ -296,20 +406,38 @@ class Variant:
 
     @property
     def buffers(self) -> tuple[Buffer, ...]:
-        return self._active(self.method.buffers)
+        return self._active(self.method.buffers + tuple(b for p in self.passes for b in p.buffers))
 
     @property
     def targets(self) -> tuple[Target, ...]:
-        return self._active(self.method.targets)
+        return self._active(self.method.targets + tuple(t for p in self.passes for t in p.targets))
 
-    @property
+    @cached_property
     def steps(self) -> tuple[Pass | Loop, ...]:
-        return tuple(Loop(self._active(s.passes), s.times, s.until_empty) if isinstance(s, Loop) else s
-                     for s in self.method.steps if isinstance(s, Loop) or self._active((s,)))
+        """What runs with these parameters, in order. The passes are the same objects each time."""
+        found: list[Pass | Loop] = []
+        for step in self.method.steps:
+            if isinstance(step, Loop):
+                found.append(replace(step, passes=self._expanded(step.passes)))
+            else:
+                found += self._expanded((step,))
+        return tuple(found)
+
+    def _expanded(self, passes: tuple[Pass, ...]) -> tuple[Pass, ...]:
+        return tuple(made for p in self._active(passes) for made in (p.expand(p, self.scope) if p.expand else (p,)))
 
     @property
     def passes(self) -> tuple[Pass, ...]:
-        return self._active(self.method.passes)
+        return tuple(p for step in self.steps for p in (step.passes if isinstance(step, Loop) else (step,)))
+
+    def value(self, formula: str, sizes: Sizes) -> int:
+        """A formula of a pass: it may also use `keep`, the method's `local`."""
+        keep = max(1, int(evaluate(self.method.local, sizes, self.scope)))
+        return int(evaluate(formula, sizes, self.scope | {"keep": keep}))
+
+    def runs(self, step: Pass, sizes: Sizes) -> bool:
+        """Whether a frame of these sizes needs the pass."""
+        return step.needed is None or bool(self.value(step.needed, sizes))
 
     @property
     def pass_names(self) -> tuple[str, ...]:
@@ -318,17 +446,52 @@ class Variant:
     @property
     def needs(self) -> tuple[str, ...]:
         """Device features that these parameters need."""
-        chosen = (p.needs.get(str(self.params[p.name])) for p in self.method.params)
+        chosen = (p.need(self.params[p.name]) for p in self.acting)
         return self.method.needs + tuple(f for f in chosen if f)
+
+    @property
+    def acting(self) -> tuple[Param, ...]:
+        """The method's parameters that have an effect here."""
+        return tuple(p for p in self.method.params if p.acts is None or p.acts.holds(self.scope))
+
+    @property
+    def weaknesses(self) -> tuple[str, ...]:
+        """The known failures that chosen parameters bring to a method that has none."""
+        brought = (p.weakens.get(str(self.params[p.name])) for p in self.acting)
+        return tuple(f for f in brought if f)
+
+    @property
+    def guarantee(self) -> Guarantee:
+        """What the method promises with these parameters."""
+        return "approximate" if self.weaknesses and self.method.guarantee != "none" else self.method.guarantee
 
     def kept(self, sizes: Sizes) -> int:
         """Fragments that the image is made of when the method does what it promises."""
-        return sizes.bounded(self.layers) if self.layers else sizes.F
+        layers = self.promise(sizes).layers
+        return sizes.bounded(layers) if layers else sizes.F
 
     @property
     def layers(self) -> int | None:
-        """Most fragments per pixel that reach the image; None means all."""
-        return int(self.scope["k"]) if self.method.guarantee == "exact k nearest" else None
+        """Most fragments per pixel that the parameters let reach the image; None means all."""
+        bounded = self.method.guarantee not in ("exact all", "none") and "k" in self.scope
+        return int(self.scope["k"]) if bounded else None
+
+    def promise(self, sizes: Sizes) -> Promise:
+        """The image that the method aims at in a scene, by which conformance is judged."""
+        decision = self.decision(sizes)
+        return Promise(decision.k if decision else self.layers, str(self.scope.get("criterion", "nearest")))
+
+    def decision(self, sizes: Sizes) -> Choice | None:
+        """What the host will choose in a scene, or None where nothing is chosen."""
+        decided = self.method.capacity
+        if not isinstance(decided, Decided):
+            return None
+        return decided.rule(sizes.histogram[1:], sizes.F, sizes.P, self.scope)
+
+    def _values(self, sizes: Sizes) -> Params:
+        """What resource formulas see: the parameters, and the k that the host chooses."""
+        decision = self.decision(sizes)
+        return self.scope | {"k": decision.k} if decision else self.scope
 
     @property
     def all_params(self) -> tuple[Param, ...]:
@@ -337,8 +500,12 @@ class Variant:
     def capacity(self, sizes: Sizes) -> int:
         """Elements that the variable buffers have room for once the frame fits."""
         if isinstance(self.method.capacity, Grown):
-            return doubled(self.start_capacity(sizes), sizes.F)
-        return sizes.F
+            wanted = int(evaluate(self.method.capacity.wanted, sizes, self.scope))
+            return doubled(self.start_capacity(sizes), wanted)
+        if isinstance(self.method.capacity, Counted):
+            return int(evaluate(self.method.capacity.elements, sizes, self.scope))
+        decision = self.decision(sizes)
+        return decision.capacity if decision else sizes.F
 
     def start_capacity(self, sizes: Sizes) -> int:
         """Elements allocated before anything is known of the frame; 0 where the frame counts them first."""
@@ -349,15 +516,37 @@ class Variant:
     def block_bytes(self, buffer: Buffer, sizes: Sizes, capacity: int | None = None) -> int:
         """Bytes of one copy of a buffer; an empty one still holds one element."""
         room = self.capacity(sizes) if capacity is None else capacity
-        words = int(evaluate(buffer.words, sizes, self.scope | {"capacity": room}))
-        return 4 * max(words, buffer.element_words)
+        words = int(evaluate(buffer.words, sizes, {**self._values(sizes), "capacity": room}))
+        elements = max(1, words // buffer.element_words)
+        return 4 * (max(words, buffer.element_words) + elements * self._extra_words(buffer))
+
+    @property
+    def payload_words(self) -> int:
+        """Words that a fragment takes beside its depth."""
+        return PAYLOAD_WORDS[str(self.scope.get("payload", "rgba8"))]
+
+    def _extra_words(self, buffer: Buffer) -> int:
+        """Words of each element beyond those that the buffer's formula counts."""
+        return self.payload_words - 1 if buffer.type in ("FRAGMENT", "PAYLOAD") else 0
 
     def memory_bytes(self, sizes: Sizes) -> dict[str, int]:
         """Bytes of each resource, by name. The image that all methods share is not counted."""
         buffers = {b.name: b.copies * self.block_bytes(b, sizes) for b in self.buffers}
-        targets = {t.name: 4 * FORMAT_WORDS[t.format] * t.copies * sizes.P for t in self.targets}
+        targets = {t.name: 4 * FORMAT_WORDS[t.format] * t.copies * sizes.P * self.samples(t, sizes)
+                   * self.layer_count(t, sizes) for t in self.targets}
         return buffers | targets
 
+    def samples(self, target: Target, sizes: Sizes) -> int:
+        """Samples of a target's pixel."""
+        return self.value(target.samples, sizes) if target.samples else 1
+
+    def layer_count(self, target: Target, sizes: Sizes) -> int:
+        """Layers of a target."""
+        return self.value(target.layers, sizes) if target.layers else 1
+
     def model_bytes(self, sizes: Sizes) -> int:
-        """Bytes by the paper's words per pixel."""
-        return round(4 * sizes.P * evaluate(self.method.words, sizes, self.scope))
+        """Bytes by the paper's words per pixel, and by the words of a wider payload."""
+        values = self._values(sizes)
+        stored = {**values, "capacity": sizes.F}
+        wider = sum(evaluate(b.words, sizes, stored) / b.element_words * self._extra_words(b) for b in self.buffers)
+        return round(4 * (sizes.P * evaluate(self.method.words, sizes, values) + wider))

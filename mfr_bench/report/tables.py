@@ -41,7 +41,7 @@ class Grid:
             end, used = start, lengths[0] + 4
             while end < len(lengths) and (end == start or used + lengths[end] + 3 <= width):
                 used, end = used + lengths[end] + 3, end + 1
-            yield replace(self, header=self._piece(self.header, start, end),
+            yield replace(self, header=self._piece(self.header, start, end), left=max(1, self.left - start + 1),
                           rows=tuple(self._piece(row, start, end) for row in self.rows))
             start = max(end, start + 1)
 
@@ -240,9 +240,9 @@ def _about(result: Result) -> list[str]:
     return [line for line in (title, result.provenance, noise_line) if line]
 
 
-def _wrapped(lines: Iterable[str]) -> list[str]:
+def _wrapped(lines: Iterable[str], width: int) -> list[str]:
     return [part for line in lines for part in
-            textwrap.wrap(line, WIDTH, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)]
+            textwrap.wrap(line, width, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)]
 
 
 def _sections(result: Result, passes: bool) -> list[Grid]:
@@ -252,21 +252,21 @@ def _sections(result: Result, passes: bool) -> list[Grid]:
     return [grid for grid in grids if grid.rows]
 
 
-def terminal_table(folder: ResultFolder) -> str:
-    """The tables as plain text, at most 120 columns wide where labels allow."""
+def terminal_table(folder: ResultFolder, width: int = WIDTH) -> str:
+    """The tables as plain text, at most `width` columns wide where labels allow."""
     result = data.load(folder)
-    parts = ["\n".join(part for line in _about(result) for part in textwrap.wrap(line, WIDTH))]
+    parts = ["\n".join(part for line in _about(result) for part in textwrap.wrap(line, width))]
     for grid in _sections(result, passes=False):
-        tables = "\n\n".join(chunk.text() for chunk in grid.chunks(WIDTH))
-        parts.append("\n".join([grid.title, *_notes(grid), tables]))
+        tables = "\n\n".join(chunk.text() for chunk in grid.chunks(width))
+        parts.append("\n".join([grid.title, *_notes(grid, width), tables]))
     for title, lines in (("Not ok, or not measured", _skipped(result)), ("Files not used", folder.damaged)):
         if lines:
-            parts.append("\n".join([title, *_wrapped(lines)]))
+            parts.append("\n".join([title, *_wrapped(lines, width)]))
     return "\n\n".join(parts) + "\n"
 
 
-def _notes(grid: Grid) -> list[str]:
-    return [part for line in grid.note.splitlines() for part in textwrap.wrap(f"({line})", WIDTH)]
+def _notes(grid: Grid, width: int) -> list[str]:
+    return [part for line in grid.note.splitlines() for part in textwrap.wrap(f"({line})", width)]
 
 
 def markdown(result: Result) -> str:

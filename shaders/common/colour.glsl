@@ -1,7 +1,13 @@
-// Colours are RGBA8 with straight alpha in storage, premultiplied float in arithmetic.
-vec4 premultiplied(uint rgba8) {
-    vec4 colour = unpackUnorm4x8(rgba8);
+// Colours have straight alpha in storage, premultiplied float in arithmetic.
+#include "common/payload.glsl"
+
+vec4 premultiplied(PAYLOAD payload) {
+    vec4 colour = straight(payload);
     return vec4(colour.rgb * colour.a, colour.a);
+}
+
+vec4 colour_of(FRAGMENT fragment) {
+    return premultiplied(payload_of(fragment));
 }
 
 // Front-to-back compositing: what lies behind shows through what is there (Porter and Duff 1984).

@@ -5,11 +5,13 @@
 
 #if SYNC_SPIN
 
-// The lock is released inside the iteration that took it: lanes of one warp wait for each other.
+// The lock is released inside the iteration that took it: lanes of one warp wait for each other. The barrier after
+// taking it keeps reads from moving before it, the one before releasing it publishes what was written.
 #define CRITICAL_BEGIN(p, wanted) \
     bool waiting = (wanted) && !IS_HELPER; \
     for (uint tries = 0u; waiting && tries < uint(LOCK_TRIES); ++tries) { \
-        if (atomicExchange(semaphore[p], 1u) == 0u) {
+        if (atomicExchange(semaphore[p], 1u) == 0u) { \
+            memoryBarrierBuffer();
 #define CRITICAL_END(p) \
             memoryBarrierBuffer(); \
             atomicExchange(semaphore[p], 0u); \

@@ -1,13 +1,12 @@
-// Sorts fragments[0 .. count) of the invocation's local array by depth, nearest first.
-// Insertion sort up to 16 fragments, shell sort above, or either alone (kplus_2015 §3.3).
-uvec2 fragments[LOCAL];  // depth bits, RGBA8
+// Sorts fragments[0 .. count) of the local array by depth, nearest first: insertion sort up to 16 fragments and
+// shell sort above, or one alone (kplus_2015 §3.3), or bubble sort (gpupro5_ch1 §1.4.1).
 
 void sort_by_gap(uint count, uint gap) {
     for (uint i = gap; i < count; ++i) {
-        uvec2 moving = fragments[i];
+        FRAGMENT moving = fragments[i];
         uint hole = i;
         for (; hole >= gap; hole -= gap) {
-            uvec2 nearer = fragments[hole - gap];
+            FRAGMENT nearer = fragments[hole - gap];
             if (nearer.x <= moving.x) break;
             fragments[hole] = nearer;
         }
@@ -26,11 +25,27 @@ void shell_sort(uint count) {
         if (GAPS[i] < count || GAPS[i] == 1u) sort_by_gap(count, GAPS[i]);
 }
 
+// Each round carries the furthest of the unsorted fragments to their end.
+void bubble_sort(uint count) {
+    for (uint end = count; end > 1u; --end) {
+        FRAGMENT carried = fragments[0];
+        for (uint i = 1u; i < end; ++i) {
+            FRAGMENT met = fragments[i];
+            bool further = met.x >= carried.x;
+            fragments[i - 1u] = further ? carried : met;
+            if (further) carried = met;
+        }
+        fragments[end - 1u] = carried;
+    }
+}
+
 void sort_fragments(uint count) {
 #if SORT_INSERTION
     insertion_sort(count);
 #elif SORT_SHELL
     shell_sort(count);
+#elif SORT_BUBBLE
+    bubble_sort(count);
 #else
     if (count <= 16u) insertion_sort(count);
     else shell_sort(count);

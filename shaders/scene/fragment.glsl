@@ -1,13 +1,14 @@
-// The incoming fragment of a geometry pass: (depth bits, RGBA8), and whether it was generated at all.
+// The incoming fragment of a geometry pass: (depth bits, payload), and whether it was generated at all.
 // The order of the bits of a float is the order of the float, because depth >= 0.
 #include "common/pixel.glsl"
 #include "common/hash.glsl"
+#include "common/payload.glsl"
 
 flat in uint quad;
 flat in uint payload8;
 
-uvec2 incoming() {
-    return uvec2(floatBitsToUint(gl_FragCoord.z), payload8);
+FRAGMENT incoming() {
+    return fragment_of(floatBitsToUint(gl_FragCoord.z), payload_from(payload8));
 }
 
 // Fragment probability f_p (kplus_2015 §5.1.1), decided per pixel, quad and seed.

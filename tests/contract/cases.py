@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Method, Variant
+from mfr_bench.methods.spec import Method, Promise, Value, Variant, When
 from mfr_bench.oracle import composite, sizes_of
 from mfr_bench.scene import Scene, generate
 
@@ -30,6 +30,7 @@ SCENES = {
 DEEP = {f"{layout} {order}": SceneConfig(size=(31, 13), depth_complexity=128, layout=layout, order=order, seed=8,
                                          pixel_density=0.6, quad_size=(9, 5) if layout == "random" else None)
         for layout in ("block", "tiles", "random") for order in ("random", "front_to_back", "back_to_front")}
+ALIKE = ("reverse-sorted", "tiles")  # of one depth complexity: what options are tested on
 KS = (1, 4, 32)  # the Z-buffer's, fewer than the fragments, more than the fragments
 
 
@@ -38,9 +39,26 @@ def every_method() -> list[Method]:
 
 
 def variants(method: Method) -> list[Variant]:
-    """The default, and each other choice of each parameter by itself."""
-    chosen = [{}] + [{p.name: c} for p in method.params for c in p.choices if c != p.default]
+    """The default, and each other choice of each parameter by itself, where it has an effect.
+
+    The same again with emulated atomics where the default asks for 64-bit ones.
+    """
+    chosen = [{}] + [{**_acting(p.acts), p.name: c}
+                     for p in method.params for c in (*p.choices, *p.of) if c != p.default]
+    wide = method.param("atomic64")
+    if wide and wide.acts is None:
+        chosen += [{**params, "atomic64": "emulated"} for params in chosen if "atomic64" not in params and params]
     return [method.variant(params) for params in chosen]
+
+
+def options(method: Method) -> list[Variant]:
+    """Every variant but the default."""
+    return variants(method)[1:]
+
+
+def _acting(condition: When | None) -> dict[str, Value]:
+    """Parameters for which the condition holds."""
+    return {condition.name: condition.values[0], **_acting(condition.also)} if condition else {}
 
 
 def with_k(variant: Variant, k: int) -> Variant:
@@ -54,14 +72,14 @@ def label(variant: Variant) -> str:
     return "-".join([variant.method.id, *other])
 
 
-@lru_cache(maxsize=None)
+@cache
 def scene(config: SceneConfig) -> Scene:
     return generate(config)
 
 
-@lru_cache(maxsize=None)
-def oracle(config: SceneConfig, layers: int | None) -> np.ndarray:
-    return composite(scene(config), layers)
+@cache
+def oracle(config: SceneConfig, promise: Promise) -> np.ndarray:
+    return composite(scene(config), promise.layers, promise.criterion)
 
 
 class Drawn:
@@ -77,7 +95,7 @@ class Drawn:
         self.image = frame.image()
         self.lost = frame.lost_fragments()
         self.allocated, self.declared = frame.memory_bytes, variant.memory_bytes(sizes)
-        self.error = float(np.abs(self.image - oracle(config, variant.layers)).max())
+        self.error = float(np.abs(self.image - oracle(config, variant.promise(sizes))).max())
         for thing in (frame, canvas, quads):
             thing.release()
         device.check(label(variant))

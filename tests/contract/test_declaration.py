@@ -5,13 +5,14 @@ import re
 import pytest
 
 from mfr_bench.config import Scene
-from mfr_bench.glsl import expand, read, stages
+from mfr_bench.glsl import read, stages
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Sizes, evaluate
 from mfr_bench.plan import expected_sizes
 from mfr_bench.resources import shaders_dir
 
 from .cases import every_method, label, variants
+from .preprocess import active
 
 SIZES = expected_sizes(Scene(size=(64, 48), depth_complexity=12, pixel_density=0.5))
 ENTRY_SUFFIXES = (".vert", ".frag", ".comp")
@@ -34,7 +35,7 @@ def test_name_round_trips(method):
 @METHODS
 def test_says_what_a_reader_needs(method):
     assert all([method.name, method.family, method.source, method.summary, method.ties])
-    assert method.guarantee in ("exact all", "exact k nearest", "approximate", "none")
+    assert method.guarantee in ("exact all", "exact k nearest", "exact k best", "approximate", "none")
     assert (method.failure is not None) == (method.guarantee == "approximate")
     assert all(p.doc for p in method.params)
 
@@ -50,7 +51,8 @@ def test_every_stage_of_every_variant_expands(method):
 
 @METHODS
 def test_passes_name_only_declared_resources(method):
-    names = {b.name for b in method.buffers} | {t.name for t in method.targets} | {"image"}
+    brought = [resource for step in method.passes for resource in (*step.buffers, *step.targets)]
+    names = {resource.name for resource in (*method.buffers, *method.targets, *brought)} | {"image"}
     for step in method.passes:
         used = {ref.partition(".")[0] for ref in (*step.reads, *step.writes, *step.into, *step.clears)}
         assert used <= names, f"pass {step.name}"
@@ -61,7 +63,7 @@ def test_atomics_touch_only_what_the_pass_declares_to_write(method):
     """Mesa lets an atomic through on a readonly buffer, and a barrier would then be missing."""
     for variant in variants(method):
         for step in variant.passes:
-            text = "".join(s.text for s in stages(variant, step, SIZES)) if step.kind != "clear" else ""
+            text = "".join(active(s.text) for s in stages(variant, step, SIZES)) if step.kind != "clear" else ""
             written = {ref.partition(".")[0] for ref in step.writes}
             assert set(re.findall(r"\batomic[A-Z]\w*\(\s*(\w+)\s*\[", text)) <= written, f"pass {step.name}"
 
@@ -95,7 +97,7 @@ def test_every_shader_is_used():
     for method in every_method():
         for variant in variants(method):
             for step in variant.passes:
-                if step.kind != "clear":
-                    used |= set(expand(step.shader, {"fetch": step.fetch} if step.fetch else {})[1])
+                for stage in stages(variant, step, SIZES) if step.kind != "clear" else ():
+                    used |= set(stage.files)
     files = {str(p.relative_to(shaders_dir())) for p in shaders_dir().rglob("*.*")}
     assert {f for f in files - used if not f.startswith("probe/")} == set()

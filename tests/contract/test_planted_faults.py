@@ -14,18 +14,32 @@ FAULTS = [
     ("zbuffer", "scene/quad.vert", "2.0 * in_depth - 1.0", "1.0 - 2.0 * in_depth"),
     ("peel-f2b", "methods/peel/f2b.frag", "gl_FragCoord.z <= ", "gl_FragCoord.z < "),
     ("peel-dual", "methods/peel/dual.frag", "z > nearest && z < furthest", "z >= nearest && z < furthest"),
+    ("peel-bucket", "methods/peel/bucket.frag", "z > -edge.x && z < edge.y", "z < edge.y"),
+    ("peel-srab", "methods/routing/collect.frag", ".x + 1u : EMPTY", ".x : EMPTY"),
     ("ab-array", "methods/array/store.frag", "slot * pixels + p", "slot + p"),
     ("ab-array", "common/sort.glsl", "nearer.x <= moving.x", "nearer.x >= moving.x"),
     ("ab-ll", "methods/list/store.frag", "incoming()", "incoming().yx"),
     ("ab-sb", "methods/sbuffer/offset.frag", "group + 1u", "group"),
     ("ab-lbuffer", "methods/sbuffer/address.frag", "group_total[pixel_group(p)], count", "group_total[pixel_group(p)], 1u"),
     ("ab-precalc", "methods/precalc/add_sums.comp", "+=", "="),
+    ("ab-precalc-fixed", "methods/precalc/address_fixed.frag", "p * uint(N)", "p"),
+    ("ab-dfb", "methods/dfb/sum_down.frag", "before += counter[child]", "before += 1u"),
+    ("ab-ll-paged", "methods/list/store_paged.frag", "= page_before", "= 0u"),
+    ("ab-ll-bucket", "methods/list/choose.glsl", "share * float", "(1.0 - share) * float"),
     ("lin-pre", "methods/list/insert_cas32.frag", "<= fragment.x", ">= fragment.x"),
     ("kb-mdt32", "methods/mdt/store_depth.frag", "max(depth, ", "min(depth, "),
-    ("kb-ab-ll", "common/resolve.frag", "fragment.x < fragments[0].x", "fragment.x > fragments[0].x"),
-    ("kplus-array", "methods/kplus/array.glsl", "node.x > furthest.x", "node.x < furthest.x"),
-    ("kplus-heap", "methods/kplus/heap.glsl", "right.x > node.x", "right.x < node.x"),
-    ("kplus-heap", "methods/kplus/store.frag", "depth >= NODE", "depth <= NODE"),
+    ("kb-ab-ll", "common/local.glsl", "beyond(fragments[0], fragment)", "beyond(fragment, fragments[0])"),
+    ("kplus-array", "methods/kplus/array.glsl", "worse(node, worst)", "worse(worst, node)"),
+    ("kplus-array-r", "methods/kplus/store_revised.frag", "NODE(p, slot) = fragment", "NODE(p, 1u) = fragment"),
+    ("kplus-heap", "methods/kplus/heap.glsl", "worse(right, node)", "worse(node, right)"),
+    ("kplus-heap", "methods/kplus/structure.glsl", "!worse(NODE", "worse(NODE"),
+    ("kplus-array", "methods/kplus/structure.glsl", "surely_worse(fragment, NODE(p, 0u))",
+     "surely_worse(NODE(p, 0u), fragment)"),
+    ("kplus-sb", "methods/sbuffer/address.frag", "count = min(count, uint(K))", "count = max(count, uint(K))"),
+    ("kplus-sb-dynamic", "methods/kplus/histogram.frag", "histogram[count - 1u]", "histogram[count / 4u]"),
+    ("peel-kplus", "methods/kplus/store_beyond.frag", "worse(fragment, last[p])", "worse(last[p], fragment)"),
+    ("kb-ps", "common/insert_sorted.glsl", "fragment.x < held.x", "fragment.x > held.x"),
+    ("kb-ll", "methods/ll/store.frag", "<= fragment.x", ">= fragment.x"),
 ]
 
 
@@ -64,4 +78,4 @@ def test_a_pass_that_touches_written_buffers_waits_for_them(device, monkeypatch)
                         (barriers.append(bits), real(bits)))
     Drawn(device, catalog()["ab-array"].variant({}), SCENES["flat"])
     storage = [bits for bits in barriers if bits == 0x2000]
-    assert len(storage) == 2  # clear before store, store before resolve
+    assert len(storage) == 3  # the frame before, clear before store, store before resolve

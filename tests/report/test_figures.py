@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from mfr_bench.errors import StoreError
 from mfr_bench.config import columns
+from mfr_bench.errors import StoreError
 from mfr_bench.report import data, figures, style
 
 from . import planted

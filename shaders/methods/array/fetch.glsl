@@ -1,12 +1,14 @@
 // Reads the fragments of a pixel's array. Slots of neighbouring pixels lie side by side.
+#define FETCH_COUNT(p) min(counter[p], uint(SLOTS))
+
 uint fetch_at, fetch_end;
 
 void fetch_begin(uint p) {
     fetch_at = p;
-    fetch_end = p + min(counter[p], uint(SLOTS)) * pixels;
+    fetch_end = p + FETCH_COUNT(p) * pixels;
 }
 
-bool fetch_next(out uvec2 fragment) {
+bool fetch_next(out FRAGMENT fragment) {
     if (fetch_at >= fetch_end) return false;
     fragment = nodes[fetch_at];
     fetch_at += pixels;

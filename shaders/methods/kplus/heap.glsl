@@ -1,31 +1,31 @@
-// Max-heap: no fragment is nearer than its children at slots 2i+1 and 2i+2 (kplus_2015 §3.2).
+// Max-heap: no fragment is worse than its parent, slot i/2 of slot i; slot 0 is the parent of slot 1
+// (kplus_2015 §3.2, with a root of one child, so that the heap grows behind an empty slot 0).
 
-// O(log K): the hole at the end rises until its parent is at least as far.
-void insert_empty(uint p, uint count, uvec2 fragment) {
-    uint hole = count;
-    while (hole > 0u) {
-        uint parent = (hole - 1u) / 2u;
-        uvec2 node = NODE(p, parent);
-        if (node.x >= fragment.x) break;
+// O(log room): the hole at the end rises until its parent is no better.
+void heap_fill(uint p, uint slot, FRAGMENT fragment) {
+    uint hole = slot;
+    while (hole > 1u) {
+        FRAGMENT node = NODE(p, hole / 2u);
+        if (!worse(fragment, node)) break;
         NODE(p, hole) = node;
-        hole = parent;
+        hole /= 2u;
     }
     NODE(p, hole) = fragment;
 }
 
-// O(log K): the hole at the root sinks until both children are at most as far.
-void insert_full(uint p, uvec2 fragment) {
+// O(log room): what slot 0 holds leaves; the hole sinks until no child is worse than the fragment.
+void heap_replace(uint p, uint room, FRAGMENT fragment) {
     uint hole = 0u;
-    for (uint child = 1u; child < uint(K); child = 2u * hole + 1u) {
-        uvec2 node = NODE(p, child);
-        if (child + 1u < uint(K)) {
-            uvec2 right = NODE(p, child + 1u);
-            if (right.x > node.x) {
+    for (uint child = 1u; child < room; child = 2u * hole) {
+        FRAGMENT node = NODE(p, child);
+        if (child > 1u && child + 1u < room) {
+            FRAGMENT right = NODE(p, child + 1u);
+            if (worse(right, node)) {
                 node = right;
                 ++child;
             }
         }
-        if (node.x <= fragment.x) break;
+        if (!worse(node, fragment)) break;
         NODE(p, hole) = node;
         hole = child;
     }

@@ -1,9 +1,34 @@
-// The bounded set of the k+-buffer: K slots per pixel, slot 0 holds the furthest fragment kept.
-// STRUCTURE_HEAP chooses the max-heap, else the max-array (kplus_2015 §3.2).
-#define NODE(p, slot) nodes[(slot) * pixels + (p)]  // depth bits, RGBA8
-
-#if STRUCTURE_HEAP
-#include "methods/kplus/heap.glsl"
-#else
+// The bounded set of the k+-buffer: insertion of a fragment, inside the critical section.
+// STRUCTURE_ADAPTIVE: a heap where a pixel has at least K fragments and K > 16, else an array
+// (kplus_2015 §4.1, Alg. 3, line 23).
+#include "methods/kplus/criterion.glsl"
+#include "methods/kplus/slots.glsl"
 #include "methods/kplus/array.glsl"
+#include "methods/kplus/heap.glsl"
+
+bool is_heap(uint room) {
+#if STRUCTURE_ADAPTIVE
+    return uint(K) > 16u && room == uint(K);
+#else
+    return STRUCTURE_HEAP == 1;
 #endif
+}
+
+// The test that needs no lock (kplus_2015 §3.2): a set that is full has nothing as bad. Ties are left to `insert`.
+bool refused(uint p, FRAGMENT fragment) {
+    return surely_worse(fragment, NODE(p, 0u));
+}
+
+void insert(uint p, FRAGMENT fragment) {
+    if (!worse(NODE(p, 0u), fragment)) return;
+    uint room = ROOM(p), slot = taken(p) + 1u;
+    bool heap = is_heap(room);
+    if (slot < room) {
+        if (heap) heap_fill(p, slot, fragment);
+        else array_fill(p, slot, fragment);
+    } else {
+        if (heap) heap_replace(p, room, fragment);
+        else array_replace(p, room, fragment);
+    }
+    if (slot <= room) atomicAdd(counter[p], ONE_TAKEN);
+}

@@ -1,15 +1,15 @@
-// Reads the fragments of a pixel's list, in the order of its links.
+// Reads the fragments of a list, in the order of its links.
 #include "common/helper.glsl"
 
 uint fetch_at;
 
-void fetch_begin(uint p) {
-    fetch_at = IS_HELPER ? EMPTY : next[p];
+void fetch_begin(uint list) {
+    fetch_at = IS_HELPER ? EMPTY : next[list];
 }
 
-bool fetch_next(out uvec2 fragment) {
+bool fetch_next(out FRAGMENT fragment) {
     if (fetch_at >= capacity) return false;
     fragment = cells[fetch_at];
-    fetch_at = next[pixels + fetch_at];
+    fetch_at = next[uint(BUCKETS) * pixels + fetch_at];
     return true;
 }

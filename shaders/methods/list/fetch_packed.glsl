@@ -1,5 +1,8 @@
-// Reads the fragments of a list of 64-bit records (inverted depth, link), in the order of its links.
+// Reads the fragments of a list of 64-bit records (link, inverted depth), in the order of its links.
+#define WIDE records
 #include "common/helper.glsl"
+#include "common/load64.glsl"
+#include "common/payload.glsl"
 
 uint fetch_at;
 
@@ -7,11 +10,11 @@ void fetch_begin(uint p) {
     fetch_at = p;
 }
 
-bool fetch_next(out uvec2 fragment) {
+bool fetch_next(out FRAGMENT fragment) {
     if (IS_HELPER) return false;
-    uvec2 record = unpackUint2x32(records[fetch_at]);
+    uvec2 record = load64(fetch_at);
     if (record == uvec2(0u)) return false;
     fetch_at = record.x;
-    fragment = uvec2(~record.y, payload[fetch_at - pixels]);
+    fragment = fragment_of(~record.y, payload[fetch_at - pixels]);
     return true;
 }

@@ -1,25 +1,47 @@
-// Sorted linked lists, store: 64-bit records (inverted depth, link) find their place by atomic max.
-// Invariant: record[x] is the largest of the records inserted at x; what it displaces is inserted behind it.
+// Sorted linked lists, store: 64-bit records (link, inverted depth) find their place by atomic max.
+// Invariant: records[x] is the largest of the records inserted at x; what it displaces is inserted behind it.
 // Source: gpupro5_ch1 §1.2.2-1.2.3, Listings 1.2 and 1.3.
+#define WIDE records
 #include "scene/fragment.glsl"
-#include "common/helper.glsl"
+#include "common/atomic64.glsl"
+#include "common/early_culling.glsl"
 #include "methods/list/alloc.glsl"
+
+// Goes past the nearer fragments; true once these hide the fragment. Reads only: no cell is taken in vain.
+bool hidden(uint depth, inout uint at) {
+    float opacity = 0.0;
+    uvec2 record;
+    bool nearer = !IS_HELPER;
+    for (uint tries = 0u; nearer && tries < uint(LOCK_TRIES); ++tries) {
+        nearer = load_whole64(at, record) && record.y > ~depth && opacity < OPAQUE;
+        if (nearer) {
+            at = record.x;
+            opacity = covered(opacity, payload[at - pixels]);
+        }
+    }
+    return opacity >= OPAQUE;
+}
 
 void main() {
     if (rejected()) discard;
-    uint cell;
-    if (!allocate(cell)) return;
-    uvec2 fragment = incoming();
-    payload[cell] = fragment.y;
-    uint at = pixel_index();
-    uint64_t record = packUint2x32(uvec2(pixels + cell, ~fragment.x));
+    FRAGMENT fragment = incoming();
+    uint p = pixel_index(), at = p, cell;
+#if EARLY_CULLING_ON
+    if (hidden(fragment.x, at)) return;
+#endif
+    if (!allocate(p, cell)) return;
+    payload[cell] = payload_of(fragment);
+    store64(pixels + cell, uvec2(0u));
     memoryBarrierBuffer();
-    bool linked = IS_HELPER;
-    for (uint tries = 0u; !linked && tries < uint(LOCK_TRIES); ++tries) {
-        uint64_t old = atomicMax(records[at], record);
-        linked = old == 0ul;
-        at = unpackUint2x32(max(old, record)).x;
-        record = min(old, record);
+    uvec2 record = uvec2(pixels + cell, ~fragment.x), old;
+    bool linked = false, going = !IS_HELPER;
+    for (uint tries = 0u; going && tries < uint(LOCK_TRIES); ++tries) {
+        going = atomic_max64(at, record, old);
+        linked = going && old == uvec2(0u);
+        going = going && !linked;
+        bool inserted = less64(old, record);
+        at = inserted ? record.x : old.x;
+        record = inserted ? old : record;
     }
     if (!linked) atomicAdd(lost_fragments, 1u);
 }

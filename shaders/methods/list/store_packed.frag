@@ -1,14 +1,18 @@
 // Linked lists with depth and link in one 64-bit record, store: one exchange links the new cell.
-// Invariant: record[x] holds the depth and link of the fragment that follows x; 0 ends the list.
+// Invariant: records[x] holds the link and inverted depth of the fragment that follows x; 0 ends the list.
 // Source: gpupro5_ch1 §1.2.2, Listing 1.2.
+#define WIDE records
 #include "scene/fragment.glsl"
+#include "common/atomic64.glsl"
 #include "methods/list/alloc.glsl"
 
 void main() {
     if (rejected()) discard;
-    uint cell;
-    if (!allocate(cell)) return;
-    uvec2 fragment = incoming();
-    payload[cell] = fragment.y;
-    records[pixels + cell] = atomicExchange(records[pixel_index()], packUint2x32(uvec2(pixels + cell, ~fragment.x)));
+    uint p = pixel_index(), cell;
+    if (!allocate(p, cell)) return;
+    FRAGMENT fragment = incoming();
+    uvec2 before;
+    payload[cell] = payload_of(fragment);
+    if (exchange64(p, uvec2(pixels + cell, ~fragment.x), before)) store64(pixels + cell, before);
+    else atomicAdd(lost_fragments, 1u);
 }

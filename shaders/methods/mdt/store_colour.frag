@@ -2,16 +2,18 @@
 // Invariant: colours[i] belongs to depths[i]. Fragments of equal depth collide in the first slot of that depth.
 // Source: Maule et al. 2013; kplus_2015 §2.
 #include "scene/fragment.glsl"
+#include "methods/mdt/key.glsl"
 
 void main() {
     if (rejected()) discard;
     uint p = pixel_index();
     uvec2 fragment = incoming();
+    uint depth = depth_key(fragment.x);
 #if CULLING_ON
-    if (fragment.x > depths[uint(K - 1) * pixels + p]) return;
+    if (depth > depths[uint(K - 1) * pixels + p]) return;
 #endif
     for (uint slot = 0u; slot < uint(K); ++slot) {
-        if (depths[slot * pixels + p] == fragment.x) {
+        if (depths[slot * pixels + p] == depth) {
             colours[slot * pixels + p] = fragment.y;
             break;
         }

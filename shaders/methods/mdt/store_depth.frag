@@ -3,11 +3,12 @@
 // Equal depths pass each other and are kept, one slot each.
 // Source: Liu et al. 2010; Maule et al. 2013; kplus_2015 §2.
 #include "scene/fragment.glsl"
+#include "methods/mdt/key.glsl"
 
 void main() {
     if (rejected()) discard;
     uint p = pixel_index();
-    uint depth = incoming().x;
+    uint depth = depth_key(incoming().x);
 #if CULLING_ON
     if (depth >= depths[uint(K - 1) * pixels + p]) return;
 #endif

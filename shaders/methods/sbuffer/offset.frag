@@ -1,8 +1,9 @@
 // S-buffer referencing, second half: adds the sum of the groups before the pixel's own.
 // With inverse mapping the upper half of the groups sums from the end, which halves the longest sum.
-// Invariant: the ranges of all pixels fill [0, capacity) without overlap.
+// Invariant: the ranges of all pixels fill [0, capacity) without overlap. With BOUNDED, the first cell of each is empty.
 // Source: sbuffer_2012 §3.2, Eq. 1, with the range's first cell in place of its last.
 #include "common/pixel.glsl"
+#include "common/payload.glsl"
 #include "methods/sbuffer/group.glsl"
 
 uint sum(uint from, uint to) {
@@ -15,12 +16,14 @@ void main() {
     uint p = pixel_index();
     uint count = counter[p];
     if (count == 0u) return;
-    uint group = pixel_group(p);
+    uint group = pixel_group(p), first = address[p];
 #if MAPPING_INVERSE
-    if (group > uint(COUNTERS) / 2u) {
-        address[p] = capacity - sum(group + 1u, uint(COUNTERS)) - address[p] - count;
-        return;
-    }
+    if (group > uint(COUNTERS) / 2u) first = capacity - sum(group + 1u, uint(COUNTERS)) - first - count;
+    else
 #endif
-    address[p] += sum(0u, group);
+    first += sum(0u, group);
+    address[p] = first;
+#if BOUNDED
+    nodes[first] = NO_FRAGMENT;
+#endif
 }

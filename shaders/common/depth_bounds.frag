@@ -1,4 +1,4 @@
-// Dual depth peeling, start: MAX blending of (-z, z) leaves the depth bounds of each pixel.
+// Depth bounds: MAX blending of (-z, z) leaves the nearest and the furthest depth of each pixel.
 // Source: Bavoil and Myers 2008.
 #include "scene/fragment.glsl"
 

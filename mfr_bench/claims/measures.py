@@ -1,0 +1,67 @@
+"""What rules compare: times, and what is counted exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from ..report.data import Point
+from ..stats import Interval, ratio_interval
+from .evidence import NOTHING
+
+MB = 2**20
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A quantity of a cell: samples of a time in ms, a factor that is counted, or the product of both."""
+
+    words: str
+    samples: Callable[[Point], Sequence[float]] | None = None
+    factor: Callable[[Point], float | None] | None = None
+
+    @property
+    def exact(self) -> bool:
+        return self.samples is None
+
+    def ratio(self, over: Point, under: Point, confidence: float = 0.95) -> Interval:
+        """The quantity of one cell over that of another, with its interval; nothing where either lacks it."""
+        scale = 1.0
+        if self.factor:
+            above, below = self.factor(over), self.factor(under)
+            if above is None or not below:
+                return NOTHING
+            scale = above / below
+        if not self.samples:
+            return scale, scale, scale
+        low, value, high = ratio_interval(self.samples(over), self.samples(under), confidence)
+        return tuple(None if end is None else end * scale for end in (low, value, high))
+
+
+def frame_ms(point: Point) -> Sequence[float]:
+    return point.cell.get("samples_ms") or []
+
+
+def pass_ms(point: Point, *names: str) -> Sequence[float]:
+    """Samples of the first of these passes that the cell has."""
+    passes = point.cell.get("passes") or {}
+    return next((passes[name] for name in names if passes.get(name)), [])
+
+
+def column(name: str) -> Callable[[Point], float | None]:
+    return lambda point: point.cell["values"].get(name)
+
+
+TIME = Measure("time", samples=frame_ms)
+# Fig. 8 of kplus_2015 says ms per MB; read as a cost, as the fps per MB of kplus_2014 has it: dividing by the memory
+# would reward a method for using more.
+COST = Measure("ms × MB", samples=frame_ms, factor=column("memory_bytes"))
+MEMORY = Measure("memory", factor=column("memory_bytes"))
+
+
+def pass_time(*names: str) -> Measure:
+    return Measure(f"time of the {' pass, else '.join(names)} pass", samples=lambda point: pass_ms(point, *names))
+
+
+def counted(name: str) -> Measure:
+    return Measure(name.replace("_", " "), factor=column(name))

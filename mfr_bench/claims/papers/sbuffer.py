@@ -1,0 +1,97 @@
+"""Claims of sbuffer_2012 (Vasilakis & Fudos, Eurographics 2012 short papers)."""
+
+from __future__ import annotations
+
+from ...reference import find
+from ..evidence import MORE, about, at_least, at_most, between, gain
+from ..measures import MEMORY, pass_time
+from ..picks import from_, other_than, pick, up_to
+from ..rules import Memory, Ratio, no_faster_than, no_slower_than
+from ..verdict import Claim
+
+FEW_THREADS = "few threads share the counters, which a GPU's pixels contend for"
+PRECALC = pick("ab-precalc", scan="compute")  # the stand-in for PreCalc_OpenCL
+AT_30 = pick("ab-sb", counters=30)
+INVERSE = pick("ab-sb", counters=30, mapping="inverse")
+REFERENCING = pass_time("referencing", "scan")
+LAYERS = {"kb": {"k": 8}, "peel-srab": {"samples": 8}}  # fragments per pass of the paper's bounded methods
+SIZES = ((640, 480), (1024, 768), (1600, 1200))
+
+CLAIMS = (
+    Claim(
+        "sb-peak", "sbuffer_2012 §4, Fig. 3",
+        "S-buffer is fastest with about 30 shared counters and slower with many more.",
+        "peak at about 30 counters (GTX 480, 1024×1024, 12 layers)",
+        ("sbuffer2012-fig3",),
+        (no_faster_than(pick("ab-sb", counters=other_than(30)), AT_30, slack=0.05),
+         Ratio(pick("ab-sb", counters=from_(512)), AT_30)),
+        hardware=FEW_THREADS,
+    ),
+    Claim(
+        "sb-two", "sbuffer_2012 §4, Fig. 3",
+        "Two shared counters are enough to match PreCalc with the parallel scan while most pixels are empty.",
+        "matched with two counters at high sparsity",
+        ("sbuffer2012-fig3",),
+        (no_slower_than(pick("ab-sb", counters=2), PRECALC, slack=0.05, where={"pixel_density": up_to(0.25)}),),
+        hardware=FEW_THREADS,
+        remark="the parallel scan is a compute shader here, OpenCL in the paper",
+    ),
+    Claim(
+        "sb-full", "sbuffer_2012 §4, Fig. 3",
+        "Where every pixel is covered, S-buffer is still about 7 % faster than PreCalc with the parallel scan.",
+        "7 % faster",
+        ("sbuffer2012-fig3",),
+        (Ratio(PRECALC, AT_30, gain(7), where={"pixel_density": 1}),),
+        hardware=FEW_THREADS,
+    ),
+    Claim(
+        "sb-optimal", "sbuffer_2012 §4, Fig. 4",
+        "S-buffer with 30 counters reaches 85 to 90 % of PreCalc_Fixed's frame rate.",
+        "85 to 90 % at three sizes",
+        ("sbuffer2012-fig4",),
+        (Ratio(pick("ab-precalc-fixed"), INVERSE, between(0.825, 0.925, "85 to 90 %")),),
+        hardware=FEW_THREADS,
+    ),
+    Claim(
+        "sb-inverse", "sbuffer_2012 §4, Fig. 4",
+        "Mapping half of the counters from the end of memory speeds S-buffer up, less so at larger sizes.",
+        "13, 10 and 6 % at 640×480, 1024×768 and 1600×1200",
+        ("sbuffer2012-fig4",),
+        tuple(Ratio(pick("ab-sb", counters=30, mapping="forward"), INVERSE, gain(percent), where={"size": size})
+              for size, percent in zip(SIZES, (13, 10, 6), strict=True)),
+        hardware=FEW_THREADS,
+    ),
+    Claim(
+        "sb-ref", "sbuffer_2012 §4",
+        "S-buffer's referencing takes about ten times as long as PreCalc_Fixed's and a fifth to a seventh of the "
+        "parallel scan; linked lists take longest.",
+        "0.215, 0.425, 1.08 ms; PreCalc_Fixed 0.027, 0.05, 0.11; scan 1.5, 2.45, 4.85; lists 4.66, 10.4, 21.98 "
+        "(ratios of these times: 8.0, 8.5, 9.8 and 7.0, 5.8, 4.5)",
+        ("sbuffer2012-referencing",),
+        (Ratio(INVERSE, pick("ab-precalc-fixed"), about(10), measure=REFERENCING),
+         Ratio(PRECALC, INVERSE, between(4.5, 7.5, "5 to 7"), measure=REFERENCING),
+         Ratio(pick("ab-ll"), PRECALC, MORE, measure=pass_time("referencing", "scan", "store"))),
+        hardware=FEW_THREADS, gpu_timer=True,
+        remark="linked lists have no referencing pass: their store, which takes cells as it goes, stands for it",
+    ),
+    Claim(
+        "sb-memory", "sbuffer_2012 §4",
+        "Fixed arrays need most memory by far, linked lists somewhat more than S-buffer, which needs least.",
+        "MB at three sizes, which follow from bytes per pixel and fragment; of these formulas' results two differ from "
+        "the print: 156.0 MB (printed 159) for fixed arrays at 1024×768, 54.5 MB (printed 51.7) for lists at 1600×1200",
+        ("sbuffer2012-memory",),
+        (Memory(tuple((pick(row.method, **LAYERS.get(row.method, {})), row.formula)
+                      for row in find(paper="sbuffer2012", quantity="memory", width=640)), 1, "bytes", at_most(1.05)),
+         *(Ratio(pick(method), AT_30, MORE, measure=MEMORY) for method in ("ab-array", "ab-precalc-fixed", "ab-ll")),
+         Ratio(PRECALC, AT_30, at_least(0.99), measure=MEMORY)),
+        remark="the table is for another scene: each formula is taken with the pixels, n and fragments of the cell",
+    ),
+    Claim(
+        "sb-ll", "sbuffer_2012 §4, Fig. 3, Fig. 4",
+        "Linked lists are the slowest of the A-buffers that allocate only what they need.",
+        "slowest in both figures",
+        ("sbuffer2012-fig4", "sbuffer2012-fig3"),
+        tuple(Ratio(pick("ab-ll"), rival) for rival in (AT_30, PRECALC, pick("ab-lbuffer"))),
+        hardware="all fragments take cells from one counter, for which few threads contend",
+    ),
+)

@@ -1,0 +1,57 @@
+"""What commands print. A reader that stops reading ends the output, never the work or its exit status."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+
+import click
+
+WIDEST = 120  # columns that text is laid out for, at most and where nothing says how wide the terminal is
+NARROWEST = 40
+
+
+def width() -> int:
+    """Columns to lay text out for: the terminal's, within bounds."""
+    return max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 24)).columns))
+
+
+def say(text: object) -> None:
+    """Print on stdout. Once its reader has gone (`| head -1`), nothing more is printed."""
+    try:
+        click.echo(text)
+    except BrokenPipeError:
+        _silence(1)
+
+
+def note(text: object) -> None:
+    """Print on stderr, for whoever may be watching: that it cannot be written stops nothing."""
+    try:
+        click.echo(text, err=True)
+    except OSError:
+        _silence(2)
+
+
+def _silence(descriptor: int) -> None:
+    """Send what is written to the descriptor from now on, and what is still buffered, nowhere."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, descriptor)
+    os.close(nowhere)
+
+
+def prepare_streams() -> None:
+    """Let every process print: a character that its encoding lacks as '?', and to nowhere where a stream is closed.
+
+    The next file to be opened would else get the number of the closed stream, and its prints.
+    """
+    for descriptor, name in ((1, "stdout"), (2, "stderr")):
+        stream = getattr(sys, name)
+        if stream is not None:
+            stream.reconfigure(errors="replace")
+        else:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            if nowhere != descriptor:
+                os.dup2(nowhere, descriptor)
+                os.close(nowhere)
+            setattr(sys, name, open(descriptor, "w"))  # noqa: SIM115 - open until the process ends

@@ -1,0 +1,43 @@
+"""Dynamic fragment buffer: exact ranges like PreCalc's, from a hierarchical sum.
+
+How it differs from `ab-precalc`: the prefix sum climbs a tree of sums and comes down again in fragment shaders, two
+full-screen passes per level and a total work in proportion to the pixels. PreCalc's full-screen steps are one per
+doubling and each touches every pixel; its compute scan is one tree in shared memory. Count, store and resolve are
+the same. Beside the 2f + 2 words stands the tree above the pixels, a fifteenth of a word per pixel.
+
+Maule et al. 2014 is not among the papers at hand: the branching of 16 is a choice made here.
+"""
+
+from __future__ import annotations
+
+from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE
+from .shared import PAYLOAD, RESOLVE_OPTIONS, clear, count
+from .spec import Buffer, Counted, Loop, Method, Pass
+
+ORDER = 5
+
+FAN_BITS = 4
+LEVELS = f"max(1, ceil(log2(P)/{FAN_BITS}))"
+TREE = {"FAN": 1 << FAN_BITS, "LEVELS": LEVELS}
+SUMS_WORDS = " + ".join(f"ceil(P/{1 << FAN_BITS * level})" for level in range(1, 9))  # each level has at least one
+
+METHODS = [
+    Method(
+        id="ab-dfb", name="DFB", family="dfb",
+        source="Maule et al. 2014; kplus_2015 §2 [31]",
+        summary="dynamic fragment buffer: count, hierarchical sum over all pixels, store into exact ranges",
+        guarantee="exact all", words="2*f + 2", ties="kept, in order of arrival",
+        params=(*RESOLVE_OPTIONS, PAYLOAD), capacity=Counted(),
+        buffers=(COUNTER, ADDRESS, NODES, Buffer("sums", SUMS_WORDS)),
+        steps=(
+            clear("counter"),
+            count(),
+            Loop((Pass("scan", "fullscreen", "methods/dfb/sum_up.frag", reads=("counter",), writes=("sums",),
+                       defines=TREE),), times=LEVELS, until_empty=False),
+            Loop((Pass("scan", "fullscreen", "methods/dfb/sum_down.frag", reads=("counter",),
+                       writes=("sums", "address"), defines=TREE),), times=LEVELS, until_empty=False),
+            STORE,
+            RESOLVE,
+        ),
+    ),
+]

@@ -1,0 +1,97 @@
+"""k-buffers with read-modify-write hazards, from before shaders could exclude one another, and their repairs.
+
+They aim at the k nearest fragments and are right where the fragments of a pixel come one by one; what the hazards
+cost is measured, not promised. Words are those of Table 1 of kplus_2015 without attribute packing; more is held by
+
+- kb-multi, 2 words: depth and colour of the nearest fragment that was missing, which the hardware finds for certain;
+- kb-sr: samples come in powers of two from 4, so that a k between them leaves some of them unused.
+
+The original stores a pixel's slots in render targets that the shader reads and writes at once, at most 8 of them,
+or 16 packed; here they are storage buffers, with the same lack of exclusion, kept to the same 16. A greater k
+needs features that no GL device is known to offer: 16 draw buffers, targets of 64 samples.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from .shared import MULTISAMPLING, RESOLVE_OPTIONS, STAGE, K, clear, resolve, resolve_sorted, route, routed_targets
+from .spec import Buffer, Loop, Method, Param, Pass, State, Target
+
+ORDER = 6
+
+K16 = replace(K, needs={"17-1024": "draw_buffers_16"})
+K32 = replace(K, doc="fragments kept per pixel, the first to arrive",
+              needs={"1-4": "samples_4", "5-8": "samples_8", "9-16": "samples_16", "17-32": "samples_32",
+                     "33-1024": "samples_64"})
+SAMPLES = "doubled(4, k)"
+PASSES = Param("passes", 16, "most geometry passes; as many as k repair every hazard, 1 repairs the nearest layer")
+
+NODES = Buffer("nodes", "2*k*P", type="uvec2", clear="uvec2(EMPTY, 0u)", coherent=True)
+HAZARD = "fragments of a pixel in flight at once lose each other's changes: fragments go missing or stand twice"
+
+METHODS = [
+    Method(
+        id="kb", name="KB", family="kb",
+        source="Callahan et al. 2005; Bavoil et al. 2007; kplus_2015 §2",
+        summary="k slots per pixel, sorted insertion without exclusion",
+        guarantee="approximate", words="2*k", ties="kept, in order of arrival",
+        failure=f"{HAZARD}; right where a device shades the fragments of a pixel one by one",
+        params=(K16, STAGE), local="k",
+        buffers=(NODES,),
+        steps=(
+            clear("nodes"),
+            Pass("store", "geometry", "methods/kb/store.frag", writes=("nodes",)),
+            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl"),
+        ),
+    ),
+    Method(
+        id="kb-multi", name="KB-Multi", family="kb",
+        source="Liu et al. 2009; kplus_2015 §2, Table 1",
+        summary="k-buffer repaired by further geometry passes: what is missing is inserted again, its nearest by the "
+                "depth test, until an occlusion query finds nothing missing",
+        guarantee="approximate", words="2*k", ties="one of them is kept; each pass takes another",
+        failure="with fewer passes than k, fragments that hazards lost may still be missing behind the nearest "
+                "`passes`; right with k passes, and wherever a pass finds nothing missing",
+        params=(K16, PASSES, STAGE), local="k",
+        buffers=(NODES,),
+        targets=(Target("layer", "r32ui"), Target("layer_depth", "depth32f")),
+        steps=(
+            clear("nodes"),
+            Loop((
+                Pass("store", "geometry", "methods/kb/repair.frag", writes=("nodes",), into=("layer", "layer_depth"),
+                     clears={"layer": (0,), "layer_depth": (1.0,)}, state=State(depth_test="lequal"), counts=True),
+                Pass("tidy", "fullscreen", "methods/kb/tidy.frag", reads=("layer", "layer_depth"), writes=("nodes",),
+                     defines={"LOCAL": "k + 1"}),
+            ), times="min(passes, k)"),
+            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl"),
+        ),
+    ),
+    Method(
+        id="kb-sr", name="KB-SR", family="kb",
+        source="Bavoil & Myers 2008; kplus_2015 §2, Table 1",
+        summary="stencil routing into the samples of multisample targets: the first k fragments to arrive",
+        guarantee="approximate", words="3*k", ties="kept, in order of arrival",
+        failure="keeps the first k fragments to arrive, not the nearest; right where f <= k or the scene is sorted "
+                "front to back",
+        params=(K32, MULTISAMPLING, *RESOLVE_OPTIONS), local="k",
+        targets=routed_targets(SAMPLES),
+        steps=(*route(SAMPLES), resolve("depths", "colours", fetch="methods/routing/fetch.glsl")),
+    ),
+    Method(
+        id="kb-mha", name="KB-MHA (reconstruction)", family="kb",
+        source="Zhang 2014; kplus_2015 §2, Table 1; the code of the depths is not public",
+        summary="k-buffer whose slots carry a code of depth and colour; a slot torn by a hazard is told by it and "
+                "counts as empty",
+        guarantee="approximate", words="2*k", ties="kept, in order of arrival",
+        failure=f"{HAZARD}, and one torn slot in four passes for whole; right where a device shades the fragments of "
+                "a pixel one by one",
+        params=(K16, *RESOLVE_OPTIONS), local="k",
+        buffers=(Buffer("depths", "k*P", clear="EMPTY", coherent=True), Buffer("colours", "k*P", coherent=True)),
+        steps=(
+            clear("depths"),
+            Pass("store", "geometry", "methods/kb/store_coded.frag", writes=("depths", "colours")),
+            resolve("depths", "colours", fetch="methods/kb/fetch_coded.glsl"),
+        ),
+    ),
+]

@@ -1,0 +1,35 @@
+"""KB-LL: a linked list in order of depth, built directly.
+
+3f + 6 words per pixel: a cell is depth, colour and link, and so is each of the two sentinels of a list. Cells come
+from one counter, which takes one word per frame, and double until the frame fits.
+"""
+
+from __future__ import annotations
+
+from .shared import STAGE, K, resolve_sorted
+from .spec import Buffer, Grown, Method, Param, Pass
+
+ORDER = 6
+
+RETRIES = Param("retries", 200, "failed swaps after which a fragment is lost; the papers bound them without a number",
+                low=1, high=60000)
+
+METHODS = [
+    Method(
+        id="kb-ll", name="KB-LL", family="ll",
+        source="Yu et al. 2012; kplus_2015 §2, §5",
+        summary="depth-ordered linked lists by compare-and-swap; a fragment behind k nearer ones is not linked",
+        guarantee="approximate",
+        failure="a fragment whose swap fails `retries` times is lost, and counted; exact where none is",
+        words="3*f + 6", ties="kept, in order of arrival; the first to arrive has the k-th place",
+        params=(K, RETRIES, STAGE), local="k", capacity=Grown(start="P", counter="cell_counter"),
+        buffers=(Buffer("cell_counter", "1"), Buffer("next", "2*P + capacity", coherent=True),
+                 Buffer("cells", "2*(2*P + capacity)", type="uvec2", coherent=True)),
+        steps=(
+            Pass("clear", "fullscreen", "methods/ll/clear.frag", writes=("cell_counter", "next", "cells")),
+            Pass("store", "geometry", "methods/ll/store.frag", writes=("cell_counter", "next", "cells"),
+                 defines={"ALLOCATION_PAGED": 0}),
+            resolve_sorted("next", "cells", fetch="methods/ll/fetch.glsl"),
+        ),
+    ),
+]

@@ -1,0 +1,73 @@
+"""Open addressing: fragments of all pixels in one hash table, with ages and eviction in place of links.
+
+A cell is the paper's: age in 8 bits, inverted depth in 24, payload in 32. 24 bits of fixed-point depth keep the order
+without loss for depths below 1 on a grid of 2^-24, which the quad scenes' grid of 2^-23 is; a fragment off the
+grid counts as lost, so that no order is wrong without notice. More than 32 bits of payload have no place (§1.3).
+
+Words: 2 per cell, and one per pixel for the table A of ages. The table is made for `load_factor`, which takes the
+number of fragments as known from the frame before; it has a cell per pixel at least, or ages would not name pixels.
+Beside the formula stand 256 probe offsets and the counter. With `atomic64: emulated` a cell is one word, the index
+of a record of two: 3 words per cell. No lock guards it, since fragments of many pixels meet in a cell.
+
+A build is interrupted above a load of 10/16 (above `load_factor` where that is more), or where a fragment finds no
+place within 255 ages; the table is then doubled. With a load l all over the viewport ages reach about
+-n ln(1 - l) / l, so 8 bits end near n = 180 for a load of 0.5 and n = 224 for a quarter; deeper pixels are refused.
+Above a load of 0.85 a chain of evictions may take more steps than a loop is allowed, which doubles the table as well.
+In these cases more is allocated than declared, and the row's bytes say so.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from .shared import ATOMIC64, EARLY_CULLING, RESOLVE_OPTIONS, STAGE, clear, resolve, resolve_sorted
+from .spec import Buffer, Grown, Method, Param, Pass, when
+
+ORDER = 3
+
+MOST_AGES = 256
+DEEPEST = 224  # fragments of a pixel
+
+NATIVE, EMULATED = when("atomic64", "native"), when("atomic64", "emulated")
+LOAD_FACTOR = Param("load_factor", 0.5, "fragments per cell of the table", low=0, high=1, real=True)
+ORDER_KEPT = Param("order", "sorted", "whether the build keeps a pixel's cells sorted", choices=("sorted", "unsorted"))
+FETCH = "methods/open/fetch.glsl"
+
+
+def open_addressing(method_id: str, name: str, section: str, summary: str, order: str, finish: Pass,
+                    **more) -> Method:
+    return Method(
+        id=method_id, name=name, family="open", source=f"gpupro5_ch1 {section}", summary=summary,
+        guarantee="exact all", words="2*f/load_factor + 1", fixed=(ORDER_KEPT.at(order),), deepest=DEEPEST,
+        capacity=Grown(start="max(P, ceil(F/load_factor))", counter="cell_counter"),
+        buffers=(Buffer("cell_counter", "1", clear="0u", coherent=True),
+                 Buffer("ages", "P", clear="0u", coherent=True),
+                 Buffer("offsets", str(MOST_AGES), clear="hash3(i, seed, 0u) % capacity"),
+                 Buffer("cells", "2*capacity", type="uint64_t", clear="0", coherent=True, when=NATIVE),
+                 Buffer("cells", "capacity", clear="0u", coherent=True, when=EMULATED),
+                 Buffer("records", "2*capacity", type="uvec2", coherent=True, when=EMULATED),
+                 Buffer("record_counter", "1", clear="0u", when=EMULATED)),
+        steps=(
+            replace(clear("cell_counter", "ages", "offsets", "cells", "record_counter"),
+                    shader="methods/open/clear.frag"),
+            Pass("build", "geometry", "methods/open/insert.frag", reads=("offsets",),
+                 writes=("cell_counter", "ages", "cells", "records", "record_counter"),
+                 defines={"LOAD_LIMIT": "ceil(65536*max(10/16, load_factor))"}),
+            replace(finish, name="render"),
+        ),
+        **more,
+    )
+
+
+READS = ("ages", "offsets", "cells", "records")
+
+METHODS = [
+    open_addressing("open-post", "POST-OPEN", "§1.3.1-1.3.2",
+                    "one hash table for all pixels, evicting younger fragments; sorted when rendered",
+                    "unsorted", resolve(*READS, fetch=FETCH), ties="kept, in no fixed order",
+                    params=(LOAD_FACTOR, ATOMIC64, *RESOLVE_OPTIONS)),
+    open_addressing("open-pre", "PRE-OPEN", "§1.3.3",
+                    "one hash table for all pixels, evicting younger fragments; kept sorted by the insertion",
+                    "sorted", resolve_sorted(*READS, fetch=FETCH), ties="kept, the larger payload as a number first",
+                    params=(LOAD_FACTOR, ATOMIC64, EARLY_CULLING, STAGE)),
+]

@@ -1,0 +1,30 @@
+"""KB-PS: sorted insertion inside pixel synchronization.
+
+Table 1 of kplus_2015 gives 2k words per pixel, which is what `sync: interlock` takes. The authors ran it with their
+own semaphores (§5), a word more: that is `sync: spin`.
+"""
+
+from __future__ import annotations
+
+from .shared import CULLING, OCCUPANCY, STAGE, SYNC, K, clear, occupied, resolve_sorted
+from .spec import Buffer, Method, Pass, when
+
+ORDER = 7
+
+METHODS = [
+    Method(
+        id="kb-ps", name="KB-PS", family="ps",
+        source="Salvi 2013; kplus_2015 §2, §5",
+        summary="k sorted slots, one fragment of a pixel inserted at a time; an empty slot ends them",
+        guarantee="exact k nearest", words="2*k",
+        ties="kept, in order of arrival; the first to arrive has the k-th place",
+        params=(K, SYNC, CULLING, OCCUPANCY, STAGE), local="k",
+        buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
+                 Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True)),
+        steps=(
+            clear("semaphore", "nodes"),
+            *occupied(Pass("store", "geometry", "methods/ps/store.frag", writes=("semaphore", "nodes"))),
+            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl"),
+        ),
+    ),
+]

@@ -1,0 +1,43 @@
+// Sorting network over registers: block[0 .. NETWORK) by depth, nearest first, without loops or variable indices,
+// so that a compiler keeps the block in registers. NETWORK is 8, 16 or 32.
+// Source: Batcher's odd-even merge sort (Batcher 1968); registers: Knowles, Leach and Zambetta 2014 (kplus_2015 [34]).
+FRAGMENT block[NETWORK];
+
+#define COMPARE(a, b) { \
+    FRAGMENT low = block[a], high = block[b]; \
+    bool swapped = high.x < low.x; \
+    block[a] = swapped ? high : low; \
+    block[b] = swapped ? low : high; }
+
+// MERGEn(a, s): the n fragments a, a + s, a + 2s, … whose two halves are sorted.
+#define MERGE2(a, s) COMPARE(a, (a) + (s))
+#define MERGE4(a, s) MERGE2(a, 2 * (s)) MERGE2((a) + (s), 2 * (s)) COMPARE((a) + (s), (a) + 2 * (s))
+#define PAIRS2(a, s) COMPARE(a, (a) + (s)) COMPARE((a) + 2 * (s), (a) + 3 * (s))
+#define PAIRS4(a, s) PAIRS2(a, s) PAIRS2((a) + 4 * (s), s)
+#define PAIRS8(a, s) PAIRS4(a, s) PAIRS4((a) + 8 * (s), s)
+#define MERGE8(a, s) MERGE4(a, 2 * (s)) MERGE4((a) + (s), 2 * (s)) \
+    PAIRS2((a) + (s), s) COMPARE((a) + 5 * (s), (a) + 6 * (s))
+#define MERGE16(a, s) MERGE8(a, 2 * (s)) MERGE8((a) + (s), 2 * (s)) \
+    PAIRS4((a) + (s), s) PAIRS2((a) + 9 * (s), s) COMPARE((a) + 13 * (s), (a) + 14 * (s))
+#define MERGE32(a) MERGE16(a, 2) MERGE16((a) + 1, 2) \
+    PAIRS8((a) + 1, 1) PAIRS4((a) + 17, 1) PAIRS2((a) + 25, 1) COMPARE((a) + 29, (a) + 30)
+
+#define SORT4(a) MERGE2(a, 1) MERGE2((a) + 2, 1) MERGE4(a, 1)
+#define SORT8(a) SORT4(a) SORT4((a) + 4) MERGE8(a, 1)
+#define SORT16(a) SORT8(a) SORT8((a) + 8) MERGE16(a, 1)
+
+// EACH(DO) stands for DO(0) … DO(NETWORK - 1).
+#define EACH4(DO, a) DO(a) DO((a) + 1) DO((a) + 2) DO((a) + 3)
+#define EACH8(DO, a) EACH4(DO, a) EACH4(DO, (a) + 4)
+#define EACH16(DO, a) EACH8(DO, a) EACH8(DO, (a) + 8)
+
+#if NETWORK == 8
+#define EACH(DO) EACH8(DO, 0)
+#define SORT_BLOCK SORT8(0)
+#elif NETWORK == 16
+#define EACH(DO) EACH16(DO, 0)
+#define SORT_BLOCK SORT16(0)
+#else
+#define EACH(DO) EACH16(DO, 0) EACH16(DO, 16)
+#define SORT_BLOCK SORT16(0) SORT16(16) MERGE32(0)
+#endif

@@ -1,0 +1,6 @@
+// Counts the fragments that early z lets through to the store pass. Runs outside timed frames.
+#include "scene/fragment.glsl"
+
+void main() {
+    if (!rejected()) atomicAdd(arrived_fragments, 1u);
+}

@@ -1,0 +1,62 @@
+// A fragment in storage: x is its depth bits, y (and z) its payload.
+// rgba8: four 8-bit channels, straight alpha. rgba16f: four 16-bit floats, straight alpha, in units of 1/255: halves
+// hold whole numbers up to 2048 exactly, so an 8-bit colour comes back bit for bit and the error is that of rgba8;
+// in units of 1, or premultiplied, rounding to halves would cost up to 2^-12 = 2.4e-4 a channel.
+#if PAYLOAD_RGBA16F
+
+PAYLOAD payload_from(uint rgba8) {
+    vec4 colour = vec4(rgba8 & 255u, rgba8 >> 8 & 255u, rgba8 >> 16 & 255u, rgba8 >> 24);
+    return PAYLOAD(packHalf2x16(colour.rg), packHalf2x16(colour.ba));
+}
+
+vec4 straight(PAYLOAD payload) {
+    return vec4(unpackHalf2x16(payload.x), unpackHalf2x16(payload.y)) / 255.0;
+}
+
+FRAGMENT fragment_of(uint depth, PAYLOAD payload) {
+    return FRAGMENT(depth, payload.x, payload.y);
+}
+
+PAYLOAD payload_of(FRAGMENT fragment) {
+    return PAYLOAD(fragment.y, fragment.z);
+}
+
+bool payload_beyond(FRAGMENT a, FRAGMENT b) {
+    return a.y > b.y || (a.y == b.y && a.z > b.z);
+}
+
+// The bits of a half are in the order of the half, because alpha >= 0.
+uint ordered_alpha(FRAGMENT fragment) {
+    return fragment.z >> 16;
+}
+
+#else
+
+PAYLOAD payload_from(uint rgba8) {
+    return rgba8;
+}
+
+vec4 straight(PAYLOAD payload) {
+    return unpackUnorm4x8(payload);
+}
+
+FRAGMENT fragment_of(uint depth, PAYLOAD payload) {
+    return FRAGMENT(depth, payload);
+}
+
+PAYLOAD payload_of(FRAGMENT fragment) {
+    return fragment.y;
+}
+
+bool payload_beyond(FRAGMENT a, FRAGMENT b) {
+    return a.y > b.y;
+}
+
+uint ordered_alpha(FRAGMENT fragment) {
+    return fragment.y >> 24;
+}
+
+#endif
+
+#define FIRST_FRAGMENT fragment_of(0u, PAYLOAD(0u))  // none comes before it
+#define NO_FRAGMENT fragment_of(EMPTY, PAYLOAD(0u))  // behind every other, without colour

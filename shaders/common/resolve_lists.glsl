@@ -1,0 +1,10 @@
+// The colour of a pixel that has one list, or LISTS of them, nearest first, each resolved by itself.
+vec4 resolve_lists(uint p) {
+#if LISTS > 1
+    vec4 colour = vec4(0.0);
+    for (uint list = 0u; list < uint(LISTS); ++list) colour = under(colour, resolve_pixel(list * pixels + p));
+    return colour;
+#else
+    return resolve_pixel(p);
+#endif
+}

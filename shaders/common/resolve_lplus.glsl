@@ -1,0 +1,55 @@
+// l+-depth-sorting: batches of the nearest LOCAL fragments beyond the last batch, each sorted and composited, so that
+// the local array stays short; the fragments are read once for every batch.
+// Invariant: every fragment is in exactly one batch, those of equal depth and payload counted off at a boundary.
+// What a bound on the iterations of a shader leaves undone counts as lost, as in common/resolve_local.glsl.
+// Source: kplus_2015 §4.4, Alg. 4, which loses fragments of equal depth at a boundary.
+#define BATCHES 1
+#include "common/local.glsl"
+#include "common/sort.glsl"
+
+// The furthest fragment composited, and how many equal to it were.
+FRAGMENT boundary;
+uint repeats;
+
+// Offers what lies beyond the boundary; returns how many fragments that is.
+uint choose_batch(uint p, uint room) {
+    uint offered = 0u, before = repeats;
+    FRAGMENT fragment;
+    for (fetch_begin(p); fetch_next(fragment);) {
+        if (beyond(boundary, fragment)) continue;
+        if (fragment == boundary && before > 0u) {
+            --before;
+            continue;
+        }
+        offer(fragment, offered++, room);
+    }
+    return offered;
+}
+
+// A full batch has its furthest fragment in slot 0.
+void move_boundary(uint count) {
+    if (fragments[0] != boundary) repeats = 0u;
+    boundary = fragments[0];
+    for (uint i = 0u; i < count; ++i)
+        if (fragments[i] == boundary) ++repeats;
+}
+
+vec4 resolve_pixel(uint p) {
+    vec4 colour = vec4(0.0);
+    boundary = FIRST_FRAGMENT;
+    repeats = 0u;
+    uint done = 0u, expected = 0u, offered, room;
+    do {
+        room = min(uint(LOCAL), uint(KEEP) - done);
+        offered = choose_batch(p, room);
+        uint count = min(offered, room);
+        if (offered > room) move_boundary(count);
+        if (done == 0u) expected = min(offered, uint(KEEP));
+        sort_fragments(count);
+        uint i = 0u;
+        for (; i < count; ++i) colour = under(colour, colour_of(fragments[i]));
+        done += i;
+    } while (offered > room && done < uint(KEEP));
+    if (done < expected) atomicAdd(lost_fragments, expected - done);
+    return colour;
+}

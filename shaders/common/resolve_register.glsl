@@ -1,0 +1,103 @@
+// Register-block sort: blocks of NETWORK fragments are sorted in registers; one block is composited from there,
+// several go back to the local array and are merged while they are composited.
+// Invariant: block b lies at fragments[b * NETWORK], sorted, filled up with empty fragments, which have no colour.
+// Source: Knowles, Leach and Zambetta 2014 (kplus_2015 [34]).
+#define BATCHES 0
+#include "common/network.glsl"
+
+// A fetch that does not know its count is a walk, too long to stand there for every register.
+#if SELECT || !defined(FETCH_COUNT)
+#define GATHERED 1
+#include "common/gather.glsl"
+
+uint source_at, source_end;
+
+void source_begin(uint p) {
+    source_at = 0u;
+    source_end = gather(p);
+}
+
+bool source_next(out FRAGMENT fragment) {
+    if (source_at >= source_end) return false;
+    fragment = fragments[source_at++];
+    return true;
+}
+#else
+#define GATHERED 0
+#define source_begin fetch_begin
+#define source_next fetch_next
+#endif
+
+#define LOAD(i) \
+    found = found && source_next(fragment); \
+    block[i] = found ? fragment : NO_FRAGMENT;
+
+// Sorts the next fragments in registers; false where they ended within the block.
+bool sorted_block() {
+    bool found = true;
+    FRAGMENT fragment;
+    EACH(LOAD)
+    SORT_BLOCK
+    return found;
+}
+
+void count_lost() {
+    uint lost = 0u;
+    FRAGMENT fragment;
+    while (source_next(fragment)) ++lost;
+    if (lost > 0u) atomicAdd(lost_fragments, lost);
+}
+
+#if LOCAL == NETWORK
+
+#define COMPOSITE(i) colour = under(colour, colour_of(block[i]));
+
+vec4 resolve_pixel(uint p) {
+    source_begin(p);
+    vec4 colour = vec4(0.0);
+    if (sorted_block()) count_lost();
+    EACH(COMPOSITE)
+    return colour;
+}
+
+#else
+
+#if !GATHERED
+FRAGMENT fragments[LOCAL];
+#endif
+
+#define KEEP_BLOCK(i) fragments[base + uint(i)] = block[i];
+
+uint sort_blocks() {
+    for (uint base = 0u; base < uint(LOCAL); base += uint(NETWORK)) {
+        bool more = sorted_block();
+        EACH(KEEP_BLOCK)
+        if (!more) return base + uint(NETWORK);
+    }
+    count_lost();
+    return uint(LOCAL);
+}
+
+vec4 resolve_pixel(uint p) {
+    source_begin(p);
+    uint end = sort_blocks();
+    uint heads[LOCAL / NETWORK];  // of each block, the fragments already composited
+    for (uint b = 0u; b < uint(LOCAL / NETWORK); ++b) heads[b] = 0u;
+    vec4 colour = vec4(0.0);
+    while (true) {
+        uint nearest = EMPTY, from = 0u;
+        for (uint b = 0u; b * uint(NETWORK) < end; ++b) {
+            if (heads[b] >= uint(NETWORK)) continue;
+            uint depth = fragments[b * uint(NETWORK) + heads[b]].x;
+            if (depth < nearest) {
+                nearest = depth;
+                from = b;
+            }
+        }
+        if (nearest == EMPTY) break;
+        colour = under(colour, colour_of(fragments[from * uint(NETWORK) + heads[from]++]));
+    }
+    return colour;
+}
+
+#endif

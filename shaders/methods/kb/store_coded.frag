@@ -1,0 +1,17 @@
+// Memory-hazard-aware k-buffer, store: as the k-buffer, with slots that tell when a hazard tore them.
+// Source: Zhang 2014, reconstructed from kplus_2015 §2 and Table 1.
+#include "scene/fragment.glsl"
+#include "methods/kb/coded.glsl"
+
+void write_slot(uint p, uint slot, FRAGMENT fragment) {
+    uint at = slot * pixels + p;
+    depths[at] = coded(fragment.x, fragment.y);
+    colours[at] = fragment.y;
+}
+
+#include "common/insert_sorted.glsl"
+
+void main() {
+    if (rejected()) discard;
+    insert_sorted(pixel_index(), incoming());
+}

@@ -1,0 +1,31 @@
+// Multi-pass k-buffer: takes in the nearest fragment that was missing, sorts the slots, drops what stands twice.
+// Invariant: afterwards depths rise strictly up to the first empty slot. Of equal depths the certain one is kept.
+#include "common/pixel.glsl"
+#define BATCHES 0
+#include "common/local.glsl"
+#include "common/sort.glsl"
+#include "methods/ps/slots.glsl"
+
+const uint NO_DEPTH = 0x3F800000u;  // 1.0, which the layer is cleared to, with a colour of 0
+
+uint collect(uint p) {
+    ivec2 xy = ivec2(gl_FragCoord.xy);
+    fragments[0] = FRAGMENT(floatBitsToUint(texelFetch(layer_depth, xy, 0).x), texelFetch(layer, xy, 0).x);
+    uint count = fragments[0] == FRAGMENT(NO_DEPTH, 0u) ? 0u : 1u;
+    for (uint slot = 0u; slot < uint(K); ++slot) {
+        FRAGMENT held = read_slot(p, slot);
+        if (held.x != EMPTY) fragments[count++] = held;
+    }
+    return count;
+}
+
+void main() {
+    uint p = pixel_index();
+    uint count = collect(p), kept = 0u, last = EMPTY;
+    sort_by_gap(count, 1u);  // stable
+    for (uint i = 0u; i < count && kept < uint(K); ++i) {
+        if (fragments[i].x != last) write_slot(p, kept++, fragments[i]);
+        last = fragments[i].x;
+    }
+    for (; kept < uint(K); ++kept) write_slot(p, kept, FRAGMENT(EMPTY, 0u));
+}

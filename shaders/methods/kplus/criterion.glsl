@@ -1,0 +1,29 @@
+// h(f) of the generalized k+-buffer (kplus_2015 §3.2.2, Eq. 2): whether a has to leave before b.
+// Invariant: a total order of fragments, so that which of them stay does not depend on their arrival; equal ones
+// do not displace each other, and an empty slot leaves before any fragment.
+#include "common/payload.glsl"
+
+bool worse(FRAGMENT a, FRAGMENT b) {
+#if CRITERION_FURTHEST
+    return a.x == EMPTY || a.x < b.x || (a.x == b.x && payload_beyond(a, b));
+#elif CRITERION_OPAQUE
+    uint alpha_a = ordered_alpha(a), alpha_b = ordered_alpha(b);
+    if (a.x == EMPTY || alpha_a != alpha_b) return a.x == EMPTY || alpha_a < alpha_b;
+#endif
+    return a.x > b.x || (a.x == b.x && payload_beyond(a, b));
+}
+
+// What can be said of a while others replace b by better ones, word by word: only one word of b is compared, and of
+// an empty slot each word says that it is empty (no half has all its bits set).
+bool surely_worse(FRAGMENT a, FRAGMENT b) {
+#if CRITERION_FURTHEST
+    return b.x != EMPTY && a.x < b.x;
+#elif CRITERION_OPAQUE
+#if PAYLOAD_RGBA16F
+    if (ordered_alpha(b) == EMPTY >> 16) return false;
+#endif
+    return b.x != EMPTY && ordered_alpha(a) < ordered_alpha(b);
+#else
+    return a.x > b.x;
+#endif
+}

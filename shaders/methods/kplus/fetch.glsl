@@ -1,0 +1,20 @@
+// Reads the fragments that a pixel's k+-buffer keeps, in the order of its slots.
+#include "methods/kplus/slots.glsl"
+
+#define FETCH_COUNT(p) taken(p)
+
+uint fetch_pixel, fetch_slot, fetch_end;
+
+void fetch_begin(uint p) {
+    uint count = FETCH_COUNT(p);
+    fetch_pixel = p;
+    fetch_slot = count < ROOM(p) ? 1u : 0u;
+    fetch_end = fetch_slot + count;
+}
+
+bool fetch_next(out FRAGMENT fragment) {
+    if (fetch_slot >= fetch_end) return false;
+    fragment = NODE(fetch_pixel, fetch_slot);
+    ++fetch_slot;
+    return true;
+}

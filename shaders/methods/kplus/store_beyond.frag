@@ -1,0 +1,22 @@
+// Multi-pass k+-buffer, store: the K nearest fragments behind all that earlier iterations have composited.
+// Invariant: last[p] is the furthest of those; fragments equal to it in depth and colour cannot be told apart, and
+// the first repeats[p] of them to arrive count as composited.
+// Source: kplus_2015 §4.3.
+#include "scene/fragment.glsl"
+#include "common/lock.glsl"
+#include "methods/kplus/structure.glsl"
+
+bool beyond(uint p, uvec2 fragment) {
+    if (fragment == last[p]) return (atomicAdd(counter[p], 1u) & COUNTED) >= repeats[p];
+    return worse(fragment, last[p]);
+}
+
+void main() {
+    uint p = pixel_index();
+    uvec2 fragment = incoming();
+    bool wanted = !rejected() && !IS_HELPER;
+    if (wanted) wanted = beyond(p, fragment) && !refused(p, fragment);
+    CRITICAL_BEGIN(p, wanted)
+    insert(p, fragment);
+    CRITICAL_END(p)
+}

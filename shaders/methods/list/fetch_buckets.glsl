@@ -1,0 +1,15 @@
+// Reads one of a pixel's lists. Their resolve needs room for the longest.
+#include "methods/list/fetch.glsl"
+
+#define FETCH_COUNT(p) longest_list(p)
+
+uint longest_list(uint p) {
+    uint longest = 0u;
+    FRAGMENT fragment;
+    for (uint bucket = 0u; bucket < uint(BUCKETS); ++bucket) {
+        uint count = 0u;
+        for (fetch_begin(bucket * pixels + p); fetch_next(fragment);) ++count;
+        longest = max(longest, count);
+    }
+    return longest;
+}

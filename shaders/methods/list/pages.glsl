@@ -1,0 +1,32 @@
+// Cells in pages of PAGE that belong to one pixel. place[p] is the pixel's next cell; a multiple of PAGE says that
+// its page is full, or with 0 that it has none. TAKING is set while an invocation takes the next page.
+// Invariant: a page but the pixel's last is full; a cell is given out once; the lock is held only to take a page.
+// Source: Crassin 2010, as in gpupro5_ch1 §1.2; there every cell is taken under the lock.
+#include "common/helper.glsl"
+
+const uint TAKING = 0x80000000u;
+uint page_before;  // place[p] before `allocate` took the page of which it gave the first cell
+
+bool allocate(uint p, out uint cell) {
+    bool waiting = !IS_HELPER;
+    uint seen = place[p];
+    cell = EMPTY;
+    for (uint tries = 0u; waiting && tries < uint(LOCK_TRIES); ++tries) {
+        uint at = seen & ~TAKING;
+        bool full = at % uint(PAGE) == 0u;
+        seen = atomicCompSwap(place[p], at, full ? at | TAKING : at + 1u);
+        if (seen == at) {
+            waiting = false;
+            cell = at;
+            if (full) {
+                page_before = at;
+                uint page = atomicAdd(cell_counter[0], uint(PAGE));
+                bool fits = page + uint(PAGE) <= capacity;
+                atomicExchange(place[p], fits ? page + 1u : at);
+                cell = fits ? page : EMPTY;
+            }
+        }
+    }
+    if (waiting) atomicAdd(lost_fragments, 1u);
+    return cell != EMPTY;
+}

@@ -1,0 +1,11 @@
+// KB-LL, clear: each list is its two sentinels, nearer and further than any fragment.
+#include "common/pixel.glsl"
+
+void main() {
+    uint head = pixel_index(), tail = pixels + head;
+    cells[head] = uvec2(0u);
+    cells[tail] = uvec2(EMPTY, 0u);
+    next[head] = tail;
+    next[tail] = EMPTY;
+    if (head == 0u) cell_counter[0] = 0u;
+}

@@ -1,0 +1,17 @@
+// Reads the first K fragments of a pixel's list, which is in order of depth.
+#include "common/helper.glsl"
+
+uint fetch_node, fetch_left;
+
+void fetch_begin(uint p) {
+    fetch_node = IS_HELPER ? pixels + p : next[p];
+    fetch_left = uint(K);
+}
+
+bool fetch_next(out uvec2 fragment) {
+    fragment = cells[fetch_node];
+    if (fetch_left == 0u || fragment.x == EMPTY) return false;
+    --fetch_left;
+    fetch_node = next[fetch_node];
+    return true;
+}

@@ -1,0 +1,19 @@
+// Multi depth test in one pass: a cascade of 64-bit atomic minima leaves the K nearest fragments in order.
+// Invariant: no slot ever grows; what a slot gives up moves on to the next. The high word is the depth, the low one
+// the colour: equal depths are ordered by colour, and equal fragments pass each other, one slot each.
+// Source: Kubisch 2014; kplus_2015 §2.
+#define WIDE nodes
+#include "scene/fragment.glsl"
+#include "common/atomic64.glsl"
+
+void main() {
+    if (rejected()) discard;
+    uint p = pixel_index();
+    uvec2 moving = incoming().yx, held;
+    bool going = !IS_HELPER;
+    for (uint slot = 0u; going && slot < uint(K) && moving.y != EMPTY; ++slot) {
+        going = atomic_min64(slot * pixels + p, moving, held);
+        if (less64(moving, held)) moving = held;
+    }
+    if (!going) atomicAdd(lost_fragments, 1u);
+}

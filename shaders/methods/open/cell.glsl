@@ -1,0 +1,28 @@
+// A cell of the table as (low word, high word): RGBA8; age in 8 bits above inverted depth in 24. 0 is an empty cell.
+// Invariant: of two cells the older is the larger, of equal age the nearer; so a pixel's cells keep their order.
+// Source: gpupro5_ch1 §1.1.1, §1.3.2-1.3.3.
+#include "common/payload.glsl"
+
+const uint OLDEST = 255u;
+const uint FURTHEST = 0xFFFFFFu;
+const float DEPTH_STEPS = 16777216.0;
+
+uint age_of(uvec2 cell) {
+    return cell.y >> 24;
+}
+
+uvec2 aged(uvec2 cell, uint age) {
+    return uvec2(cell.x, (cell.y & FURTHEST) | age << 24);
+}
+
+// Without loss for depths below 1 on a grid of 2^-24. Any other depth may lose its place, which counts as a loss.
+uvec2 cell_of(FRAGMENT fragment) {
+    float steps = uintBitsToFloat(fragment.x) * DEPTH_STEPS;
+    uint depth = min(uint(steps), FURTHEST);
+    if (float(depth) != steps) atomicAdd(lost_fragments, 1u);
+    return uvec2(payload_of(fragment), FURTHEST - depth);
+}
+
+FRAGMENT fragment_in(uvec2 cell) {
+    return fragment_of(floatBitsToUint(float(FURTHEST - (cell.y & FURTHEST)) / DEPTH_STEPS), cell.x);
+}

@@ -1,0 +1,31 @@
+// Reads a pixel's fragments from the table: along its probe sequence the cells whose age is that of the probe.
+#include "methods/open/cell.glsl"
+#include "methods/open/probe.glsl"
+
+uvec2 cell_at(uint at) {
+#if ATOMIC64_NATIVE
+    return unpackUint2x32(cells[at]);
+#else
+    uint record = cells[at];
+    return record == 0u ? uvec2(0u) : records[record - 1u];
+#endif
+}
+
+uint fetch_p, fetch_age, fetch_oldest;
+
+void fetch_begin(uint p) {
+    fetch_p = p;
+    fetch_age = 0u;
+    fetch_oldest = ages[p];
+}
+
+bool fetch_next(out FRAGMENT fragment) {
+    while (fetch_age < fetch_oldest) {
+        uvec2 cell = cell_at(probe(fetch_p, ++fetch_age));
+        if (age_of(cell) == fetch_age) {
+            fragment = fragment_in(cell);
+            return true;
+        }
+    }
+    return false;
+}

@@ -1,0 +1,65 @@
+// Open addressing, build: the fragment takes the first cell of its pixel's probe sequence that is empty or holds a
+// younger fragment, which moves on along its own (Robin Hood). ORDER_SORTED begins at the first probe, where of equal
+// ages, that is of one pixel, the nearer stays: the pixel's cells are sorted. Else it begins behind the oldest.
+// Invariant: ages[p] is no less than any age of pixel p; a cell only grows, so that each step is one atomic max.
+// Source: gpupro5_ch1 §1.3.2-1.3.3, Listings 1.4 and 1.5; interruption §1.5.2.
+#include "scene/fragment.glsl"
+#include "common/early_culling.glsl"
+#include "methods/open/cell.glsl"
+#include "methods/open/table.glsl"
+#include "methods/open/probe.glsl"
+
+// Asks for a larger table: the frame will be redone.
+void interrupt() {
+    if (cell_counter[0] <= capacity) atomicMax(cell_counter[0], capacity + 1u);
+}
+
+// Whether more than LOAD_LIMIT / 65536 of the table is taken.
+bool crowded() {
+    return cell_counter[0] > (capacity >> 16) * uint(LOAD_LIMIT) + ((capacity & 0xFFFFu) * uint(LOAD_LIMIT) >> 16);
+}
+
+uint age_before_first(uint p) {
+#if ORDER_SORTED
+    return 0u;
+#else
+    return ages[p];
+#endif
+}
+
+void main() {
+    if (rejected()) discard;
+    if (crowded() || !table_begin()) {
+        interrupt();
+        return;
+    }
+    uint p = pixel_index(), age = age_before_first(p);
+    uvec2 cell = cell_of(incoming()), met;
+    bool placed = false, hidden = false, blocked = IS_HELPER;
+    float opacity = 0.0;
+    for (uint tries = 0u; !(placed || hidden || blocked) && age < OLDEST && tries < uint(LOCK_TRIES); ++tries) {
+        ++age;
+        uint at = probe(p, age);
+        cell = aged(cell, age);
+        blocked = !table_max(at, cell, met);
+        if (!blocked && less64(met, cell)) {
+            atomicMax(ages[p], age);
+            placed = met == uvec2(0u);
+            age = age_of(met);
+            p = prober(at, age);
+            cell = met;
+#if !ORDER_SORTED
+            age = placed ? age : ages[p];
+#endif
+            opacity = 0.0;
+        } else if (!blocked && age_of(met) == age) {
+#if EARLY_CULLING_ON
+            opacity = covered(opacity, met.x);
+            hidden = opacity >= OPAQUE;
+#endif
+        }
+    }
+    if (placed) atomicAdd(cell_counter[0], 1u);
+    else if (blocked) atomicAdd(lost_fragments, 1u);
+    else if (!hidden) interrupt();
+}

@@ -1,0 +1,47 @@
+// The table to which a fragment is added: the atomic maximum of cells, `met` being what the cell held.
+// ATOMIC64_NATIVE: cells of 64 bits and the device's own. Otherwise a cell is 1 + the index of a record, and
+// compare-and-swap puts the larger in place, or confirms it; records follow their fragments through evictions.
+// Invariant: a record does not change while a cell names it; else it is that of the one invocation that carries it.
+// Source: gpupro5_ch1 §1.3.2; §1.6 emulates atomicMax by a 64-bit compare-and-swap, which GLSL lacks here as well.
+#include "common/helper.glsl"
+#include "common/less64.glsl"
+
+#if ATOMIC64_NATIVE
+
+#define WIDE cells
+#include "common/atomic64.glsl"
+
+bool table_begin() {
+    return true;
+}
+
+bool table_max(uint at, uvec2 cell, out uvec2 met) {
+    return atomic_max64(at, cell, met);
+}
+
+#else
+
+uint carried;
+
+bool table_begin() {
+    carried = atomicAdd(record_counter[0], 1u);
+    return carried < capacity;
+}
+
+bool table_max(uint at, uvec2 cell, out uvec2 met) {
+    records[carried] = cell;
+    memoryBarrierBuffer();
+    uint named = cells[at], before = ~named;
+    bool larger = false;
+    for (uint tries = 0u; before != named && tries < uint(LOCK_TRIES); ++tries) {
+        met = named == 0u ? uvec2(0u) : records[named - 1u];
+        memoryBarrierBuffer();
+        larger = less64(met, cell);
+        before = named;
+        named = atomicCompSwap(cells[at], before, larger ? carried + 1u : before);
+    }
+    if (larger && before == named) carried = named - 1u;
+    return before == named;
+}
+
+#endif

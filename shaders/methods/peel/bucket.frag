@@ -1,0 +1,28 @@
+// Bucket peeling: in every bucket of the pixel's depth range the nearest and the furthest fragment left are peeled,
+// and its edges move inwards. Colours go to storage as they are; one fragment alone matches an edge.
+// Invariant: out_edges (MAX of (-z, z), NONE where nothing is left) encloses what is left of a bucket. All passes
+// are this one program, so that a fragment falls into the same bucket each time.
+// Source: Liu et al. 2009, uniform buckets; two fragments of each per pass: Vasilakis and Fudos 2013; kplus_2015 §2.
+#include "scene/fragment.glsl"
+
+const vec4 NONE = vec4(-2.0);
+
+// Never falls with z. The furthest fragment belongs to the last bucket, and all to the first in a range of zero.
+int bucket_of(float z, float nearest, float furthest) {
+    float share = furthest > nearest ? (z - nearest) / (furthest - nearest) : 0.0;
+    return clamp(int(share * float(BUCKETS)), 0, BUCKETS - 1);
+}
+
+void main() {
+    if (rejected()) discard;
+    uint p = pixel_index();
+    ivec2 xy = ivec2(gl_FragCoord.xy);
+    float z = gl_FragCoord.z;
+    vec2 range = texelFetch(bounds, xy, 0).xy;
+    int bucket = bucket_of(z, -range.x, range.y);
+    vec2 edge = texelFetch(edges, ivec3(xy, bucket), 0).xy;
+    bool inside = z > -edge.x && z < edge.y;
+    for (int i = 0; i < BUCKETS; ++i) out_edges[i] = inside && i == bucket ? vec4(-z, z, 0.0, 0.0) : NONE;
+    uint slot = (2u * uint(bucket) + uint(z != -edge.x)) * pixels + p;
+    if (z == -edge.x || z == edge.y) colours[slot] = incoming().y;
+}

@@ -1,0 +1,19 @@
+// Bucket peeling: what was just peeled joins its bucket's layers, the nearest behind those in front, the furthest
+// in front of those behind. Only pixels with fragments left pass, so that a count of zero ends the peeling.
+#include "common/pixel.glsl"
+#include "common/colour.glsl"
+
+void main() {
+    uint p = pixel_index();
+    bool left = false;
+    for (int bucket = 0; bucket < BUCKETS; ++bucket) {
+        ivec3 at = ivec3(gl_FragCoord.xy, bucket);
+        vec2 edge = texelFetch(edges, at, 0).xy;
+        uint front = 2u * uint(bucket) * pixels + p, back = front + pixels;
+        bool peeled = edge.y >= 0.0 && edge.y <= 1.0;
+        if (peeled) layers[front] = under(layers[front], premultiplied(colours[front]));
+        if (peeled && edge.y > -edge.x) layers[back] = under(premultiplied(colours[back]), layers[back]);
+        left = left || texelFetch(edges_current, at, 0).y >= 0.0;
+    }
+    if (!left) discard;
+}

@@ -1,0 +1,20 @@
+// Stencil routing in several passes: appends the samples just taken to the pixel's array.
+// Invariant: resume[p] is the first primitive not yet captured, EMPTY where all are: a pass that leaves a sample
+// empty has met every fragment. Only pixels with all samples taken pass, so that a count of zero ends the passes.
+#include "common/pixel.glsl"
+
+void main() {
+    uint p = pixel_index();
+    ivec2 xy = ivec2(gl_FragCoord.xy);
+    uint count = counter[p];
+    for (int s = 0; s < SAMPLES; ++s) {
+        uint depth = texelFetch(depths, xy, s).x;
+        if (depth == EMPTY) break;
+        if (count < uint(N)) nodes[count++ * pixels + p] = uvec2(depth, texelFetch(colours, xy, s).x);
+        else atomicAdd(lost_fragments, 1u);
+    }
+    counter[p] = count;
+    bool all_taken = texelFetch(depths, xy, SAMPLES - 1).x != EMPTY;
+    resume[p] = all_taken ? texelFetch(arrivals, xy, SAMPLES - 1).x + 1u : EMPTY;
+    if (!all_taken) discard;
+}

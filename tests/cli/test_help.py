@@ -1,0 +1,71 @@
+"""Help that teaches by example, completion, and the lists that need no device."""
+
+import subprocess
+
+import pytest
+
+from mfr_bench import __version__
+from mfr_bench.cli.main import cli
+from mfr_bench.config import shipped
+
+from .conftest import command, environment
+
+COMMANDS = sorted(cli.commands)
+
+
+def test_the_help_lists_every_command_and_exit_status(mfr):
+    ended = mfr("--help")
+    assert ended.status == 0
+    assert {"run", "plot", "table", "methods", "doctor", "scene", "render", "shader", "configs"} <= set(COMMANDS)
+    for name in COMMANDS:
+        assert f"\n  {name} " in ended.out
+    assert "Examples:" in ended.out
+    assert "Exit status: 0 done; 1 " in ended.out
+    assert "_MFR_BENCH_COMPLETE" in ended.out
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_command_explains_itself(mfr, name):
+    ended = mfr(name, "-h")
+    assert ended.status == 0
+    assert ended.out.startswith(f"Usage: mfr-bench {name}")
+    assert "Example" in ended.out
+    assert "Show this message and exit." in ended.out
+
+
+@pytest.mark.parametrize("arguments", [[], *([name] for name in COMMANDS)], ids=" ".join)
+def test_help_fits_80_columns(mfr, monkeypatch, arguments):
+    monkeypatch.setenv("COLUMNS", "80")
+    assert max(map(len, mfr(*arguments, "--help").out.splitlines())) <= 80
+
+
+def test_the_version_is_the_packages(mfr):
+    assert mfr("--version").out == f"mfr-bench, version {__version__}\n"
+
+
+def test_shipped_configs_are_listed_by_the_names_that_run_takes(mfr):
+    lines = mfr("configs").out.splitlines()
+    assert [line.split()[0] for line in lines] == list(shipped())
+    assert any(line.startswith("smoke ") and line.endswith("Every method, small") for line in lines)
+
+
+def completed(words):
+    done = subprocess.run(command(), capture_output=True, text=True, check=False, env=environment(
+        COMP_WORDS=words, COMP_CWORD=str(len(words.split(" ")) - 1), _MFR_BENCH_COMPLETE="bash_complete"))
+    return [line.partition(",")[2] for line in done.stdout.splitlines()]
+
+
+@pytest.mark.parametrize(("words", "found"), [
+    ("mfr-bench ta", ["table"]), ("mfr-bench run smo", ["smoke"]), ("mfr-bench run smoke --dev", ["--device"]),
+    ("mfr-bench run smoke --device c", ["cpu"]), ("mfr-bench shader kplus-h", ["kplus-heap"]),
+    ("mfr-bench run smoke --only zbuffer,kplus-h", ["zbuffer,kplus-heap"]),
+])
+def test_shells_complete_names(words, found):
+    assert completed(words)[:len(found)] == found
+
+
+def test_the_script_for_the_shell_is_printed():
+    done = subprocess.run(command(), capture_output=True, text=True, check=True,
+                          env=environment(_MFR_BENCH_COMPLETE="bash_source"))
+    assert "complete " in done.stdout
+    assert "mfr-bench" in done.stdout

@@ -1,0 +1,70 @@
+"""Mistakes in a command: one line that says what is allowed, with the nearest name, and exit status 2."""
+
+import pytest
+
+from .conftest import TINY
+
+MISTAKES = [
+    (["rnu", "smoke"], "mfr-bench: no command 'rnu'; allowed: ", "; nearest: 'run'; see mfr-bench --help"),
+    (["run"], "mfr-bench run: Missing argument 'CONFIG...'; see mfr-bench run --help", ""),
+    (["run", ""], "mfr-bench run: Invalid value for 'CONFIG...': '' is no config; allowed: a file, ", "run --help"),
+    (["run", "smok"], "smok: no such file, folder or shipped config; allowed: ", "; nearest: 'smoke'"),
+    (["run", "smoke.yaml"], "smoke.yaml: no such file or folder; nearest: 'smoke'", ""),
+    (["run", "tiny.yaml", "--only", "kplus-aray"], "--only: unknown method 'kplus-aray'; allowed: ",
+     "; nearest: 'kplus-array'"),
+    (["run", "tiny.yaml", "--only", ""], "--only: unknown method ''; allowed: ", ""),
+    (["run", "tiny.yaml", "--only", "kplus-array,"], "--only: unknown method ''; allowed: ", ""),
+    (["run", "tiny.yaml", "--only", "zbuffer"], "tiny: --only zbuffer leaves no cell; allowed: ab-array, ", ""),
+    (["run", "tiny.yaml", "--set", "k"], "--set k: not a setting; allowed: KEY=VALUE", ""),
+    (["run", "tiny.yaml", "--set", "k=0"], "--set k: 0 is not allowed; allowed: a whole number from 1 to ", ""),
+    (["run", "tiny.yaml", "--set", "scene.sede=1"], "--set scene.sede: unknown key; allowed: ", "; nearest: 'seed'"),
+    (["run", "tiny.yaml", "--profile", "smok"], "tiny.yaml:", "no profile 'smok'; allowed: none"),
+    (["run", "tiny.yaml", "--device", "cpuu"], "mfr-bench run: Invalid value for '--device': 'cpuu' is not allowed; ",
+     "allowed: auto, gpu, cpu; nearest: 'cpu'; see mfr-bench run --help"),
+    (["run", "tiny.yaml", "--ot", "x"], "mfr-bench run: No such option '--ot'", "see mfr-bench run --help"),
+    (["run", "tiny.yaml", "--out", ""], "mfr-bench run: Invalid value for '--out': '' is no place to write to", ""),
+    (["scene", "tiny.yaml", "--out", ""], "mfr-bench scene: Invalid value for '--out': '' is no place to ", ""),
+    (["plot"], "mfr-bench plot: Missing argument 'DIR...'; see mfr-bench plot --help", ""),
+    (["plot", "nowhere"], "nowhere: no such folder", ""),
+    (["table", "."], ".: no results in or below it; allowed: a folder that 'mfr-bench run' wrote", ""),
+    (["shader", "kplus-aray"], "unknown method 'kplus-aray'; allowed: ", "; nearest: 'kplus-array'"),
+    (["shader", "kplus-array", "--pass", "stor"], "--pass: kplus-array has no pass 'stor'; allowed: clear, ",
+     "; nearest: 'store'"),
+    (["scene", "tiny.yaml"], "mfr-bench scene: Missing option '--out'; see mfr-bench scene --help", ""),
+    (["scene", "tiny.yaml", "--out", "."], "mfr-bench scene: Invalid value for '--out': File '.' is a directory", ""),
+    (["render", "tiny.yaml", "--out", "a.png"], "mfr-bench render: Missing option '--method'; see ", ""),
+    (["render", "tiny.yaml", "--method", "ab-array", "--out", "a.jpg"],
+     "--out: 'a.jpg' is neither; allowed: a file that ends in .npy or .png", ""),
+    (["render", "two", "--method", "ab-array", "--out", "a.npy"], "two: 2 configs; allowed: one file, or the name", ""),
+]
+
+
+@pytest.mark.parametrize(("arguments", "begins", "ends"), MISTAKES, ids=[" ".join(m[0]) or "none" for m in MISTAKES])
+def test_a_mistake_is_one_line_and_exit_2(mfr, tiny, here, arguments, begins, ends):
+    (here / "two").mkdir()
+    for name in ("a", "b"):
+        (here / "two" / f"{name}.yaml").write_text(TINY.replace("name: tiny", f"name: {name}"))
+    ended = mfr(*arguments)
+    assert ended.status == 2
+    assert ended.complaint.startswith(begins)
+    assert ended.complaint.endswith(ends)
+
+
+def test_all_mistakes_of_all_configs_are_told_at_once(mfr, here):
+    (here / "a.yaml").write_text(TINY.replace("size: [32, 24]", "size: [0, 24]").replace("ab-array", "ab-aray"))
+    (here / "b.yaml").write_text(TINY.replace("title", "titel"))
+    ended = mfr("run", "a.yaml", "b.yaml", "absent.yaml", "--out", "out")
+    assert ended.status == 2
+    assert ended.out == ""
+    lines = ended.err.splitlines()
+    assert [line.split(": ")[0] for line in lines] == ["a.yaml:3", "a.yaml:4", "b.yaml:2", "absent.yaml"]
+    assert "nearest: 'ab-array'" in lines[1]
+    assert "nearest: 'title'" in lines[2]
+    assert not (here / "out").exists()
+
+
+def test_no_command_is_the_help_and_exit_2(mfr):
+    ended = mfr()
+    assert ended.status == 2
+    assert ended.out.startswith("Usage: mfr-bench ")
+    assert ended.err == ""

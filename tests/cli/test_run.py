@@ -1,0 +1,321 @@
+"""`run`: what is measured, kept, skipped and refused, and how it ends."""
+
+import json
+import shutil
+
+import pytest
+
+from .conftest import CELLS, FIGURE, TINY, apart, cells, rows
+
+pytestmark = pytest.mark.usefixtures("on_device")
+
+
+def written(folder):
+    """When each cell file was written."""
+    return {path.name: path.stat().st_mtime_ns for path in (folder / "cells").iterdir()}
+
+
+@pytest.fixture
+def measured(mfr, tiny, here):
+    assert mfr("run", tiny, "--out", "out").status == 0
+    return here / "out"
+
+
+# --- a run and its results -----------------------------------------------------------------------
+
+
+def test_every_cell_becomes_a_row_with_a_checked_image(mfr, tiny, here):
+    tiny.write_text(TINY + FIGURE)
+    ended = mfr("run", tiny, "--out", "out")
+    assert ended.status == 0
+    found = rows(here / "out" / "results.csv")
+    assert [(r["method"], r["k"], r["status"]) for r in found] == [
+        ("floor", "", "ok"), ("ab-array", "", "ok"), ("kplus-array", "2", "ok"), ("kplus-array", "4", "ok")]
+    assert all(float(r["time_ms"]) > 0 and int(r["samples"]) == 7 for r in found)
+    assert all(float(r["max_abs_error"]) <= 1e-4 and r["wrong_pixels"] == "0" for r in found[1:])
+    assert found[0]["max_abs_error"] == ""  # blending in submission order promises no image
+    assert {r["floor_ms"] for r in found} == {found[0]["time_ms"]}
+    assert {p["pass"] for p in rows(here / "out" / "passes.csv") if p["method"] == "ab-array"} >= {"store", "resolve"}
+    assert sorted(path.name for path in (here / "out" / "figures").iterdir()) == ["tiny.png", "tiny.svg"]
+    assert "| K+B-Array" in (here / "out" / "tables" / "results.md").read_text()
+
+
+def test_it_prints_the_tables_then_a_summary(mfr, tiny):
+    tiny.write_text(TINY + FIGURE)
+    ended = mfr("run", tiny, "--out", "out")
+    lines = ended.out.splitlines()
+    assert lines[0] == "tiny: Tiny"
+    assert any(line.startswith("Time, ms") for line in lines)
+    assert lines[-4:] == [f"{CELLS} cells: {CELLS} ok", next(x for x in lines[-4:] if x.startswith("noise floor ")),
+                          "tables  out/tables/results.md", "figures out/figures/tiny.png"]
+
+
+@pytest.mark.parametrize("columns", [50, 80, 120])
+def test_tables_are_as_wide_as_the_terminal(mfr, measured, monkeypatch, columns):
+    monkeypatch.setenv("COLUMNS", str(columns))
+    lines = mfr("table", "out").out.splitlines()
+    assert max(map(len, lines)) <= columns
+    assert sum(line.split()[:1] == ["AB_Array"] for line in lines) >= 4
+
+
+def test_progress_is_a_line_per_cell_with_the_time_left(mfr, tiny):
+    lines = mfr("run", tiny, "--out", "out").err.splitlines()
+    assert len(lines) == CELLS
+    assert all(line.startswith(f"tiny {i}/{CELLS}") for i, line in enumerate(lines, 1))
+    assert all(" left" in line for line in lines[1:-1])
+    assert " left" not in lines[-1]
+    assert any("K+B-Array k=4: " in line and line.endswith(" ms") for line in lines)
+
+
+def test_the_manifest_keeps_the_split_and_the_noise_floor(measured):
+    manifest = json.loads((measured / "manifest.json").read_text())
+    assert {"start-up", "scene", "compile", "oracle", "check", "warm-up", "measure", "passes", "report"} <= set(
+        manifest["split_s"])
+    assert manifest["noise_floor_rel"] > 0
+    assert len(manifest["cells"]) == CELLS
+    assert f"noise floor {100 * manifest['noise_floor_rel']:.2g} %" in (measured / "tables" / "results.md").read_text()
+
+
+# --- again ---------------------------------------------------------------------------------------
+
+
+def test_a_rerun_keeps_every_cell(mfr, tiny, measured):
+    before, manifest = written(measured), json.loads((measured / "manifest.json").read_text())
+    ended = mfr("run", tiny, "--out", "out")
+    assert ended.status == 0
+    assert written(measured) == before
+    assert ended.err == ""
+    assert f"{CELLS} cells: {CELLS} ok; {CELLS} kept from before" in ended.out
+    assert json.loads((measured / "manifest.json").read_text()) == manifest
+
+
+def test_force_measures_again(mfr, tiny, measured):
+    before = written(measured)
+    ended = mfr("run", tiny, "--out", "out", "--force")
+    assert ended.status == 0
+    assert all(when > before[name] for name, when in written(measured).items())
+    assert "kept" not in ended.out
+
+
+def test_a_rerun_measures_what_is_missing(mfr, tiny, measured):
+    before = written(measured)
+    lost = next(iter(before))
+    (measured / "cells" / lost).unlink()
+    ended = mfr("run", tiny, "--out", "out")
+    assert f"{CELLS - 1} kept" in ended.out
+    assert len(ended.err.splitlines()) == 1
+    after = written(measured)
+    assert after.keys() == before.keys()
+    assert {name for name in after if after[name] != before[name]} == {lost}
+
+
+def test_a_rerun_measures_a_damaged_cell_again_and_names_it(mfr, tiny, measured):
+    key = cells(measured)["ab-array", None]["key"]
+    (measured / "cells" / f"{key}.json").write_text('{"schema": 1, "key"')
+    ended = mfr("run", tiny, "--out", "out")
+    assert ended.status == 0
+    assert f"{CELLS} cells: {CELLS} ok; {CELLS - 1} kept" in ended.out
+    assert (measured / "cells" / f"{key}.json.damaged").is_file()
+    assert cells(measured)["ab-array", None]["status"] == "ok"
+
+
+def test_a_changed_shader_is_measured_again_and_nothing_else(mfr, tiny, measured, plant):
+    plant("methods/array/store.frag", "void main", "const uint unused = 7u;\nvoid main")
+    ended = mfr("run", tiny, "--out", "out")
+    assert [line.partition("  ")[2].partition(":")[0] for line in ended.err.splitlines()] == ["AB_Array"]
+    assert f"{CELLS - 1} kept" in ended.out
+
+
+def test_folders_merge_by_copying_cells(mfr, tiny, measured, here):
+    mfr("run", tiny, "--out", "other", "--set", "k=8")
+    shutil.copytree(here / "other" / "cells", measured / "cells", dirs_exist_ok=True)
+    ended = mfr("run", tiny, "--out", "out", "--set", "k=8")
+    assert ended.err == ""
+    assert "3 cells: 3 ok; 3 kept" in ended.out
+
+
+# --- options -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("only", "found"), [
+    ("kplus-array", {"floor", "kplus-array"}), ("kplus-array, ab-array", {"floor", "kplus-array", "ab-array"}),
+    ("floor", {"floor"}),
+])
+def test_only_some_methods(mfr, tiny, here, only, found):
+    assert mfr("run", tiny, "--out", "out", "--only", only).status == 0
+    assert {method for method, _ in cells(here / "out")} == found
+
+
+def test_set_changes_the_config(mfr, tiny, here):
+    assert mfr("run", tiny, "--out", "out", "--set", "k=3", "--set", "scene.size=[20,10]").status == 0
+    found = cells(here / "out")
+    assert set(found) == {("floor", None), ("ab-array", None), ("kplus-array", 3)}
+    assert {tuple(cell["scene"]["size"]) for cell in found.values()} == {(20, 10)}
+
+
+def test_a_profile_is_laid_over(mfr, tiny, here):
+    tiny.write_text(TINY + "profiles:\n  less: {sweep.k: [5]}\n")
+    assert mfr("run", tiny, "--out", "out", "--profile", "less", "--only", "kplus-array").status == 0
+    assert set(cells(here / "out")) == {("floor", None), ("kplus-array", 5)}
+
+
+def test_without_out_results_go_by_device_and_name(mfr, tiny, here, device):
+    assert mfr("run", tiny, "--only", "floor").status == 0
+    assert (here / "results" / device.info["slug"] / "tiny" / "results.csv").is_file()
+
+
+def test_several_configs_have_a_folder_each(mfr, tiny, here):
+    (here / "other.yaml").write_text(TINY.replace("name: tiny", "name: other"))
+    ended = mfr("run", tiny, "other.yaml", "--out", "out", "--only", "ab-array")
+    assert ended.status == 0
+    assert sorted(path.name for path in (here / "out").iterdir()) == ["other", "tiny"]
+    assert ended.out.count("2 cells: 2 ok") == 2
+
+
+def test_a_folder_of_configs_is_several(mfr, tiny, here):
+    (here / "configs").mkdir()
+    for name in ("a", "b"):
+        (here / "configs" / f"{name}.yaml").write_text(TINY.replace("name: tiny", f"name: {name}"))
+    assert mfr("run", "configs", "--out", "out", "--only", "floor").status == 0
+    assert sorted(path.name for path in (here / "out").iterdir()) == ["a", "b"]
+
+
+def test_only_does_not_change_which_folder_a_config_has(mfr, tiny, here):
+    other = TINY.replace("name: tiny", "name: other").replace("[ab-array, kplus-array]", "[kplus-heap]")
+    (here / "other.yaml").write_text(other)
+    assert mfr("run", tiny, "other.yaml", "--out", "out", "--only", "kplus-heap").status == 0
+    assert [path.name for path in (here / "out").iterdir()] == ["other"]
+
+
+def test_a_config_given_twice_runs_once(mfr, tiny):
+    ended = mfr("run", tiny, f"./{tiny.name}", "--out", "out", "--only", "floor")
+    assert ended.out.count("1 cells: 1 ok") == 1
+
+
+def test_configs_of_one_name_would_share_a_folder(mfr, tiny, here):
+    (here / "same.yaml").write_text(TINY)
+    ended = mfr("run", tiny, "same.yaml", "--out", "out")
+    assert ended.status == 2
+    assert ended.complaint == f"same.yaml: name: 'tiny' is also the name in {tiny}; allowed: a name of its own"
+
+
+# --- the plan alone ------------------------------------------------------------------------------
+
+
+def test_a_dry_run_prints_the_plan_and_writes_nothing(mfr, tiny, here):
+    ended = mfr("run", tiny, "--dry-run", "--out", "out")
+    assert ended.status == 0
+    assert not (here / "out").exists()
+    assert f"{CELLS} cells -> out" in ended.out
+    assert ended.out.count("  measure\n") == CELLS
+    assert ended.out.endswith(f"{CELLS} to measure, 0 not\n")
+
+
+def test_a_dry_run_says_what_is_skipped_and_why(mfr, tiny):
+    ended = mfr("run", tiny, "--dry-run", "--set", "measure.memory_budget_mb=0.02")
+    assert "over_budget: needs 0.0381 MiB, the budget is 0.02 MiB" in ended.out
+    assert ended.out.endswith("2 to measure, 2 not\n")
+
+
+def test_a_dry_run_says_what_is_kept(mfr, tiny, measured):
+    mfr("run", tiny, "--out", "out")
+    ended = mfr("run", tiny, "--out", "out", "--dry-run", "--set", "sweep.k=[4,5]")
+    assert ended.out.count("kept: already measured") == 3
+    assert ended.out.endswith("1 to measure, 3 not\n")
+
+
+# --- cells that end otherwise --------------------------------------------------------------------
+
+
+def test_a_wrong_image_is_a_row_and_exit_3(mfr, tiny, here, plant):
+    plant("scene/quad.vert", "packUnorm4x8(in_rgba)", "packUnorm4x8(in_rgba.brga)")
+    ended = mfr("run", tiny, "--out", "out")
+    assert ended.status == 3
+    found = cells(here / "out")["ab-array", None]
+    assert found["status"] == "wrong"
+    assert found["reason"].startswith("max_abs_error ")
+    assert found["values"]["wrong_pixels"] > 0
+    assert found["values"]["time_ms"] > 0  # measured, but never shown as a time
+    assert f"{CELLS} cells: 1 ok, {CELLS - 1} wrong" in ended.out
+    assert mfr("run", tiny, "--out", "out").status == 3  # kept, and still wrong
+
+
+def test_a_shader_that_does_not_compile_is_a_row_and_exit_1(mfr, tiny, here, plant):
+    plant("methods/array/store.frag", "void main() {", "void main() {\n    undeclared = 1;")
+    ended = mfr("run", tiny, "--out", "out")
+    assert ended.status == 1
+    found = cells(here / "out")
+    assert {key: cell["status"] for key, cell in found.items()} == {
+        ("floor", None): "ok", ("ab-array", None): "crashed", ("kplus-array", 2): "ok", ("kplus-array", 4): "ok"}
+    reason = found["ab-array", None]["reason"]
+    assert "methods/array/store.frag:" in reason
+    assert "undeclared" in reason
+    assert "method ab-array, pass store" in reason
+    assert "REJECTS=0" in reason
+    assert "\n" not in reason
+    assert f"AB_Array: crashed, {reason}" in ended.err
+
+
+def test_what_the_device_lacks_is_a_result(mfr, tiny, here, device, monkeypatch):
+    from dataclasses import replace
+
+    monkeypatch.setattr(device, "limits", replace(device.limits, features=frozenset()))
+    tiny.write_text(TINY.replace("[ab-array, kplus-array]", "[ab-array, {id: kplus-array, sync: interlock}]"))
+    ended = mfr("run", tiny, "--out", "out")
+    assert ended.status == 0
+    found = cells(here / "out")["kplus-array", 4]
+    assert (found["status"], found["reason"]) == ("unsupported", "needs fragment_shader_interlock")
+    assert "time_ms" not in found["values"]
+    assert "4 cells: 2 ok, 2 unsupported" in ended.out
+
+
+def test_what_the_budget_forbids_is_a_result(mfr, tiny, here):
+    ended = mfr("run", tiny, "--out", "out", "--set", "measure.memory_budget_mb=0.001")
+    assert ended.status == 0
+    found = {row["method"]: row for row in rows(here / "out" / "results.csv")}
+    assert found["ab-array"]["status"] == "over_budget"
+    assert found["ab-array"]["time_ms"] == ""
+    assert found["ab-array"]["memory_model_bytes"] != ""
+    assert found["floor"]["status"] == "ok"
+
+
+def test_an_empty_scene_is_measured(mfr, tiny, here):
+    assert mfr("run", tiny, "--out", "out", "--set", "scene.depth_complexity=0").status == 0
+    assert {cell["status"] for cell in cells(here / "out").values()} == {"ok"}
+
+
+def test_an_animated_scene_is_measured(mfr, tiny, here):
+    assert mfr("run", tiny, "--out", "out", "--set", "scene.animate=true", "--set",
+               "scene.fragment_probability=0.5").status == 0
+    assert {cell["status"] for cell in cells(here / "out").values()} == {"ok"}
+
+
+# --- places that cannot be written ---------------------------------------------------------------
+
+
+def test_an_out_below_a_file_is_one_line(mfr, tiny):
+    ended = mfr("run", tiny, "--out", "tiny.yaml/out")
+    assert ended.status == 1
+    assert ended.complaint.startswith("tiny.yaml/out/manifest.json: cannot be written: Not a directory; ")
+
+
+def test_an_out_that_is_a_file_is_one_line(mfr, tiny):
+    ended = mfr("run", tiny, "--out", "tiny.yaml")
+    assert ended.status == 2
+    assert "'tiny.yaml' is a file" in ended.complaint
+
+
+def test_figures_that_cannot_be_written_cost_neither_cells_nor_tables(mfr, tiny, here):
+    tiny.write_text(TINY + FIGURE)
+    (here / "out").mkdir()
+    (here / "out" / "figures").write_text("in the way")
+    ended = mfr("run", tiny, "--out", "out")
+    assert ended.status == 1
+    assert "out/figures/tiny.png: cannot be written" in ended.err.splitlines()[-1]
+    assert "Time, ms" in ended.out
+    assert len(cells(here / "out")) == CELLS
+
+
+def test_the_module_runs_as_the_command_does(tiny):
+    ended = apart("run", tiny, "--out", "out", "--only", "floor")
+    assert (ended.status, "1 cells: 1 ok" in ended.out) == (0, True)

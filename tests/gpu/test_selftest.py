@@ -1,0 +1,61 @@
+"""What `doctor` finds: the tests pass here, fail on planted faults, and the timer is chosen by its agreement."""
+
+import pytest
+
+from mfr_bench import glsl
+from mfr_bench.gpu import selftest
+from mfr_bench.gpu.selftest import calibrate, self_tests, timer_for
+from mfr_bench.gpu.timers import GpuTimer, WallTimer
+
+
+def by_name(device):
+    return {f.name: f for f in self_tests(device)}
+
+
+def test_this_device_does_what_the_methods_rely_on(device):
+    findings = by_name(device)
+    assert {"atomics", "side effects under a full draw", "barriers", "spin lock", "interlock",
+            "stencil routing"} == set(findings)
+    needs = {"interlock": "fragment_shader_interlock", "stencil routing": "samples_4"}
+    for finding in findings.values():
+        offered = finding.name not in needs or needs[finding.name] in device.features
+        assert finding.passed is (True if offered else None), finding
+
+
+@pytest.mark.parametrize(("path", "right", "wrong", "seen"), [
+    ("probe/total.frag", "atomicAdd(total[0], 1u)", "atomicAdd(total[0], 2u)", "atomics"),
+    ("probe/show_count.frag", "float(counter[pixel_index()])", "float(counter[0]) + 1.0", "barriers"),
+    ("probe/locked_count.frag", "+ 1u", "+ 2u", "spin lock"),
+    ("probe/total.frag", "void main", "void mian", "atomics"),
+])
+def test_a_device_that_does_wrong_is_found_out(device, monkeypatch, path, right, wrong, seen):
+    real = glsl.read
+    assert right in real(path)
+    monkeypatch.setattr(glsl, "read", lambda p: real(p).replace(right, wrong) if p == path else real(p))
+    findings = by_name(device)
+    assert findings[seen].passed is False
+    assert findings["side effects under a full draw"].passed
+    assert all(f.passed is not False for f in findings.values() if f.name != seen)
+
+
+@pytest.mark.parametrize(("wall_ms", "gpu_ms", "timer", "reason"), [
+    ([2.0, 4.0, 8.0], [2.1, 4.1, 7.9], "gpu", "GPU timers agree with the wall clock within 15%"),
+    ([2.0, 4.0, 8.0], [2.4, 4.1, 8.0], "wall", "GPU timers show 1.2 of the wall time"),
+    ([2.0, 4.0, 8.0], [0.03, 0.06, 0.11], "wall", "GPU timers show 0.014 of the wall time"),
+    ([0.5, 1.0, 4.0], [0.1, 0.2, 4.0], "gpu", "agree"),  # short work is no evidence against a timer
+    ([0.5, 1.0, 1.9], [0.5, 1.0, 1.9], "wall", "nothing to compare"),
+    ([], [], "wall", "nothing to compare"),
+])
+def test_gpu_timers_count_where_they_agree_with_the_wall_clock(wall_ms, gpu_ms, timer, reason):
+    found = selftest.Calibration(*selftest._verdict(wall_ms, gpu_ms))
+    assert found.timer == timer
+    assert reason in found.reason
+    assert (found.wall_ms, found.gpu_ms) == (tuple(wall_ms), tuple(gpu_ms))
+
+
+def test_calibration_measures_work_that_grows(device):
+    found = calibrate(device)
+    assert len(found.wall_ms) == len(found.gpu_ms) >= selftest.COMPARED
+    assert found.wall_ms[-1] >= selftest.WORTH_COMPARING_MS
+    assert found.timer in ("gpu", "wall")
+    assert isinstance(timer_for(device, found), GpuTimer if found.timer == "gpu" else WallTimer)

@@ -1,0 +1,148 @@
+"""What k+-buffers leave in memory, how they treat equal depths, and what the host chooses between two passes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mfr_bench.config import Scene as SceneConfig
+from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.methods import catalog
+from mfr_bench.oracle import composite, fragment_counts, sizes_of
+from mfr_bench.scene import generate
+
+from .drawing import SIZE, assert_shows, drawn, stack
+
+MIXED = generate(SceneConfig(size=(33, 21), depth_complexity=9, fragment_probability=0.5, pixel_density=0.8, seed=2))
+BOUNDED = ["kplus-array", "kplus-array-r", "kplus-heap", "kplus-sb"]
+COUNTED = 2**21 - 1  # bits of the counter that hold fragments counted; those above hold slots taken
+
+# Payloads of equal depth, none of them in order.
+COLOURS = [(200, 10, 30, 120), (10, 200, 30, 90), (90, 90, 250, 60), (200, 10, 30, 200), (0, 0, 0, 40),
+           (255, 255, 255, 80)]
+
+
+def by_payload(colours):
+    """Ascending RGBA8 words: alpha counts most, red least."""
+    return sorted(colours, key=lambda c: c[::-1])
+
+
+@pytest.mark.parametrize("method", BOUNDED)
+@pytest.mark.parametrize("k", [1, 2, 4, 9, 20])
+def test_counts_its_slots_and_releases_its_locks(device, method, k):
+    counts = fragment_counts(MIXED)
+    with drawn(device, method, MIXED, frames=2, k=k) as frame:
+        state = frame.words("counter").reshape(counts.shape)
+        np.testing.assert_array_equal(state >> 21, np.minimum(counts, k))
+        assert not frame.words("semaphore").any()
+        if method == "kplus-array-r":
+            np.testing.assert_array_equal(state & COUNTED, counts)
+
+
+@pytest.mark.parametrize("k", [1, 3, 9])
+def test_ranges_hold_exactly_what_is_kept(device, k):
+    counts = fragment_counts(MIXED)
+    with drawn(device, "kplus-sb", MIXED, k=k) as frame:
+        nodes = frame.words("nodes").reshape(-1, 2)
+        assert len(nodes) == np.minimum(counts, k).sum()
+        assert (nodes[:, 0] != 0xFFFFFFFF).all()
+
+
+@pytest.mark.parametrize("k", [16, 17])
+def test_an_array_or_a_heap_for_each_pixel(device, k):
+    """Below 17 slots every pixel has an array; above, pixels of at least k fragments have a heap."""
+    scene = generate(SceneConfig(size=(20, 20), depth_complexity=40, fragment_probability=0.45, seed=4))
+    full = fragment_counts(scene).ravel() >= k
+    assert 0 < full.sum() < full.size
+    with drawn(device, "kplus-sb", scene, k=k) as frame:
+        assert np.abs(frame.image() - composite(scene, k)).max() < 1e-4
+        nodes, first = frame.words("nodes").reshape(-1, 2), frame.words("address")
+        ranges = np.stack([nodes[a:a + k, 0] for a in first[full]])
+    heaps = np.all([ranges[:, slot] <= ranges[:, slot // 2] for slot in range(1, k)], axis=0)
+    assert heaps.all() if k > 16 else not heaps.any()
+    assert (ranges[:, 0] == ranges.max(axis=1)).all()
+
+
+@pytest.mark.parametrize("method", BOUNDED)
+@pytest.mark.parametrize("k", range(1, 8))
+@pytest.mark.parametrize("order", [1, -1])
+def test_of_equal_depths_the_lesser_payloads_stay(device, method, k, order):
+    """Which stay does not depend on the order of arrival; that of equal depths in the image does."""
+    kept = np.array(by_payload(COLOURS)[:k])
+    with drawn(device, method, stack([0.5] * len(COLOURS), COLOURS[::order]), k=k) as frame:
+        assert frame.lost_fragments() == 0
+        alpha = frame.image()[..., 3]
+    np.testing.assert_allclose(alpha, 1 - np.prod(1 - kept[:, 3] / 255), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("criterion", ["furthest", "opaque"])
+@pytest.mark.parametrize("structure", ["array", "heap"])
+@pytest.mark.parametrize("k", [1, 3, 20])
+def test_the_best_by_a_criterion(device, criterion, structure, k):
+    with drawn(device, "kplus-generic", MIXED, k=k, criterion=criterion, structure=structure) as frame:
+        assert np.abs(frame.image() - composite(MIXED, k, criterion)).max() < 1e-4
+
+
+def test_a_fragment_at_the_near_plane_is_kept(device):
+    """Depth 0 is the worst that `furthest` can see; an empty slot is worse still."""
+    with drawn(device, "kplus-generic", stack([0.0, 0.5], COLOURS[:2]), k=2, criterion="furthest") as frame:
+        assert_shows(frame, COLOURS[:2])
+
+
+@pytest.mark.parametrize("k", range(1, 8))
+def test_peeling_loses_no_equal_depths(device, k):
+    """Across iterations they go by payload; with k = 1 that orders all of them."""
+    colours = [(9, 9, 9, 70), *COLOURS, *COLOURS[:2], (7, 7, 7, 50)]
+    depths = [0.25] + [0.5] * (len(colours) - 2) + [0.75]
+    with drawn(device, "peel-kplus", stack(depths, colours), k=k) as frame:
+        if k == 1:
+            assert_shows(frame, [colours[0], *by_payload(colours[1:-1]), colours[-1]])
+        alpha = frame.image()[..., 3]
+        assert frame.lost_fragments() == 0
+    np.testing.assert_allclose(alpha, 1 - np.prod(1 - np.array(colours)[:, 3] / 255), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("k", range(1, 6))
+@pytest.mark.parametrize("copies", [1, 2, 3, 5, 7])
+def test_peeling_loses_no_equal_fragments(device, k, copies):
+    """Fragments that cannot be told apart are counted off, over as many iterations as they take."""
+    colours = [COLOURS[0]] + [COLOURS[1]] * copies + [COLOURS[2]]
+    with drawn(device, "peel-kplus", stack([0.25] + [0.5] * copies + [0.75], colours), k=k, frames=2) as frame:
+        assert_shows(frame, colours)
+
+
+@pytest.mark.parametrize(("layers", "k", "passes"), [(8, 4, 2), (9, 4, 3), (3, 4, 1), (5, 1, 5)])
+def test_peeling_takes_as_many_passes_as_the_depth_asks(device, layers, k, passes):
+    scene = stack(np.arange(1, layers + 1) / 64, [COLOURS[0]] * layers)
+    with drawn(device, "peel-kplus", scene, k=k) as frame:
+        assert frame.geometry_passes == passes
+
+
+def test_peeling_stops_where_a_frame_is_shallower_than_its_sizes(device):
+    scene = stack([0.25, 0.5, 0.75], COLOURS[:3])
+    quads, canvas = SceneBuffer(device, scene), Canvas(device, SIZE)
+    frame = Frame(device, catalog()["peel-kplus"].variant({"k": 2}), replace(sizes_of(scene), n=50), quads, canvas)
+    frame.draw_fitting()
+    assert frame.geometry_passes == 2
+    assert_shows(frame, COLOURS[:3])
+    for thing in (frame, canvas, quads):
+        thing.release()
+
+
+@pytest.mark.parametrize(("memory_mb", "hit_ratio"), [(200.0, 0.95), (200.0, 0.5), (0.02, 0.95), (0.001, 0.95)])
+def test_the_host_chooses_what_the_histogram_asks_for(device, memory_mb, hit_ratio):
+    """Histogram, k, memory and image all agree with what the CPU knows of the scene."""
+    sizes = sizes_of(MIXED)
+    with drawn(device, "kplus-sb-dynamic", MIXED, frames=2, memory_mb=memory_mb, hit_ratio=hit_ratio) as frame:
+        histogram = frame.words("histogram")
+        np.testing.assert_array_equal(histogram[:sizes.n], sizes.histogram[1:])
+        assert not histogram[sizes.n:].any()
+        promise = frame.variant.promise(sizes)
+        assert frame.memory_bytes == frame.variant.memory_bytes(sizes)
+        assert frame.memory_bytes["nodes"] == 8 * sizes.bounded(promise.layers)
+        assert frame.lost_fragments() == 0
+        assert np.abs(frame.image() - composite(MIXED, promise.layers)).max() < 1e-4
+    kept = sizes.bounded(promise.layers)
+    assert promise.layers == 1 or 8 * kept + 12 * sizes.P <= memory_mb * 2**20
+    if memory_mb == 200:
+        assert kept >= hit_ratio * sizes.F > sizes.bounded(promise.layers - 1)

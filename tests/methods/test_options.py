@@ -1,0 +1,161 @@
+"""The options that methods share: sorts, local array, backwards memory allocation, payload, stage, occupancy."""
+
+import numpy as np
+import pytest
+
+from mfr_bench.config import Scene as SceneConfig
+from mfr_bench.methods import catalog
+from mfr_bench.methods.shared import BMA, CLASS_BOUNDS, LPLUS, SORT
+from mfr_bench.methods.spec import Sizes
+from mfr_bench.oracle import composite, sizes_of
+from mfr_bench.scene import Scene, generate
+
+from .drawing import SIZE, drawn, stack
+
+RANDOM = np.random.default_rng(4)
+MIXED = generate(SceneConfig(size=(33, 21), depth_complexity=70, fragment_probability=0.6, pixel_density=0.8, seed=2))
+SORTS = SORT.choices
+
+
+def staircase(counts) -> Scene:
+    """A pixel for each count, in one row, with so many fragments; the furthest are submitted first."""
+    quads = max(counts)
+    rect = [[x, 0, x + 1, 1] for x, count in enumerate(counts) for _ in range(count)]
+    depth = [(i + 1) / (quads + 1) for count in counts for i in reversed(range(count))]
+    rgba = RANDOM.integers(3, 40, (len(rect), 4))
+    return Scene((len(counts), 1), np.array(rect, dtype=np.int32), np.array(depth, dtype=np.float32),
+                 rgba.astype(np.uint8), 1.0, 0)
+
+
+def image_of(device, method: str, scene: Scene, **params) -> np.ndarray:
+    with drawn(device, method, scene, **params) as frame:
+        assert frame.lost_fragments() == 0
+        return frame.image()
+
+
+@pytest.mark.parametrize("bma", BMA.choices)
+@pytest.mark.parametrize("sort", SORTS)
+def test_every_sort_gives_the_full_list(device, sort, bma):
+    image = image_of(device, "ab-array", MIXED, sort=sort, bma=bma)
+    np.testing.assert_allclose(image, composite(MIXED), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("sort", SORTS)
+@pytest.mark.parametrize("k", [7, 40])
+def test_every_sort_gives_the_k_nearest_of_a_full_list(device, sort, k):
+    image = image_of(device, "kb-ab-array", MIXED, sort=sort, k=k)
+    np.testing.assert_allclose(image, composite(MIXED, k), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("sort", SORTS)
+@pytest.mark.parametrize("depths", [[0.5] * 66, [0.25] * 20 + [0.5] * 26 + [0.75] * 20, [0.0] * 33 + [1.0] * 33],
+                         ids=["one depth", "three depths", "both ends"])
+def test_no_sort_loses_fragments_of_equal_depth(device, sort, depths):
+    """The alpha of a pixel does not depend on the order of its fragments: equal payloads among the ties too."""
+    rgba = RANDOM.integers(2, 12, (len(depths), 4))
+    rgba[::3] = rgba[0]
+    image = image_of(device, "ab-array", stack(depths, rgba), sort=sort)
+    np.testing.assert_allclose(image[..., 3], 1 - np.prod(1 - rgba[:, 3] / 255), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("sort", [s for s in SORTS if s != "lplus"])
+def test_a_local_array_that_is_too_small_counts_what_it_loses(device, sort):
+    scene = staircase([0, 3, 16, 17, 24])
+    with drawn(device, "ab-array", scene, sort=sort, local_array=16) as frame:
+        assert frame.lost_fragments() == (17 - 16) + (24 - 16)
+    with drawn(device, "kb-ab-array", scene, sort=sort, local_array=16, k=20) as frame:
+        assert frame.lost_fragments() == (17 - 16) + (20 - 16)
+
+
+@pytest.mark.parametrize(("sort", "bma"), [("hybrid", "off"), ("hybrid", "on"), ("lplus", "off"), ("register", "off")])
+def test_a_local_array_that_is_longer_than_needed_changes_nothing(device, sort, bma):
+    scene = staircase([0, 3, 17, 20])
+    for method, layers in (("ab-array", None), ("kb-ab-array", 8)):
+        image = image_of(device, method, scene, sort=sort, bma=bma, local_array=64, k=8)
+        np.testing.assert_allclose(image, composite(scene, layers), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("length", [1, 5, LPLUS])
+def test_lplus_needs_no_more_than_its_batches(device, length):
+    scene = staircase([0, 1, 31, 32, 33, 64, 65, 100])
+    image = image_of(device, "ab-array", scene, sort="lplus", local_array=length)
+    np.testing.assert_allclose(image, composite(scene), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("stage", ["fragment", "compute"])
+@pytest.mark.parametrize("method", ["ab-array", "ab-ll", "kplus-array"])
+def test_each_class_of_pixels_is_resolved_once(device, method, stage):
+    """Pixels at both ends of every class up to 128 fragments, and empty ones."""
+    counts = [0] + [c for bound in CLASS_BOUNDS[:5] for c in (bound - 1, bound, bound + 1)] + [0, 1]
+    scene = staircase(counts)
+    image = image_of(device, method, scene, bma="on", resolve=stage, k=200)
+    np.testing.assert_allclose(image, composite(scene), rtol=0, atol=1e-5)
+
+
+def test_only_the_classes_that_a_frame_can_have_are_drawn():
+    variant = catalog()["ab-array"].variant({"bma": "on"})
+    classes = [p for p in variant.passes if "CLASS" in p.defines]
+    for n, drawn_classes in ((1, 1), (8, 1), (9, 2), (32, 3), (33, 4), (1024, 8), (5000, 8)):
+        sizes = Sizes(W=1, H=1, n=n, F=n, quads=n)
+        assert sum(variant.runs(p, sizes) for p in classes) == drawn_classes
+    deepest = {p.defines["CLASS"]: variant.value(p.defines["LOCAL"], Sizes(W=1, H=1, n=100, F=100, quads=100))
+               for p in classes}
+    assert [deepest[i] for i in range(5)] == [8, 16, 32, 64, 100]
+
+
+@pytest.mark.parametrize("method", ["ab-array", "ab-ll", "ab-sb", "ab-precalc", "lin-post", "kplus-array",
+                                    "kplus-heap"])
+def test_half_floats_keep_8_bit_colours(device, method):
+    plain = image_of(device, method, MIXED, k=100)
+    wide = image_of(device, method, MIXED, k=100, payload="rgba16f")
+    np.testing.assert_allclose(wide, plain, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("method", ["ab-array", "ab-ll", "ab-sb", "kplus-array"])
+def test_a_wide_payload_is_a_word_more_per_fragment(method):
+    sizes = sizes_of(MIXED)
+    plain, wide = (catalog()[method].variant({"payload": p, "k": 8}) for p in ("rgba8", "rgba16f"))
+    nodes = "cells" if method == "ab-ll" else "nodes"
+    assert 2 * wide.memory_bytes(sizes)[nodes] == 3 * plain.memory_bytes(sizes)[nodes]
+    stored = {"ab-array": sizes.n * sizes.P, "kplus-array": 8 * sizes.P}.get(method, sizes.F)
+    assert wide.model_bytes(sizes) - plain.model_bytes(sizes) == 4 * stored
+
+
+@pytest.mark.parametrize("method", ["ab-array", "ab-ll", "lin-pre", "ab-sb", "kplus-array", "kb-mdt32"])
+def test_compute_gives_the_image_of_the_draw(device, method):
+    in_draw = image_of(device, method, MIXED, k=9)
+    in_compute = image_of(device, method, MIXED, k=9, resolve="compute")
+    np.testing.assert_allclose(in_compute, in_draw, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("intervals", [32, 64, 128])
+@pytest.mark.parametrize("method", ["kplus-array", "kplus-sb", "kb-mdt32", "kb-ps", "kb-ab-array"])
+def test_occupancy_discards_only_what_is_beyond_the_k_nearest(device, method, intervals):
+    with drawn(device, method, MIXED, k=4, occupancy=intervals) as frame:
+        np.testing.assert_allclose(frame.image(), composite(MIXED, 4), rtol=0, atol=1e-5)
+        share = frame.discarded_share()
+        kept = sizes_of(MIXED).bounded(4) / sizes_of(MIXED).F
+        assert 0.5 * (1 - kept) < share <= 1 - kept
+        assert frame.lost_fragments() == 0
+
+
+@pytest.mark.parametrize("depths", [[0.5], [0.5] * 12, [0.0, 1.0], [0.25, 0.25 + 2**-23, 0.25 + 2**-22],
+                                    [0.0, 0.5, 1.0]],
+                         ids=["one", "zero range", "both ends", "narrow", "far bound"])
+def test_occupancy_keeps_the_bounds_of_the_depth_range(device, depths):
+    rgba = RANDOM.integers(2, 40, (len(depths), 4))
+    with drawn(device, "kplus-array", stack(depths, rgba), k=len(depths), occupancy=32) as frame:
+        assert frame.discarded_share() == 0
+        np.testing.assert_allclose(frame.image()[..., 3], 1 - np.prod(1 - rgba[:, 3] / 255), rtol=0, atol=1e-5)
+
+
+def test_occupancy_reports_the_share_that_never_reaches_the_store(device):
+    """64 equally spaced depths fill 64 intervals one each: with k = 8 the end of the 8th interval culls the rest."""
+    depths = np.arange(1, 65) / 128
+    with drawn(device, "kplus-array", stack(depths[::-1]), k=8, occupancy=64) as frame:
+        frame.draw()
+        passes = frame.geometry_passes
+        assert frame.discarded_share() == pytest.approx(1 - 8 / 64, abs=1 / 64)
+        assert frame.geometry_passes == passes == 3
+    with drawn(device, "kplus-array", stack(depths[:3], size=SIZE), k=8) as frame:
+        assert frame.discarded_share() is None

@@ -1,0 +1,131 @@
+"""One direction only: what a module may import, found in its source; what a command loads, found by running it."""
+
+import ast
+import re
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+import mfr_bench
+from mfr_bench.methods import catalog
+
+PACKAGE = Path(mfr_bench.__file__).parent
+
+# From left to right; a module imports only from its own layer and those before it. Longer names bind first.
+LAYERS = (
+    "errors", "resources", "hashing", "stats",
+    "methods.spec", "prediction", "methods.shared", "methods",
+    "config", "plan", "scene", "oracle", "quality", "glsl", "gpu", "measure",
+    "store", "reference", "report", "claims", "runner", "cli", "__main__",
+)
+WITHOUT_GL = ("errors", "resources", "hashing", "stats", "prediction", "methods", "config", "plan", "scene", "oracle",
+              "quality", "glsl", "store", "reference", "report", "claims")
+GL_PACKAGES = {"moderngl", "glcontext", "OpenGL"}
+PALETTE = "report.style"  # colours that the papers' methods keep in every figure; others get theirs from their id
+SPEAKING = ("methods", "claims", "cli")  # what a paper claims is about its methods; for the commands see below
+HEAVY = {"numpy", "pandas", "matplotlib", "moderngl", "glcontext", "pydantic", "yaml", "rich"}
+
+
+def name_of(path: Path) -> str:
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {name_of(path): path for path in sorted(PACKAGE.rglob("*.py"))}
+
+
+@cache
+def source(name: str) -> ast.Module:
+    return ast.parse(MODULES[name].read_text())
+
+
+@cache
+def imports(name: str) -> set[str]:
+    """Everything that a module imports, wherever it does; the package's own modules without the package's name."""
+    found = set()
+    inside = [*name.split(".")[:-1]] if MODULES[name].name != "__init__.py" else name.split(".") if name else []
+    for node in ast.walk(source(name)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            found.add(node.module)
+        elif isinstance(node, ast.ImportFrom):
+            base = inside[:len(inside) - node.level + 1] + (node.module.split(".") if node.module else [])
+            found |= {".".join([*base, alias.name]) for alias in node.names}
+    return {f.removeprefix("mfr_bench.") for f in found}
+
+
+def layer(name: str) -> int | None:
+    """Where a module of the package stands; None for any other."""
+    fitting = [known for known in LAYERS if name == known or name.startswith(f"{known}.")]
+    return LAYERS.index(max(fitting, key=len)) if fitting else None
+
+
+@pytest.mark.parametrize("name", [n for n in MODULES if n])
+def test_every_module_has_a_layer_and_imports_only_to_its_left(name):
+    assert layer(name) is not None, f"{name} stands in no layer of the design"
+    right = {f for f in imports(name) if layer(f) is not None and layer(f) > layer(name)}
+    assert not right, f"{name} imports {', '.join(sorted(right))}, to its right"
+
+
+@pytest.mark.parametrize("name", [n for n in MODULES if n and not n.startswith("gpu")])
+def test_only_gpu_imports_gl(name):
+    assert not {f.partition(".")[0] for f in imports(name)} & GL_PACKAGES
+
+
+def reached(name: str) -> set[str]:
+    """The package's modules that importing one of them loads, imports inside functions included."""
+    seen, todo = set(), [name]
+    while todo:
+        at = todo.pop()
+        module = next((m for m in (at, at.rpartition(".")[0]) if m in MODULES), None)
+        if module and module not in seen:
+            seen.add(module)
+            todo += imports(module)
+    return seen
+
+
+@pytest.mark.parametrize("name", [n for n in MODULES if n.partition(".")[0] in WITHOUT_GL])
+def test_what_needs_no_gl_reaches_none(name):
+    assert not {m for m in reached(name) if m.partition(".")[0] in ("gpu", "measure", "runner")}
+
+
+@pytest.mark.parametrize("name", [n for n in MODULES if n and n != PALETTE and n.partition(".")[0] not in SPEAKING])
+def test_the_harness_knows_no_method_but_the_floor(name):
+    ids = set(catalog()) - {"floor"}
+    strings = {node.value for node in ast.walk(source(name))
+               if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+    found = {i for i in ids for s in strings if re.search(rf"(?<![\w-]){re.escape(i)}(?![\w-])", s)}
+    assert not found
+
+
+@pytest.mark.parametrize("name", [n for n in MODULES if n.startswith("cli")])
+def test_commands_name_methods_only_in_examples(name):
+    """Help texts teach by example; no line of code depends on a method."""
+    tree = source(name)
+    documented = {id(node.body[0].value) for node in ast.walk(tree) if isinstance(node, (ast.FunctionDef, ast.Module))
+                  and node.body and isinstance(node.body[0], ast.Expr)}
+    strings = {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)
+               and isinstance(node.value, str) and id(node) not in documented}
+    assert not strings & (set(catalog()) - {"floor"})
+
+
+def loaded_by(*arguments: str) -> set[str]:
+    """Top-level packages in memory after `mfr-bench ARGUMENTS`."""
+    code = (f"import sys; sys.argv[1:] = {list(arguments)!r}\nfrom mfr_bench.cli import main\n"
+            "try:\n    main()\nexcept SystemExit:\n    pass\n"
+            "print('LOADED', *{name.partition('.')[0] for name in sys.modules})")
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(said.stdout.rpartition("LOADED ")[2].split())
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["--version"], ["rnu"]], ids=" ".join)
+def test_help_loads_nothing_that_takes_time(arguments):
+    assert not loaded_by(*arguments) & HEAVY
+
+
+def test_configs_load_no_gl():
+    assert not loaded_by("configs") & {*GL_PACKAGES, "numpy", "pandas", "matplotlib"}

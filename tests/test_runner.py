@@ -1,0 +1,249 @@
+"""The loop over cells: no time without a checked image, a failure costs one cell, an interruption keeps the rest."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mfr_bench import runner
+from mfr_bench.config.model import Measure
+from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.methods import catalog
+from mfr_bench.plan import Cell
+from mfr_bench.runner import Runner, failure, jobs
+from mfr_bench.store import ResultFolder
+
+MEASURE = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=7)
+SCENE = SceneConfig(size=(16, 12), depth_complexity=5)
+
+
+class Clock:
+    """A timer whose frames take 1 ms, and `noise` more or twice that; `at` runs before the frame of that number."""
+
+    name = "wall"
+
+    def __init__(self, noise=0.0, at=None):
+        self.frames, self.noise, self.at = 0, noise, at or {}
+
+    def frame_ms(self, draw):
+        self.frames += 1
+        self.at.get(self.frames, lambda: None)()
+        draw(None)
+        return 1 + self.noise * (self.frames % 3)
+
+    def passes_ms(self, draw):
+        names = {}
+        draw(lambda name: names.setdefault(name, 0.25))
+        return names
+
+
+def cell(method="ab-array", scene=SCENE, measure=MEASURE, **params):
+    return Cell("test", method, method, catalog()[method].complete(params), scene, measure, dict(params))
+
+
+@pytest.fixture
+def run(device, tmp_path):
+    """run(cells, timer, **more) -> (rows by label and k, the runner)"""
+    def measured(cells, timer=None, force=False, **more):
+        rows = []
+        made = Runner(device, timer or Clock(), ResultFolder(tmp_path), catalog(), rows.append, **more)
+        made.rows = rows
+        made.run(jobs(cells, catalog(), device.info, "wall"), force)
+        return {(r["method"], r["params"].get("k")): r for r in rows}, made
+    return measured
+
+
+def test_a_row_has_everything_that_was_measured(run, tmp_path):
+    rows, made = run([cell("floor"), cell(), cell("kplus-array", k=2)])
+    assert made.summary.statuses == {"ok": 3}
+    values = rows["kplus-array", 2]["values"]
+    assert (values["fragments"], values["covered_pixels"], values["max_fragments"]) == (960, 192, 5)
+    assert (values["time_ms"], values["samples"], values["timer"]) == (1.0, 7, "wall")
+    assert values["hit_ratio"] == pytest.approx(2 / 5)
+    assert values["max_abs_error"] <= 1e-4 < values["rmse"]  # right for k = 2, and two of five layers are not all
+    assert values["memory_bytes"] == sum(rows["kplus-array", 2]["buffers"].values())
+    assert tuple(rows["kplus-array", 2]["passes"]) == catalog()["kplus-array"].variant({}).pass_names
+    assert len(rows["kplus-array", 2]["samples_ms"]) == 7
+    assert len(ResultFolder(tmp_path).cells()) == 3
+
+
+def test_frames_are_interleaved(run):
+    """Every method's batch of a round comes before any method's next."""
+    order = []
+    timer = Clock()
+    frame_ms = timer.frame_ms
+    timer.frame_ms = lambda draw: (order.append(draw.__self__.variant.method.id), frame_ms(draw))[1]
+    run([cell("floor"), cell("zbuffer"), cell("ab-array")], timer)
+    assert len(set(order[:8])) == 3
+    assert order.count("floor") == order.count("zbuffer") or order.count("floor") == order.count("ab-array")
+
+
+def test_the_same_cell_twice_gives_the_noise_floor(run):
+    _, made = run([cell("floor"), cell()])
+    assert made.summary.noise_floor_rel == 0  # the planted clock has no noise
+    _, made = run([cell("floor", measure=Measure(min_samples=3, max_samples=3))])
+    assert made.summary.noise_floor_rel is None
+
+
+def test_scenes_and_their_oracles_are_made_once(run, monkeypatch):
+    made, composited = [], []
+    monkeypatch.setattr(runner, "generate", lambda *a, real=runner.generate: (made.append(a), real(*a))[1])
+    monkeypatch.setattr(runner, "composite", lambda *a, real=runner.composite: (composited.append(a[1:]), real(*a))[1])
+    run([cell("ab-array"), cell("ab-ll"), cell("kplus-array", k=2), cell("kplus-heap", k=2), cell("kplus-array", k=99)])
+    assert len(made) == 1
+    assert len(composited) == len(set(composited)) == 2
+
+
+# --- failures ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("error", "status", "reason"), [
+    (MemoryError(), "out_of_memory", "out of memory"), (MemoryError("no room"), "out_of_memory", "no room"),
+    (ValueError("two\nlines"), "crashed", "ValueError('two\\nlines')"),
+])
+def test_an_error_is_a_status_and_one_line(error, status, reason):
+    assert failure(error) == (status, reason)
+
+
+@pytest.mark.parametrize("error", [MemoryError("no room"), RuntimeError("no good")])
+@pytest.mark.parametrize("when", ["allocating", "sampling"])
+def test_a_cell_that_fails_costs_itself_alone(run, monkeypatch, error, when):
+    name = "__init__" if when == "allocating" else "draw"
+    real = getattr(Frame, name)
+
+    def failing(self, *arguments):
+        variant = arguments[1] if when == "allocating" else self.variant
+        self.drawn = getattr(self, "drawn", 0) + 1
+        if variant.method.id == "ab-array" and (when == "allocating" or self.drawn > 3):
+            raise error
+        return real(self, *arguments)
+
+    monkeypatch.setattr(Frame, name, failing)
+    rows, made = run([cell("floor"), cell("ab-array"), cell("ab-ll")])
+    assert rows["ab-array", None]["status"] == failure(error)[0]
+    assert "time_ms" not in rows["ab-array", None]["values"]
+    assert rows["ab-array", None]["values"]["fragments"] == 960
+    assert made.summary.statuses == {"ok": 2, failure(error)[0]: 1}
+    assert len(made.rows) == 3
+
+
+def test_a_scene_without_room_is_rows(run, monkeypatch):
+    def none(*arguments):
+        raise MemoryError("no room for the scene")
+
+    monkeypatch.setattr(runner, "generate", none)
+    rows, _ = run([cell("floor"), cell()])
+    assert {r["status"] for r in rows.values()} == {"out_of_memory"}
+
+
+def test_an_image_that_goes_wrong_while_it_is_timed_is_wrong(run, monkeypatch):
+    """The first image was right; the one after the last sample counts as well."""
+    def wrong_later(self, real=Frame.image):
+        self.shown = getattr(self, "shown", 0) + 1
+        return real(self) + np.float32(0.01 * (self.shown > 1))
+
+    monkeypatch.setattr(Frame, "image", wrong_later)
+    rows, _ = run([cell()])
+    row = rows["ab-array", None]
+    assert row["status"] == "wrong"
+    assert row["values"]["max_abs_error"] == pytest.approx(0.01, rel=1e-3)
+    assert row["values"]["wrong_pixels"] == 192
+
+
+def test_a_fragment_lost_in_any_frame_is_wrong(run, monkeypatch):
+    losses = iter([0, 3])
+    monkeypatch.setattr(Frame, "lost_fragments", lambda self: next(losses))
+    rows, _ = run([cell()])
+    assert (rows["ab-array", None]["status"], rows["ab-array", None]["reason"]) == ("wrong", "3 fragments lost")
+    assert rows["ab-array", None]["values"]["hit_ratio"] == pytest.approx(957 / 960)
+
+
+# --- interruptions -------------------------------------------------------------------------------
+
+
+def interrupt():
+    raise KeyboardInterrupt
+
+
+def test_an_interruption_keeps_every_cell_with_samples_enough(run, tmp_path):
+    """Three samplers (one cell is sampled twice) with 2 warm-up frames each; then the cells' samples begin."""
+    measure = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=1000)
+    cells = [cell("floor", measure=measure), cell("ab-array", measure=measure)]
+    with pytest.raises(KeyboardInterrupt):
+        run(cells, Clock(0.01, at={3 * (2 + 7) + 4: interrupt}))
+    kept = {c["method"]: c for c in ResultFolder(tmp_path).cells()}
+    assert set(kept) == {"floor", "ab-array"}
+    assert all(c["status"] == "ok" and c["values"]["stop_reason"] == "interrupted" for c in kept.values())
+    assert all(c["values"]["noisy"] and c["values"]["samples"] >= 7 for c in kept.values())
+    assert all(c["passes"] for c in kept.values())
+
+
+def test_an_interruption_loses_cells_with_too_few_samples(run, tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        run([cell("floor"), cell("ab-array")], Clock(at={9: interrupt}))
+    assert ResultFolder(tmp_path).cells() == []
+
+
+def test_a_cell_that_was_done_waits_for_no_other(run, tmp_path):
+    """Its sampler has stopped in the round that is interrupted: it is finished all the same."""
+    slow = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=1000)
+    with pytest.raises(KeyboardInterrupt):
+        run([cell("floor", measure=MEASURE), cell("ab-array", measure=slow)], Clock(0.01, at={3 * (2 + 7): interrupt}))
+    kept = {c["method"]: c["values"]["stop_reason"] for c in ResultFolder(tmp_path).cells()}
+    assert kept.get("floor", "most samples") == "most samples"
+    assert kept
+
+
+def test_what_is_kept_is_not_measured_again(run):
+    run([cell("floor"), cell()])
+    timer = Clock()
+    rows, made = run([cell("floor"), cell()], timer)
+    assert (rows, timer.frames, made.summary.kept, made.summary.statuses) == ({}, 0, 2, {"ok": 2})
+    rows, made = run([cell("floor"), cell()], force=True)
+    assert (len(rows), made.summary.kept) == (2, 0)
+
+
+def test_a_kept_cell_takes_its_place_in_the_experiment(run, tmp_path):
+    from dataclasses import replace
+
+    run([cell("kplus-array", k=2)])
+    run([replace(cell("kplus-array", k=2), experiment="other", point={})])
+    kept, = ResultFolder(tmp_path).cells()
+    assert (kept["experiment"], kept["point"]) == ("other", {})
+    assert kept["samples_ms"]
+
+
+# --- scenes that move ----------------------------------------------------------------------------
+
+
+def test_an_animation_cycles_through_its_seeds(run, monkeypatch):
+    seeds = []
+    real = Frame.show
+    monkeypatch.setattr(Frame, "show", lambda self, scene: (seeds.append(scene.seed), real(self, scene))[1])
+    scene = SceneConfig(size=(16, 12), depth_complexity=5, fragment_probability=0.5, animate=True, seed=40)
+    rows, _ = run([cell(scene=scene), cell("ab-ll", scene=scene)])
+    assert {r["status"] for r in rows.values()} == {"ok"}
+    assert set(seeds) >= {40, 41, 46}
+
+
+def test_cells_that_do_not_fit_together_are_measured_in_turns(run, monkeypatch):
+    monkeypatch.setattr(runner, "LIVE_BYTES", 1)
+    alive = []
+    monkeypatch.setattr(Frame, "__init__", lambda self, *a, real=Frame.__init__: (alive.append(1), real(self, *a))[1])
+    monkeypatch.setattr(Frame, "release", lambda self, real=Frame.release: (alive.append(-1), real(self))[1])
+    _, made = run([cell(), cell("ab-ll"), cell("kplus-array", k=2)])
+    assert made.summary.statuses == {"ok": 3}
+    assert alive == [1, -1] * 3
+
+
+# --- progress ------------------------------------------------------------------------------------
+
+
+def test_progress_is_told_in_cells(run):
+    shares = []
+    longer = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=30)
+    run([cell(m, measure=longer) for m in ("floor", "ab-array", "ab-ll")], Clock(0.01), sampled=shares.append)
+    assert all(0 <= share <= 3 for share in shares)
+    assert shares[0] < max(shares)
+    assert shares[-1] == 0  # nothing is in hand any more
