@@ -32,8 +32,9 @@ def _device_or_reason(want: str):
 
 @click.command()
 @JSON
+@click.option("--markdown", is_flag=True, help="Print what docs/methods.md holds; needs no device.")
 @DEVICE
-def methods(as_json: bool, device: str) -> None:
+def methods(as_json: bool, markdown: bool, device: str) -> None:
     """List every method, and whether this device runs it.
 
     With its paper, passes, memory, guarantee, and parameters.
@@ -43,7 +44,11 @@ def methods(as_json: bool, device: str) -> None:
               mfr-bench methods --json | jq '.[] | select(.supported) | .id'
     """
     from ..methods import catalog
+    from ..methods.catalog_text import as_markdown
 
+    if markdown:
+        say(as_markdown(catalog().values()).rstrip("\n"))
+        return
     found, reason = _device_or_reason(device)
     records = [_method_record(m, found, reason) for m in catalog().values()]
     if as_json:
@@ -57,7 +62,7 @@ def methods(as_json: bool, device: str) -> None:
 
 def _method_record(declared, device, reason: str | None) -> dict:
     """What `methods --json` says of a method; `supported` is null where there is no device."""
-    missing = [f for f in declared.needs if device and f not in device.features]
+    missing = [f for f in declared.variant({}).needs if device and f not in device.features]
     return {
         "id": declared.id, "name": declared.name, "family": declared.family, "source": declared.source,
         "summary": declared.summary, "passes": list(declared.pass_names), "guarantee": declared.guarantee,

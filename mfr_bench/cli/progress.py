@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Any
 
 from .output import note
@@ -47,7 +48,8 @@ class Progress:
 
     def __exit__(self, *_: object) -> None:
         if self._live:
-            self._live.stop()
+            with suppress(OSError):  # the terminal may be gone
+                self._live.stop()
 
     @property
     def left_s(self) -> float | None:
@@ -84,7 +86,8 @@ class Progress:
     def _show(self, at_once: bool = False) -> None:
         from rich.text import Text
 
-        self._live.update(Text(self._line(), overflow="ellipsis", no_wrap=True), refresh=at_once)
+        with suppress(OSError):
+            self._live.update(Text(self._line(), overflow="ellipsis", no_wrap=True), refresh=at_once)
 
 
 def _live_line():

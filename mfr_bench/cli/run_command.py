@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -218,11 +219,17 @@ class Session:
 
 
 def _until_interrupted(work: Callable[[], object]) -> bool:
-    """Whether the work came to its end, and not to Ctrl-C."""
+    """Whether the work came to its end, and not to Ctrl-C; `kill` and a lost connection count as Ctrl-C."""
+    others = [s for s in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(s) is signal.SIG_DFL]
+    for other in others:
+        signal.signal(other, signal.default_int_handler)
     try:
         work()
     except KeyboardInterrupt:
         return False
+    finally:
+        for other in others:
+            signal.signal(other, signal.SIG_DFL)
     return True
 
 

@@ -99,7 +99,8 @@ class _Checker:
 
     def _entry(self, path: Path, entry: Any) -> MethodEntry | None:
         if not isinstance(entry, dict) or "id" not in entry:
-            self.problem(path, f"{shown(entry)} is not allowed; allowed: a method's id, '{EVERY_METHOD}', or a mapping with id")
+            self.problem(path, f"{shown(entry)} is not allowed; allowed: a method's id, '{EVERY_METHOD}', "
+                               "or a mapping with id")
             return None
         method = self.catalog.get(entry["id"]) if isinstance(entry["id"], str) else None
         if method is None:

@@ -118,7 +118,7 @@ def compile_message(log: str, sources: tuple[Source, ...], owner: str) -> str:
 
 
 def slug(renderer: str) -> str:
-    """A renderer string as a folder name: `NVIDIA H200/PCIe/SSE2` -> `nvidia-h200`, `llvmpipe (LLVM 15…)` -> `llvmpipe`."""
+    """Folder name of a renderer: `NVIDIA H200/PCIe/SSE2` -> `nvidia-h200`, `llvmpipe (LLVM 15)` -> `llvmpipe`."""
     bare = re.sub(r"\((r|tm)\)", "", renderer.lower())
     return re.sub(r"[^a-z0-9]+", "-", re.split(r"[(/]", bare)[0]).strip("-") or "unknown"
 
@@ -146,7 +146,7 @@ def open_device(want: str = "auto") -> Device:
     for index in range(MOST_DEVICES):
         try:
             device = _create(index)
-        except Exception as error:  # the bindings raise bare Exception for every cause
+        except Exception as error:  # noqa: BLE001 - the bindings raise bare Exception for every cause
             trouble = " ".join(str(error).split()) if index == 0 else trouble
             break
         if want == device.kind or (want == "auto" and device.kind == "gpu"):

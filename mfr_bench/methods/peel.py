@@ -63,7 +63,8 @@ METHODS = [
         steps=(
             Pass("bounds", "geometry", "common/depth_bounds.frag", into=("bounds.previous",),
                  clears={"bounds.previous": (-1.0, -1.0, 0.0, 0.0)}, state=State(blend=MAX)),
-            Pass("clear", "clear", into=("front.previous", "back"), clears={"front.previous": CLEARED, "back": CLEARED}),
+            Pass("clear", "clear", into=("front.previous", "back"),
+                 clears={"front.previous": CLEARED, "back": CLEARED}),
             Loop((
                 Pass("peel", "geometry", "methods/peel/dual.frag", reads=("bounds.previous", "front.previous"),
                      into=("bounds.current", "front.current", "behind"),

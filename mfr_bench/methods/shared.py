@@ -42,8 +42,8 @@ ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emu
                  choices=("native", "emulated"), needs={"native": "shader_atomic_int64"})
 EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of 0.95", choices=ON_OFF,
                       weakens={"on": "fragments behind an opacity of 0.95 may be missing, an error of up to 0.05"})
-PAYLOAD = Param("payload", "rgba8", "stored colour, straight: 8 bits a channel, or 16-bit floats in two words, in units "
-                "of 1/255, which hold an 8-bit colour without error", choices=("rgba8", "rgba16f"))
+PAYLOAD = Param("payload", "rgba8", "stored colour, straight: 8 bits a channel, or 16-bit floats in two words, in "
+                "units of 1/255, which hold an 8-bit colour without error", choices=("rgba8", "rgba16f"))
 
 MULTISAMPLING = Param(
     "multisampling", "on", "while fragments are routed. off, as in the source: a fragment covers all samples, whose "

@@ -79,7 +79,7 @@ def _write_shared(result: Result, tasks: Sequence[tuple[Path, Options]]) -> None
     if child == 0:
         try:
             _write(result, tasks[1::2])
-        except BaseException:
+        except BaseException:  # noqa: BLE001 - a forked child must never return into its parent's code
             os._exit(1)
         os._exit(0)
     _write(result, tasks[::2])
@@ -125,10 +125,10 @@ def render(figure: Figure) -> dict[str, bytes]:
 
 def _styled():
     """The library's defaults and this package's style, whatever the user's own matplotlibrc says."""
-    import matplotlib
+    import matplotlib as mpl
 
-    ours = {k: v for k, v in matplotlib.rcParamsDefault.items() if not k.startswith(("backend", "webagg", "date."))}
-    return matplotlib.rc_context(ours | style.RC)
+    ours = {k: v for k, v in mpl.rcParamsDefault.items() if not k.startswith(("backend", "webagg", "date."))}
+    return mpl.rc_context(ours | style.RC)
 
 
 # --- layout, in inches from the lower left ---------------------------------------------------------

@@ -20,7 +20,7 @@ FAULTS = [
     ("ab-array", "common/sort.glsl", "nearer.x <= moving.x", "nearer.x >= moving.x"),
     ("ab-ll", "methods/list/store.frag", "incoming()", "incoming().yx"),
     ("ab-sb", "methods/sbuffer/offset.frag", "group + 1u", "group"),
-    ("ab-lbuffer", "methods/sbuffer/address.frag", "group_total[pixel_group(p)], count", "group_total[pixel_group(p)], 1u"),
+    ("ab-lbuffer", "methods/sbuffer/address.frag", "[pixel_group(p)], count", "[pixel_group(p)], 1u"),
     ("ab-precalc", "methods/precalc/add_sums.comp", "+=", "="),
     ("ab-precalc-fixed", "methods/precalc/address_fixed.frag", "p * uint(N)", "p"),
     ("ab-dfb", "methods/dfb/sum_down.frag", "before += counter[child]", "before += 1u"),

@@ -196,7 +196,7 @@ def test_a_missing_value_breaks_the_line_and_is_told(tmp_path):
 
 
 def test_a_gap_inside_a_line_is_not_bridged(tmp_path):
-    cells = [c for c in planted.sweep((8, 16, 32), planted.METHODS[6:7], "n")]
+    cells = list(planted.sweep((8, 16, 32), planted.METHODS[6:7], "n"))
     line = curves(built(tmp_path, [*cells, cell("kb", "KB", 3.0, scene={"depth_complexity": 16},
                                                 point={"scene.depth_complexity": 16})], LINES).axes[0])["KB-LL"]
     assert list(line.get_xdata()) == [8, 16, 32] and line.get_ydata()[1] != line.get_ydata()[1]
@@ -327,9 +327,9 @@ def test_an_error_in_the_other_process_is_told(tmp_path):
 
 
 def test_the_users_own_matplotlib_settings_change_nothing(tmp_path):
-    import matplotlib
+    import matplotlib as mpl
     before = figures.render(built(tmp_path, two_methods(), STACKED))
-    with matplotlib.rc_context({"font.size": 30, "axes.facecolor": "red", "svg.hashsalt": None}):
+    with mpl.rc_context({"font.size": 30, "axes.facecolor": "red", "svg.hashsalt": None}):
         assert figures.render(built(tmp_path, two_methods(), STACKED)) == before
 
 

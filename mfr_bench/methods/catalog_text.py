@@ -1,0 +1,47 @@
+"""The catalog as Markdown: docs/methods.md, which a test holds to the declarations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from .spec import Method
+
+HEAD = """# The methods
+
+Every method that mfr-bench runs, from its own declaration (`mfr-bench methods --markdown` prints this page). Words are
+32-bit words per pixel by the paper's formula; n is the most fragments of any pixel, f the fragments of a pixel, f_k at
+most k of them, F all fragments of the frame, P the pixels. Whether a device runs a method, `mfr-bench methods` says.
+"""
+
+
+def _row(*cells: str) -> str:
+    return "| " + " | ".join(c.replace("|", "\\|") for c in cells) + " |"
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> list[str]:
+    return [_row(*head), _row(*("---" for _ in head)), *(_row(*row) for row in rows)]
+
+
+def _needs(method: Method) -> str:
+    """Features of the method, and of single choices of its parameters."""
+    chosen = [f"{f} ({p.name}: {choice})" for p in method.params for choice, f in p.needs.items()]
+    return ", ".join([*method.needs, *chosen]) or "nothing more than OpenGL 4.3"
+
+
+def as_markdown(methods: Iterable[Method]) -> str:
+    """docs/methods.md: what each method is, promises and costs; its parameters; what becomes of equal depths."""
+    methods = list(methods)
+    lines = [HEAD, "## What they are", ""]
+    lines += _table(("id", "name in the papers", "what", "source"),
+                    ((f"`{m.id}`", m.name, m.summary, m.source) for m in methods))
+    lines += ["", "## What they promise and cost", ""]
+    lines += _table(("id", "guarantee", "words", "passes", "needs"),
+                    ((f"`{m.id}`", m.guarantee + (f": {m.failure}" if m.failure else ""), f"`{m.words}`",
+                      ", ".join(m.pass_names), _needs(m)) for m in methods))
+    lines += ["", "## Equal depths", ""]
+    lines += _table(("id", "fragments of equal depth"), ((f"`{m.id}`", m.ties) for m in methods))
+    lines += ["", "## Parameters", ""]
+    lines += _table(("id", "parameters: default of what is allowed"),
+                    ((f"`{m.id}`", "; ".join(f"{p.name}: {p.default} of {p.allowed}" for p in m.params))
+                     for m in methods if m.params))
+    return "\n".join(lines) + "\n"
