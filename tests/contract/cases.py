@@ -83,16 +83,19 @@ def oracle(config: SceneConfig, promise: Promise) -> np.ndarray:
 
 
 class Drawn:
-    """One frame of a variant: its image, what it lost, and its memory as declared and as allocated, by name."""
+    """Frames of a variant: the last image, the number of distinct ones, losses, memory declared and allocated."""
 
     def __init__(self, device, variant: Variant, config: SceneConfig, frames: int = 1):
         made = scene(config)
         sizes = sizes_of(made)
         quads, canvas = SceneBuffer(device, made), Canvas(device, (sizes.W, sizes.H))
         frame = Frame(device, variant, sizes, quads, canvas)
+        digests = set()
         for _ in range(frames):
             frame.draw_fitting()
-        self.image = frame.image()
+            self.image = frame.image()
+            digests.add(self.image.tobytes())
+        self.distinct_images = len(digests)
         self.lost = frame.lost_fragments()
         self.allocated, self.declared = frame.memory_bytes, variant.memory_bytes(sizes)
         self.error = float(np.abs(self.image - oracle(config, variant.promise(sizes))).max())
