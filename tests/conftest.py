@@ -6,7 +6,7 @@ import pytest
 from hypothesis import settings
 
 # A busy machine is no failure; on a server the same examples are tried each time.
-settings.register_profile("mfr-bench", deadline=None, max_examples=3000, derandomize=bool(os.environ.get("CI")))
+settings.register_profile("mfr-bench", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("mfr-bench")
 
 
