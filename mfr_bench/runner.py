@@ -174,13 +174,15 @@ class Runner:
     """Measures jobs into a result folder.
 
     `report` receives each row as it is written, `sampled` how many cells' worth of the rows to come is done.
+    Once `interrupted` says so, `run` raises KeyboardInterrupt between two frames, with what can be kept written.
     """
 
     def __init__(self, device: Device, timer: Timer, folder: ResultFolder, catalog: Mapping[str, Method],
                  report: Report = lambda row: None, sampled: Sampled = lambda cells: None,
-                 split: Split | None = None):
+                 split: Split | None = None, interrupted: Callable[[], bool] = lambda: False):
         self.device, self.timer, self.folder, self.catalog = device, timer, folder, catalog
         self.report, self.sampled, self.split = report, sampled, split or Split()
+        self.interrupted = interrupted
         self.summary = Summary()
         self._shuffle = random.Random(0).shuffle  # noqa: S311 - an order, not a secret
 
@@ -239,8 +241,13 @@ class Runner:
             for r in running:
                 r.frame.release()
 
+    def _stop_if_asked(self) -> None:
+        if self.interrupted():
+            raise KeyboardInterrupt
+
     def _prepare(self, job: Job, work: SceneWork) -> Running | None:
         """Compile, allocate, draw once and check the image; a cell that fails ends as its row."""
+        self._stop_if_asked()
         frame = None
         try:
             work.show(0)
@@ -300,6 +307,7 @@ class Runner:
 
     def _batch(self, running: Running, work: SceneWork, sampler: Sampler) -> None:
         for _ in range(sampler.wanted):
+            self._stop_if_asked()
             scene = work.show(len(sampler.samples_ms))
             running.frame.show(scene)
             with self.split.work("measure" if sampler.warm else "warm-up"):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from .interruption import Interruption
 from .options import DEVICE, JSON, PROFILE, SET, ConfigName, MethodName, OutPath, first_experiment, method
 from .output import note, say, width
 
@@ -104,8 +105,9 @@ def doctor(as_json: bool, device: str) -> None:
     from ..gpu.device import open_device
     from ..gpu.selftest import calibrate, self_tests
 
-    found = open_device(device)
-    findings, calibration = self_tests(found), calibrate(found)
+    with Interruption():
+        found = open_device(device)
+        findings, calibration = self_tests(found), calibrate(found)
     record = {
         "device": found.info,
         "limits": asdict(found.limits) | {"features": sorted(found.features)},
@@ -199,11 +201,12 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
     from ..gpu.single import render as draw
     from ..runner import verdict
 
-    opened = open_device(device)
-    decision = judge(cell, catalog(), sizes, opened.limits)
-    if decision:
-        raise DeviceError(f"{method_id}: {decision[0]}: {decision[1]}")
-    image = draw(opened, variant, made, sizes)
+    with Interruption():
+        opened = open_device(device)
+        decision = judge(cell, catalog(), sizes, opened.limits)
+        if decision:
+            raise DeviceError(f"{method_id}: {decision[0]}: {decision[1]}")
+        image = draw(opened, variant, made, sizes)
     write_file(Path(out), _npy(image) if out.endswith(".npy") else _png(image))
     promise = variant.promise(sizes)
     errors = (conformance(image, composite(made, promise.layers, promise.criterion))

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
 from .output import note
 
 ENOUGH = 0.1  # cells; from fewer no time is foretold
+STOPPING = "stopping; Ctrl-C again ends at once"
 FAILED = ("wrong", "crashed", "timeout", "out_of_memory", "overflow")
 
 
@@ -32,18 +33,20 @@ def outcome(row: Mapping[str, Any]) -> str:
 
 
 class Progress:
-    """Counts rows of `total` as they come. On a terminal rows that failed stay on the screen."""
+    """Counts rows of `total` as they come. On a terminal rows that failed stay on the screen.
 
-    def __init__(self, total: int, name: str):
-        self.total, self.name, self.done = total, name, 0
+    `asked` says whether the user has asked the work to stop.
+    """
+
+    def __init__(self, total: int, name: str, asked: Callable[[], bool] = lambda: False):
+        self.total, self.name, self.asked, self.done = total, name, asked, 0
         self._skipped, self._begun, self._last = 0, 0.0, "starting"
         self._start = time.monotonic()
-        self._live = _live_line() if total else None
+        self._live = _live_line(self._text) if total else None
 
     def __enter__(self):
         if self._live:
-            self._live.start()
-            self._show(at_once=True)
+            self._live.start(refresh=True)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -67,35 +70,33 @@ class Progress:
         self._last = outcome(row)
         if self._live is None:
             note(self._line())
-            return
-        if row["status"] in FAILED:
-            self._live.console.print(self._last, markup=False, highlight=False)
-        self._show()
+        elif row["status"] in FAILED:
+            with suppress(OSError):
+                self._live.console.print(self._last, markup=False, highlight=False)
 
     def sampled(self, cells: float) -> None:
         """Cells in hand, each as the fraction of the most frames or time that it may take."""
         self._begun = cells
         self._last = self._last if self.done else "measuring"
-        if self._live:
-            self._show()
 
     def _line(self) -> str:
         left = f", {duration(self.left_s)} left" if self.left_s is not None and self.done < self.total else ""
-        return f"{self.name} {self.done}/{self.total}{left}  {self._last}"
+        return f"{self.name} {self.done}/{self.total}{left}  {STOPPING if self.asked() else self._last}"
 
-    def _show(self, at_once: bool = False) -> None:
+    def _text(self):
         from rich.text import Text
 
-        with suppress(OSError):
-            self._live.update(Text(self._line(), overflow="ellipsis", no_wrap=True), refresh=at_once)
+        return Text(self._line(), overflow="ellipsis", no_wrap=True)
 
 
-def _live_line():
-    """A line at the bottom of a terminal that redraws itself; None where stderr is none that can."""
+def _live_line(text: Callable[[], Any]):
+    """A line at the bottom of a terminal, redrawn four times a second; None where stderr is no terminal that can."""
     if not sys.stderr.isatty():
         return None
     from rich.console import Console
     from rich.live import Live
 
     console = Console(stderr=True)
-    return None if console.is_dumb_terminal else Live(console=console, refresh_per_second=4, transient=True)
+    if console.is_dumb_terminal:
+        return None
+    return Live(console=console, refresh_per_second=4, transient=True, get_renderable=text)

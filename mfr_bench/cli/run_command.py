@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 import click
 
+from .interruption import Interruption
 from .options import DEVICE, PROFILE, SET, ConfigName, MethodName, OutPath
 from .output import note, say, width
 from .report_commands import write_report
@@ -46,23 +46,30 @@ def run(configs: tuple[str, ...], out: str | None, profile: str | None, only: st
     """
     started = time.perf_counter()
     plans = _plans(configs, profile, only, overrides)
-    if dry_run:
-        _print_plans(plans, out, device)
-        return 0
+    with Interruption() as interruption:
+        if dry_run:
+            _print_plans(plans, out, device)
+            return 0
+        statuses = _run_plans(plans, out, device, force, interruption, started)
+    if "wrong" in statuses:
+        return WRONG
+    return FAILED if statuses & {"crashed", "timeout", "out_of_memory", "overflow"} else 0
 
+
+def _run_plans(plans, out: str | None, want: str, force: bool, interruption: Interruption, started: float) -> set[str]:
+    """Measure every plan on one device; returns the statuses of all cells."""
     from ..gpu.device import open_device
     from ..gpu.selftest import calibrate, timer_for
 
-    opened = open_device(device)
+    opened = open_device(want)
     calibration = calibrate(opened)
-    session = Session(opened, timer_for(opened, calibration), calibration, force, time.perf_counter() - started)
+    session = Session(opened, timer_for(opened, calibration), calibration, force, interruption,
+                      time.perf_counter() - started)
     folders = _folders(plans, out, opened.info["slug"])
     statuses: set[str] = set()
     for (experiment, cells), folder in zip(plans, folders, strict=True):
         statuses |= session.run(experiment, cells, folder) if cells else set()
-    if "wrong" in statuses:
-        return WRONG
-    return FAILED if statuses & {"crashed", "timeout", "out_of_memory", "overflow"} else 0
+    return statuses
 
 
 def _plans(configs: Sequence[str], profile: str | None, only: str | None, overrides: Sequence[str]):
@@ -165,9 +172,9 @@ def _plan_text(experiment, rows: list[dict[str, Any]], folder) -> str:
 class Session:
     """One device and timer, for all configs of a command."""
 
-    def __init__(self, device, timer, calibration, force: bool, startup_s: float):
+    def __init__(self, device, timer, calibration, force: bool, interruption: Interruption, startup_s: float):
         self.device, self.timer, self.calibration, self.force = device, timer, calibration, force
-        self.startup_s = startup_s
+        self.interruption, self.startup_s = interruption, startup_s
 
     def run(self, experiment, cells, folder) -> set[str]:
         """Measure one experiment, print and write its results; returns the statuses of its cells."""
@@ -185,8 +192,9 @@ class Session:
         manifest = self._manifest(experiment, todo)
         manifest |= _of_the_measuring(folder.manifest(), manifest, all_kept=not missing)
         folder.write_manifest(manifest)
-        with Progress(missing, experiment.name) as progress:
-            runner = Runner(self.device, self.timer, folder, catalog(), progress.row, progress.sampled, split)
+        asked = self.interruption.asked
+        with Progress(missing, experiment.name, asked) as progress:
+            runner = Runner(self.device, self.timer, folder, catalog(), progress.row, progress.sampled, split, asked)
             finished = _until_interrupted(lambda: runner.run(todo, self.force))
         if runner.summary.noise_floor_rel is not None:
             manifest["noise_floor_rel"] = runner.summary.noise_floor_rel
@@ -219,17 +227,11 @@ class Session:
 
 
 def _until_interrupted(work: Callable[[], object]) -> bool:
-    """Whether the work came to its end, and not to Ctrl-C; `kill` and a lost connection count as Ctrl-C."""
-    others = [s for s in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(s) is signal.SIG_DFL]
-    for other in others:
-        signal.signal(other, signal.default_int_handler)
+    """Whether the work came to its end, and not to Ctrl-C."""
     try:
         work()
     except KeyboardInterrupt:
         return False
-    finally:
-        for other in others:
-            signal.signal(other, signal.SIG_DFL)
     return True
 
 

@@ -1,0 +1,39 @@
+"""Ctrl-C while a device is at work."""
+
+from __future__ import annotations
+
+import signal
+
+
+class Interruption:
+    """Within this, Ctrl-C is a wish: `asked()` turns true, and the work stops where it can.
+
+    An exception in the midst of moderngl's C code would be lost, or end the process with a crash. A second Ctrl-C
+    is raised at once all the same. `kill` and a lost connection count as Ctrl-C; signals that are ignored, or that
+    another handler has, are left to it. Leaving raises KeyboardInterrupt for a wish that the work did not notice.
+    """
+
+    def __init__(self) -> None:
+        self._asked = False
+
+    def asked(self) -> bool:
+        return self._asked
+
+    def __enter__(self):
+        usual = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL,
+                 signal.SIGHUP: signal.SIG_DFL}
+        self._former = {number: handler for number, handler in usual.items() if signal.getsignal(number) is handler}
+        for number in self._former:
+            signal.signal(number, self._ask)
+        return self
+
+    def _ask(self, number, frame) -> None:
+        if self._asked:
+            raise KeyboardInterrupt
+        self._asked = True
+
+    def __exit__(self, kind, error, trace) -> None:
+        for number, handler in self._former.items():
+            signal.signal(number, handler)
+        if kind is None and self._asked:
+            raise KeyboardInterrupt
