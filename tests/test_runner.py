@@ -195,6 +195,14 @@ def test_a_cell_that_was_done_waits_for_no_other(run, tmp_path):
     assert kept
 
 
+def test_a_wish_to_stop_is_met_between_frames(run, tmp_path):
+    timer = Clock(0.01)
+    with pytest.raises(KeyboardInterrupt):
+        run([cell("floor"), cell()], timer, interrupted=lambda: timer.frames >= 9)
+    assert timer.frames == 9
+    assert ResultFolder(tmp_path).cells() == []
+
+
 def test_what_is_kept_is_not_measured_again(run):
     run([cell("floor"), cell()])
     timer = Clock()

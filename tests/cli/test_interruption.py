@@ -1,0 +1,77 @@
+"""Ctrl-C while a device is at work: a wish first, an order the second time."""
+
+import signal
+
+import pytest
+
+from mfr_bench.cli.interruption import Interruption
+from mfr_bench.cli.progress import STOPPING, Progress
+
+WATCHED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+SIGNALS = pytest.mark.parametrize("number", WATCHED, ids=lambda s: s.name)
+
+
+@pytest.fixture(autouse=True)
+def usual():
+    """The handlers of a process that was just started; pytest's afterwards."""
+    former = {number: signal.getsignal(number) for number in WATCHED}
+    for number in WATCHED:
+        signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
+    yield
+    for number, handler in former.items():
+        signal.signal(number, handler)
+
+
+def at_work(*signals, reached, error=None):
+    """Work during which the signals come, one after another; it may end by an error of its own."""
+    with Interruption() as interruption:
+        for number in signals:
+            signal.raise_signal(number)
+            reached.append(interruption.asked())
+        if error:
+            raise error
+
+
+@SIGNALS
+def test_the_first_is_a_wish(number):
+    reached = []
+    with pytest.raises(KeyboardInterrupt):
+        at_work(number, reached=reached)
+    assert reached == [True]  # it went on: only leaving raises
+
+
+@SIGNALS
+def test_the_second_is_an_order(number):
+    reached = []
+    with pytest.raises(KeyboardInterrupt):
+        at_work(signal.SIGINT, number, reached=reached)
+    assert reached == [True]
+
+
+def test_work_that_met_the_wish_ends_in_its_own_way():
+    with pytest.raises(ValueError, match="mine"):
+        at_work(signal.SIGINT, reached=[], error=ValueError("mine"))
+
+
+def test_nothing_is_raised_without_a_wish_and_handlers_are_put_back():
+    former = [signal.getsignal(number) for number in WATCHED]
+    with Interruption() as interruption:
+        assert signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL
+        assert not interruption.asked()
+    assert [signal.getsignal(number) for number in WATCHED] == former
+
+
+def test_ignored_signals_stay_ignored():
+    """As they are below nohup, and in the background of a script."""
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    with Interruption() as interruption:
+        signal.raise_signal(signal.SIGHUP)
+        assert not interruption.asked()
+
+
+def test_progress_says_that_it_is_stopping():
+    wish = []
+    progress = Progress(3, "tiny", lambda: bool(wish))
+    assert progress._line() == "tiny 0/3  starting"
+    wish.append("stop")
+    assert progress._line() == f"tiny 0/3  {STOPPING}"
