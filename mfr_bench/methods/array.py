@@ -28,7 +28,7 @@ def array(method_id: str, name: str, source: str, summary: str, *params: Param, 
 METHODS = [
     array("ab-array", "AB_Array", "Crassin 2010; Liu et al. 2010 (FreePipe); kplus_2015 §2",
           "n slots per pixel, given out by an atomic counter; needs n beforehand",
-          guarantee="exact all", ties="kept, in order of arrival"),
+          guarantee="exact all", ties="kept, in no fixed order"),
     array("kb-ab-array", "KB-AB_Array", "kplus_2015 §2, §5",
           "n slots per pixel for all fragments; the resolve picks the k nearest", K, OCCUPANCY, select=True,
           guarantee="exact k nearest", ties="kept; the first to arrive wins the last place", local="k"),

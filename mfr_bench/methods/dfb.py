@@ -26,7 +26,7 @@ METHODS = [
         id="ab-dfb", name="DFB", family="dfb",
         source="Maule et al. 2014; kplus_2015 §2 [31]",
         summary="dynamic fragment buffer: count, hierarchical sum over all pixels, store into exact ranges",
-        guarantee="exact all", words="2*f + 2", ties="kept, in order of arrival",
+        guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
         params=(*RESOLVE_OPTIONS, PAYLOAD), capacity=Counted(),
         buffers=(COUNTER, ADDRESS, NODES, Buffer("sums", SUMS_WORDS)),
         steps=(

@@ -71,7 +71,7 @@ METHODS = [
         id="kb-sr", name="KB-SR", family="kb",
         source="Bavoil & Myers 2008; kplus_2015 §2, Table 1",
         summary="stencil routing into the samples of multisample targets: the first k fragments to arrive",
-        guarantee="approximate", words="3*k", ties="kept, in order of arrival",
+        guarantee="approximate", words="3*k", ties="kept, in no fixed order",
         failure="keeps the first k fragments to arrive, not the nearest; right where f <= k or the scene is sorted "
                 "front to back",
         params=(K32, MULTISAMPLING, *RESOLVE_OPTIONS), local="k",

@@ -106,7 +106,7 @@ METHODS = [
         source="Myers & Bavoil 2007; Bavoil & Myers 2008",
         summary="stencil-routed A-buffer: each geometry pass takes the next `samples` fragments of a pixel, in order "
                 "of arrival; the resolve sorts them all",
-        guarantee="exact all", words="2*samples*ceil(n/samples) + samples", ties="kept, in order of arrival",
+        guarantee="exact all", words="2*samples*ceil(n/samples) + samples", ties="kept, in no fixed order",
         params=(SAMPLES, MULTISAMPLING, *RESOLVE_OPTIONS),
         targets=(*routed_targets("samples"), Target("arrivals", "r32ui", samples="samples")),
         buffers=(Buffer("counter", "P", clear="0u"), Buffer("resume", "P", clear="0u"),

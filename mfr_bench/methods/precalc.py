@@ -28,7 +28,7 @@ METHODS = [
         id="ab-precalc", name="PreCalc", family="precalc",
         source="Peeper 2008; sbuffer_2012 §2, §4 (PreCalc, PreCalc_OpenCL)",
         summary="count, prefix sum over all pixels, store into exact ranges",
-        guarantee="exact all", words="2*f + 2", ties="kept, in order of arrival",
+        guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
         params=(SCAN, *RESOLVE_OPTIONS, PAYLOAD), capacity=Counted(),
         buffers=(COUNTER, replace(ADDRESS, copies=2, when=FULLSCREEN), replace(ADDRESS, when=COMPUTE), NODES,
                  Buffer("block_sum", f"ceil(P/{SCAN_BLOCK})", when=COMPUTE)),
@@ -54,7 +54,7 @@ METHODS = [
         id="ab-precalc-fixed", name="PreCalc_Fixed", family="precalc",
         source="sbuffer_2012 §4 (PreCalc_Fixed), after Peeper 2008",
         summary="room for n fragments in every pixel: address = pixel * n; needs n beforehand",
-        guarantee="exact all", words="2*n + 2", ties="kept, in order of arrival",
+        guarantee="exact all", words="2*n + 2", ties="kept, in no fixed order",
         params=(*RESOLVE_OPTIONS, PAYLOAD),
         buffers=(COUNTER, ADDRESS, replace(NODES, words="2*n*P")),
         steps=(

@@ -46,7 +46,7 @@ def sbuffer(method_id: str, name: str, source: str, summary: str, finish: Pass =
             STORE,
             finish,
         ),
-        **{"guarantee": "exact all", "ties": "kept, in order of arrival", **more},
+        **{"guarantee": "exact all", "ties": "kept, in no fixed order", **more},
     )
 
 
