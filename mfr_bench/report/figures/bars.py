@@ -1,0 +1,285 @@
+"""Bars in groups, plain or stacked by pass."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from .. import data, style
+from ..data import Point, Result, number
+from .scales import log_axes, log_axis, log_base, nothing, y_label
+from .series import Options, is_drawn, labels_of, panels_of, series_of
+from .sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, RIGHT, legend_columns, sheet_of, widest
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+SLOTS_PER_ROW = 48  # bars side by side whose labels can still be read
+GROUP_GAP = 1.0  # in bars
+LONG_LABEL = 24  # characters from which a label is broken where there is room
+WHOLE = "whole frame"
+UNMEASURED = "not measured"
+
+
+@dataclass(frozen=True)
+class Slot:
+    """The place of one bar. `point` is None for a cell without a record."""
+
+    x: float
+    label: str
+    point: Point | None
+
+
+@dataclass(frozen=True)
+class Group:
+    heading: str
+    slots: tuple[Slot, ...]
+
+    @property
+    def span(self) -> tuple[float, float]:
+        return self.slots[0].x - 0.5, self.slots[-1].x + 0.5
+
+
+def _groups(points: Sequence[Point], x: str) -> list[tuple[str, list[tuple[str, Point | None]]]]:
+    """Per value of x every series that varies with x; then, once, the series that do not."""
+    found: dict[tuple[Any, str], Point] = {}
+    for p in points:
+        found.setdefault((p.at(x), p.label), p)
+    varying = labels_of(p for p in points if p.at(x) is not None)
+    groups = [(data.heading(x, v), [(label, found.get((v, label))) for label in varying])
+              for v in data.values(points, x)]
+    constant = [(label, p) for (v, label), p in found.items() if v is None]
+    return [*groups, (data.heading(x, None), constant)] if constant else groups
+
+
+def _rows(points: Sequence[Point], options: Options) -> list[tuple[str, list[Group]]]:
+    """Groups in even rows of at most SLOTS_PER_ROW bars (but at least one group), panel by panel."""
+    rows = []
+    for panel, members in panels_of(points, options):
+        groups = _groups(members, options["x"])
+        widest = max((len(entries) for _, entries in groups), default=1) + GROUP_GAP
+        most = max(1, int((SLOTS_PER_ROW + GROUP_GAP) // widest))
+        count = max(1, math.ceil(len(groups) / most))
+        each = math.ceil(len(groups) / count)
+        rows += [(panel, _placed(groups[i:i + each])) for i in range(0, max(1, len(groups)), max(1, each))]
+    return rows
+
+
+def _placed(groups) -> list[Group]:
+    placed, x = [], 0.0
+    for heading, entries in groups:
+        placed.append(Group(heading, tuple(Slot(x + i, label, point) for i, (label, point) in enumerate(entries))))
+        x += len(entries) + GROUP_GAP
+    return placed
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A piece of a bar: `name` is its legend entry, or empty."""
+
+    name: str
+    height: float
+    colour: str
+
+
+def _pass_segments(point: Point, colours: Mapping[str, str], share: bool) -> list[Segment]:
+    whole = sum(interval[1] for interval in point.passes_ms.values()) if share else 1.0
+    timed = [Segment(name, interval[1] / whole, colours[name]) for name, interval in point.passes_ms.items()]
+    return timed or [Segment(WHOLE, point.row["time_ms"], style.WHOLE_FRAME)]
+
+
+def stacked_passes(result: Result, options: Options) -> Figure:
+    """Bars grouped by x, one per method, stacked by pass; kplus_2015 Fig. 6, gpupro5 Fig. 1.3."""
+    points = series_of(result, options)
+    colours = style.pass_colours({name: None for p in points if is_drawn(p, "time_ms") for name in p.passes_ms})
+    hatches = dict(zip(labels_of(points), style.HATCHES * (1 + len(points) // len(style.HATCHES)), strict=False))
+    note = ("bar: sum of the passes' medians, timed in frames of their own; "
+            "line and number: the whole frame's median (ms) with its 95 % interval")
+    share = options["y"] == "share"
+    chart = Chart(result, {**options, "y": "share" if share else "time_ms"}, tuple(points),
+                  lambda p: _pass_segments(p, colours, share), hatches, colours)
+    return _bar_figure(chart, [] if share else [note])
+
+
+def bars(result: Result, options: Options) -> Figure:
+    """Bars of one measure grouped by x, one per method, coloured by method."""
+    def segments(point: Point) -> list[Segment]:
+        return [Segment("", point.measure(options["y"])[1], style.method_colour(point.method))]
+
+    return _bar_figure(Chart(result, options, tuple(series_of(result, options)), segments, {}, {}), [])
+
+
+@dataclass(frozen=True)
+class Chart:
+    """What a figure of bars shows: `legend` maps names to colours, `hatches` labels to patterns."""
+
+    result: Result
+    options: Options
+    points: tuple[Point, ...]
+    segments: Callable[[Point], list[Segment]]
+    hatches: Mapping[str, str]
+    legend: Mapping[str, str]
+
+    @property
+    def y(self) -> str:
+        return self.options["y"]
+
+    @property
+    def log(self) -> bool:
+        return "y" in log_axes(self.options)
+
+    def floors_ms(self, points: Iterable[Point]) -> list[float]:
+        """Times of the floor that belong to the points, if the figure asks for them."""
+        if not self.options.get("floor") or self.y != "time_ms":
+            return []
+        return sorted({p.floor["values"]["time_ms"] for p in points if p.floor and is_drawn(p, self.y)})
+
+    def limits(self) -> tuple[float, float]:
+        """One range for all rows, so that bars of different rows compare. Room above is for the numbers."""
+        drawn = [p for p in self.points if is_drawn(p, self.y)]
+        tops = [max(sum(s.height for s in self.segments(p)), *(v or 0 for v in p.measure(self.y))) for p in drawn]
+        firsts = [self.segments(p)[0].height for p in drawn]
+        if max(tops, default=0) <= 0:
+            return (0.1, 10.0) if self.log else (0.0, 1.0)
+        if not self.log:
+            return 0.0, max(tops) * 1.2
+        lowest = min(v for v in (*firsts, *self.floors_ms(drawn), *(top / 2 for top in tops)) if v > 0)
+        low = max(0.7 * lowest, max(tops) / 1e5)
+        return low, max(tops) * (max(tops) / low) ** 0.16
+
+
+def _extent(groups: Sequence[Group]) -> float:
+    """Width of a row in bars, with a margin of half a bar at either end."""
+    return groups[-1].slots[-1].x + 2.0 if groups else 2.0
+
+
+def _bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
+    rows = _rows(chart.points, chart.options)
+    slots = max(_extent(groups) for _, groups in rows)
+    width = min(style.WIDTH_IN, max(style.NARROW_IN, LEFT + RIGHT + 0.3 * slots))
+    slot_width = (width - LEFT - RIGHT) / slots
+    legend = [*chart.legend, *(["floor"] if chart.floors_ms(chart.points) else [])]
+    columns = legend_columns(legend, width - 2 * EDGE)
+    legend_height = LEGEND_LINE_IN * math.ceil(len(legend) / columns) + 0.08 if legend else 0.0
+    label_lines = (line for label in labels_of(chart.points) for line in _broken(label, slot_width).splitlines())
+    label_height = widest(label_lines, _label_size(slot_width)) + 0.07
+    plot_height = 2.3 if len(rows) == 1 else 1.75
+    panelled = any(panel for panel, _ in rows)
+    row_height = HEADING_IN * (2 if panelled else 1) + plot_height + label_height
+    gap = 0.06
+    sheet = sheet_of(chart.result, chart.options, notes, width, legend_height + len(rows) * (row_height + gap))
+    figure = sheet.figure()
+    top = legend_height
+    for panel, groups in rows:
+        own = _extent(groups) * slot_width
+        axes = sheet.axes(figure, LEFT, top + row_height - plot_height - label_height, own, plot_height)
+        _bar_row(axes, chart, groups, slot_width)
+        if panel:
+            axes.set_title(panel, loc="left", pad=16)
+        top += row_height + gap
+    if legend:
+        figure.legend(*_legend_entries(chart, legend), loc="upper left", ncols=columns, handlelength=1.2,
+                      handleheight=0.9, handletextpad=0.5, columnspacing=1.4, borderpad=0, borderaxespad=0,
+                      bbox_to_anchor=(EDGE / width, sheet.y(0.0)))
+    return figure
+
+
+def _legend_entries(chart: Chart, names: Sequence[str]):
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    floor = Line2D([], [], color=style.INK, linewidth=0.9, linestyle="--")
+    handles = [Patch(facecolor=chart.legend[n], edgecolor="none") if n in chart.legend else floor for n in names]
+    return handles, [name.replace("_", " ") for name in names]
+
+
+def _bar_row(axes: Axes, chart: Chart, groups: Sequence[Group], slot_width: float) -> None:
+    slots = [slot for group in groups for slot in group.slots]
+    axes.set_ylim(*chart.limits())
+    axes.set_xlim(-1.0, _extent(groups) - 1.0)
+    if chart.log:
+        log_axis(axes, "y", log_base(chart.options))
+    y_label(axes, str(chart.options.get("y_label") or data.MEASURES[chart.y]))
+    _headings(axes, chart, groups, slot_width)
+    drawn = [slot for slot in slots if slot.point is not None and is_drawn(slot.point, chart.y)]
+    for slot in drawn:
+        _bar(axes, slot, chart.segments(slot.point), chart.hatches.get(slot.label, ""))
+    if chart.y != "share":  # every bar's is 1
+        _totals(axes, drawn, chart.y)
+    for slot in slots:
+        if slot not in drawn or slot.point.status == "wrong":
+            _sign(axes, slot)
+    for floor_ms in chart.floors_ms(slot.point for slot in drawn):
+        axes.axhline(floor_ms, color=style.INK, linewidth=0.8, linestyle="--", zorder=1, label="floor")
+    axes.set_xticks([])
+    for slot in slots:
+        axes.annotate(_broken(slot.label, slot_width), (slot.x, 0), (0, -3), xycoords=axes.get_xaxis_transform(),
+                      rotation=90, textcoords="offset points", ha="center", va="top", linespacing=1.0,
+                      fontsize=_label_size(slot_width))
+    if not slots:
+        nothing(axes)
+    axes.grid(axis="y", which="major")
+
+
+def _headings(axes: Axes, chart: Chart, groups: Sequence[Group], slot_width: float) -> None:
+    """'k = 8' over each group, or only the 8 where that is too wide, with 'k' before the first."""
+    room = min((g.span[1] - g.span[0] + GROUP_GAP for g in groups), default=1.0) * slot_width
+    long = widest((g.heading for g in groups), 9) > room
+    across = {"transform": axes.get_xaxis_transform(), "va": "bottom", "fontweight": "bold", "fontsize": 8}
+    if long:
+        axes.text(-1.0, 1.01, data.short(chart.options["x"]), ha="right", **across)
+    for group in groups:
+        axes.axvspan(*group.span, color=style.BAND, linewidth=0, zorder=0)
+        axes.text(sum(group.span) / 2, 1.01, group.heading.split(" = ")[-1] if long else group.heading, ha="center",
+                  **across)
+
+
+def _label_size(slot_width: float) -> float:
+    return min(7.5, max(6.0, 72 * slot_width * 0.68))
+
+
+def _broken(label: str, slot_width: float) -> str:
+    """A long label in as many lines as a bar has room for."""
+    count = min(3, int(72 * slot_width / (1.15 * _label_size(slot_width))))
+    return "\n".join(textwrap.wrap(label, max(LONG_LABEL, math.ceil(1.2 * len(label) / max(1, count))),
+                                   break_on_hyphens=False))
+
+
+def _bar(axes: Axes, slot: Slot, segments: Sequence[Segment], hatch: str) -> None:
+    """Segments from the bottom up, then the method's hatching once over all of them."""
+    from matplotlib.patches import Rectangle
+
+    below, alpha = 0.0, 0.35 if slot.point.status == "wrong" else None
+    for segment in segments:
+        axes.add_artist(Rectangle((slot.x - 0.42, below), 0.84, segment.height, facecolor=segment.colour,
+                                  edgecolor="white", linewidth=0.3, alpha=alpha, zorder=2,
+                                  label=f"{slot.label}: {segment.name}" if segment.name else slot.label))
+        below += segment.height
+    if hatch:
+        axes.add_artist(Rectangle((slot.x - 0.42, 0.0), 0.84, below, facecolor="none", edgecolor=style.HATCH_INK,
+                                  hatch=hatch, linewidth=0, zorder=2.5, label=f"hatch {hatch}"))
+
+
+def _totals(axes: Axes, slots: Sequence[Slot], y: str) -> None:
+    """The measured value of each bar with its interval, and its number above. A wrong image has none."""
+    intervals = [(slot.x, *slot.point.measure(y)) for slot in slots if slot.point.status == "ok"]
+    with_ends = [interval for interval in intervals if interval[1] is not None]
+    if with_ends:
+        xs, lows, middles, highs = zip(*with_ends, strict=True)
+        axes.vlines(xs, lows, highs, colors=style.INK, linewidth=0.7, zorder=4)
+        axes.hlines(middles, [x - 0.42 for x in xs], [x + 0.42 for x in xs], colors=style.INK, linewidth=0.9, zorder=4)
+    for x, _, middle, high in intervals:
+        axes.annotate(number(middle), (x, high or middle), (0, 2.5), textcoords="offset points", rotation=90,
+                      ha="center", va="bottom", fontsize=style.NUMBER_PT, annotation_clip=False, zorder=5)
+
+
+def _sign(axes: Axes, slot: Slot) -> None:
+    """Why there is no bar, or a pale one, in words, at its base."""
+    text = slot.point.sign if slot.point is not None and slot.point.status != "ok" else UNMEASURED
+    wrong = slot.point is not None and slot.point.status == "wrong"
+    axes.text(slot.x, 0.02, text, transform=axes.get_xaxis_transform(), rotation=90, ha="center", va="bottom",
+              fontsize=style.SIGN_PT, color=style.ALARM if wrong else style.QUIET, style="italic", zorder=3)

@@ -1,0 +1,88 @@
+"""Figures as files."""
+
+from __future__ import annotations
+
+import gc
+import io
+import os
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ...store import ResultFolder, write_file
+from .. import data, style
+from ..data import Result
+from .kinds import build
+from .series import Options
+from .sheet import styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FORMATS: Mapping[str, Mapping[str, Any]] = {
+    "png": {"dpi": style.DPI, "metadata": {"Software": None}, "pil_kwargs": {"compress_level": 4}},
+    "svg": {"metadata": {"Date": None, "Creator": None}},
+}
+
+
+def write_figures(folder: ResultFolder, processes: int = 1) -> list[Path]:
+    """Write figures/<name>.png and .svg, numbered where there are several. Raises StoreError.
+
+    With 2 `processes` a forked child draws every other figure; not where the process holds a GL context.
+    """
+    result = data.load(folder)
+    name = re.sub(r"[^\w.-]+", "-", result.name).strip("-.") or "figure"
+    several = len(result.figures) > 1
+    tasks = [(folder.path / "figures" / (f"{name}-{i}" if several else name), options)
+             for i, options in enumerate(result.figures, 1)]
+    with _uncollected():
+        if processes > 1 and several:
+            _write_shared(result, tasks)
+        else:
+            _write(result, tasks)
+    return [path.with_name(f"{path.name}.{suffix}") for path, _ in tasks for suffix in FORMATS]
+
+
+def _write(result: Result, tasks: Iterable[tuple[Path, Options]]) -> None:
+    for path, options in tasks:
+        for suffix, content in render(build(result, options)).items():
+            write_file(path.with_name(f"{path.name}.{suffix}"), content)
+
+
+def _write_shared(result: Result, tasks: Sequence[tuple[Path, Options]]) -> None:
+    from matplotlib.backends import backend_agg, backend_svg  # noqa: F401  loaded once, for both
+
+    child = os.fork()
+    if child == 0:
+        try:
+            _write(result, tasks[1::2])
+        except BaseException:  # noqa: BLE001 - a forked child must never return into its parent's code
+            os._exit(1)
+        os._exit(0)
+    _write(result, tasks[::2])
+    if os.waitpid(child, 0)[1]:
+        _write(result, tasks[1::2])  # its error, told here
+
+
+@contextmanager
+def _uncollected():
+    """No garbage collection meanwhile: it would take a fifth of the time, and everything lives to the end anyway."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+def render(figure: Figure) -> dict[str, bytes]:
+    """The figure as file contents by suffix. Nothing in them depends on when or where they were made."""
+    contents = {}
+    with styled():
+        for suffix, options in FORMATS.items():
+            file = io.BytesIO()
+            figure.savefig(file, format=suffix, **options)
+            contents[suffix] = file.getvalue()
+    return contents

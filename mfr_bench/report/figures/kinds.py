@@ -1,0 +1,44 @@
+"""The kinds of figures, by the name that a config gives them.
+
+`build` returns the matplotlib Figure of one entry of the config's `figures`:
+
+    kind     stacked_passes | bars | lines
+    x, y     a swept key or column (see `data.Point.at`), a measure (see `data.MEASURES`)
+    log      x | y | xy; log_base 2 or 10
+    panels   a swept key or column: one panel for each of its values
+    methods  labels or ids: only these series
+    floor    true: the floor as a dashed line
+    title, x_label, y_label
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+from ...errors import StoreError, nearest
+from .. import data
+from ..data import Result
+from .bars import bars, stacked_passes
+from .lines import lines
+from .series import Options
+from .sheet import styled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+KINDS: Mapping[str, Callable[[Result, Options], Figure]] = {
+    "stacked_passes": stacked_passes, "bars": bars, "lines": lines}
+
+
+def build(result: Result, options: Options) -> Figure:
+    """The Figure of one entry of the config's `figures`. Raises StoreError for an option that cannot be drawn."""
+    where = f"{result.folder.path}: figure"
+    kind = options.get("kind")
+    if kind not in KINDS:
+        raise StoreError(f"{where}: kind: {kind!r} unknown; allowed: {', '.join(KINDS)}{nearest(str(kind), KINDS)}")
+    y = data.drawn_measure(str(options.get("y") or "time_ms"), where)
+    if not options.get("x"):
+        raise StoreError(f"{where}: x: missing; allowed: a swept key such as k, or a column of results.csv")
+    with styled():
+        return KINDS[kind](result, {**options, "y": y})

@@ -1,0 +1,174 @@
+"""Lines with their intervals, in panels."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from .. import data, style
+from ..data import Point, Result
+from .scales import log_axes, log_axis, log_base, nothing, y_label
+from .series import Options, axis_label, gaps, labels_of, panels_of, series_of
+from .sheet import EDGE, HEADING_IN, LEFT, sheet_of, text_width, widest
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LONG_LABEL = 24  # characters from which a label is broken where there is room
+
+
+def lines(result: Result, options: Options) -> Figure:
+    """x against y, one line per method with its interval; kplus_2015 Figs. 8 and 9."""
+    plot = Plot(result, options, tuple(series_of(result, options)))
+    panels = panels_of(plot.points, options)
+    columns = min(3, len(panels)) or 1
+    rows = math.ceil(len(panels) / columns)
+    entries = {label: "\n".join(textwrap.wrap(label, LONG_LABEL + 4)) for label in [*plot.labels, "floor"]}
+    legend_width = widest((line for entry in entries.values() for line in entry.splitlines()), 7.5) + 0.52
+    plot_height = 2.2 if rows > 1 else max(2.7, 0.13 * sum(1.3 + e.count("\n") for e in entries.values()))
+    heading = HEADING_IN if any(panel for panel, _ in panels) else 0.06
+    step = heading + plot_height + 0.24
+    sheet = sheet_of(result, options, gaps(plot.points, plot.x, plot.y), style.WIDTH_IN, rows * step + 0.18)
+    figure = sheet.figure()
+    panel_width = (sheet.width - LEFT - legend_width - 2 * EDGE - 0.12 * (columns - 1)) / columns
+    grid: list[Axes] = []
+    for i, (panel, members) in enumerate(panels):
+        shared = {"sharex": grid[0], "sharey": grid[0]} if grid else {}
+        axes = sheet.axes(figure, LEFT + i % columns * (panel_width + 0.12), i // columns * step + heading, panel_width,
+                          plot_height, **shared)
+        grid.append(axes)
+        plot.draw(axes, members)
+        axes.set_title(panel, loc="left")
+    for i, axes in enumerate(grid):
+        plot.finish(axes, panel_width, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
+    handles = plot.handles(grid)
+    if handles:
+        figure.legend(handles.values(), [entries[name] for name in handles], loc="upper left", handlelength=3.0,
+                      labelspacing=0.55, borderpad=0, borderaxespad=0,
+                      bbox_to_anchor=(1 - (legend_width + EDGE) / sheet.width, sheet.y(heading)))
+    elif grid:
+        nothing(grid[0])
+    return figure
+
+
+@dataclass(frozen=True)
+class Plot:
+    """What a figure of lines shows, in any number of panels."""
+
+    result: Result
+    options: Options
+    points: tuple[Point, ...]
+
+    @property
+    def x(self) -> str:
+        return self.options["x"]
+
+    @property
+    def y(self) -> str:
+        return self.options["y"]
+
+    @cached_property
+    def labels(self) -> list[str]:
+        return labels_of(self.points)
+
+    @cached_property
+    def numeric(self) -> bool:
+        return all(isinstance(v, (int, float)) for v in data.values(self.points, self.x))
+
+    @cached_property
+    def places(self) -> dict[Any, float]:
+        """Position of each value of x: the number itself, or its rank where it is none."""
+        found = data.values(self.points, self.x)
+        return {v: float(v) if self.numeric else float(i) for i, v in enumerate(found)}
+
+    @property
+    def log_x(self) -> bool:
+        return "x" in log_axes(self.options) and self.numeric and min(self.places.values(), default=0) > 0
+
+    def draw(self, axes: Axes, points: Sequence[Point]) -> None:
+        for label in labels_of(points):
+            members = [p for p in points if p.label == label and p.status == "ok" and p.measure(self.y)[1] is not None]
+            if members:
+                self._line(axes, label, members)
+        if self.options.get("floor") and self.y == "time_ms":
+            self._floor(axes, points)
+
+    def _line(self, axes: Axes, label: str, members: Sequence[Point]) -> None:
+        """One series, broken where a value is missing; level and unmarked where x does not touch the method."""
+        found = {self.places[p.at(self.x)]: p.measure(self.y) for p in members if p.at(self.x) is not None}
+        level = not found
+        if level:
+            found = dict.fromkeys(self.places.values() or [0.0], members[0].measure(self.y))
+        xs = [v for v in self.places.values() if min(found) <= v <= max(found)] or list(found)
+        intervals = [found.get(v, (None, math.nan, None)) for v in xs]
+        lows = [0.0 if low is None else middle - low for low, middle, _ in intervals]
+        highs = [0.0 if high is None else high - middle for _, middle, high in intervals]
+        i = self.labels.index(label)
+        axes.errorbar(xs, [middle for _, middle, _ in intervals], (lows, highs), label=label,
+                      color=style.method_colour(members[0].method), linestyle=style.LINES[i % len(style.LINES)],
+                      marker="" if level else style.MARKERS[i % len(style.MARKERS)], markeredgecolor="white",
+                      markeredgewidth=0.4, elinewidth=0.8, capsize=1.8, capthick=0.8)
+
+    def _floor(self, axes: Axes, points: Sequence[Point]) -> None:
+        found = {self.places[p.at(self.x)]: p.floor["values"]["time_ms"] for p in points
+                 if p.floor and p.at(self.x) is not None}
+        xs = sorted(found)
+        if xs:
+            axes.plot(xs, [found[v] for v in xs], color=style.INK, linewidth=0.9, linestyle="--", label="floor")
+
+    def finish(self, axes: Axes, width: float, leftmost: bool, lowest: bool) -> None:
+        """Scales, ticks and labels, once every panel is drawn: the panels share them."""
+        if "y" in log_axes(self.options):
+            log_axis(axes, "y", log_base(self.options))
+        else:
+            axes.set_ylim(bottom=0)
+        if self.log_x:
+            log_axis(axes, "x", log_base(self.options))
+        low, high = self._x_limits()
+        axes.set_xlim(low, high)
+        axes.grid(which="major")
+        axes.set_xticks(list(self.places.values()), self._tick_labels(width))
+        axes.tick_params(labelbottom=lowest, labelleft=leftmost)
+        if lowest:
+            axes.set_xlabel(str(self.options.get("x_label") or axis_label(self.x)))
+        if leftmost:
+            y_label(axes, str(self.options.get("y_label") or data.MEASURES[self.y]))
+
+    def _x_limits(self) -> tuple[float, float]:
+        first, last = min(self.places.values(), default=1.0), max(self.places.values(), default=1.0)
+        if self.log_x:
+            pad = (last / first) ** 0.05 if last > first else 2.0
+            return first / pad, last * pad
+        pad = 0.05 * (last - first) or 1.0
+        return first - pad, last + pad
+
+    def _tick_labels(self, width: float) -> list[str]:
+        """The values of x; one that would run into its left neighbour is left blank."""
+        scale = math.log if self.log_x else float
+        low, high = map(scale, self._x_limits())
+        labels, free = [], -math.inf
+        for value, place in self.places.items():
+            text = data.plain(value)
+            middle, half = (scale(place) - low) / (high - low) * width, text_width(text, 7.5) / 2
+            fits = middle - half > free
+            labels.append(text if fits else "")
+            free = middle + half + 0.04 if fits else free
+        return labels
+
+    def handles(self, grid: Iterable[Axes]) -> dict[str, Any]:
+        """Legend entries from the highest line's right end to the lowest, as the eye meets them; the floor last."""
+        found: dict[str, Any] = {}
+        for axes in grid:
+            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+                found.setdefault(label, handle.lines[0] if label != "floor" else handle)
+        ends = {}
+        for p in sorted(self.points, key=lambda p: self.places.get(p.at(self.x), 0.0)):
+            if p.label in found and p.status == "ok" and p.measure(self.y)[1] is not None:
+                ends[p.label] = p.measure(self.y)[1]
+        ordered = [*sorted(ends, key=lambda label: -ends[label]), *(label for label in found if label not in ends)]
+        return {label: found[label] for label in ordered}

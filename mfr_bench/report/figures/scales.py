@@ -1,0 +1,47 @@
+"""Axes: logarithmic scales with plain numbers, labels at the figure's edge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .. import style
+from .series import Options
+from .sheet import EDGE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def log_axis(axes: Axes, which: str, base: int) -> None:
+    """A logarithmic axis whose ticks are plain numbers: 8, 16, 32."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+
+    axis = getattr(axes, f"{which}axis")
+    getattr(axes, f"set_{which}scale")("log", base=base)
+    axis.set_major_locator(LogLocator(base=base, numticks=12))
+    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:,.10g}" if 1 <= v < 1e6 else f"{v:.3g}"))
+    axis.set_minor_locator(NullLocator())
+    low, high = getattr(axes, f"get_{which}lim")()
+    if base == 10 and high / low < 40:  # fewer than two decades: 1, 2, 5, 10
+        axis.set_major_locator(LogLocator(base=10, subs=(1, 2, 5), numticks=12))
+
+
+def y_label(axes: Axes, text: str) -> None:
+    """The label at the figure's left edge, whatever the width of the tick labels."""
+    from matplotlib.transforms import blended_transform_factory
+
+    axes.set_ylabel(text, va="top")
+    width = axes.figure.get_figwidth()
+    axes.yaxis.set_label_coords(EDGE / width, 0.5, blended_transform_factory(axes.figure.transFigure, axes.transAxes))
+
+
+def log_axes(options: Options) -> str:
+    return str(options.get("log") or "")
+
+
+def log_base(options: Options) -> int:
+    return int(options.get("log_base") or 10)
+
+
+def nothing(axes: Axes) -> None:
+    axes.text(0.5, 0.5, "nothing measured", transform=axes.transAxes, ha="center", color=style.QUIET, style="italic")

@@ -1,0 +1,58 @@
+"""Which points a figure shows, by panel and by label."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from .. import data
+from ..data import Point, Result
+
+Options = Mapping[str, Any]
+
+
+def series_of(result: Result, options: Options) -> list[Point]:
+    """The points of a figure, labelled so that each label is one line or one bar per group."""
+    wanted = options.get("methods")
+    points = [p for p in result.points if (p.method in wanted or p.label in wanted or p.cell["label"] in wanted
+                                           if wanted else not data.is_floor(p))]
+    return data.series(result, points, [n for n in (options["x"], options.get("panels")) if n])
+
+
+def panels_of(points: Sequence[Point], options: Options) -> list[tuple[str, list[Point]]]:
+    """Points by panel, with its heading; methods that the panel's parameter does not touch are in each."""
+    name = options.get("panels")
+    if not name:
+        return [("", list(points))]
+    found = data.values(points, name)
+    return [(data.heading(name, v), [p for p in points if p.at(name) in (v, None)]) for v in found]
+
+
+def labels_of(points: Iterable[Point]) -> list[str]:
+    return list(dict.fromkeys(p.label for p in points))
+
+
+def is_drawn(point: Point, y: str) -> bool:
+    return point.status in ("ok", "wrong") and point.measure(y)[1] is not None
+
+
+def axis_label(name: str) -> str:
+    names = {"n": "fragments per pixel, n", "k": "fragments kept per pixel, k", "p_d": "pixel density, p_d",
+             "f_p": "fragment probability, f_p"}
+    return names.get(data.short(name), data.short(name))
+
+
+def gaps(points: Sequence[Point], x: str, y: str) -> list[str]:
+    """A sentence for each method with cells that are no points of its line."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for p in points:
+        if p.status != "ok":
+            groups.setdefault((p.label, p.sign), []).append(data.plain(p.at(x)) if p.at(x) is not None else "")
+    texts = [f"{label}: {sign}{_at(x, where, sum(p.label == label for p in points))}"
+             for (label, sign), where in groups.items()]
+    return [f"Not drawn: {'; '.join(texts)}"] if texts else []
+
+
+def _at(x: str, where: Sequence[str], cells: int) -> str:
+    found = list(dict.fromkeys(w for w in where if w))
+    return f" at {data.short(x)} = {', '.join(found)}" if found and len(where) < cells else ""

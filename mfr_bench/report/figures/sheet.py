@@ -1,0 +1,121 @@
+"""The frame of a figure: title, small print, and axes placed in inches."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from .. import style
+from ..data import Result
+from .series import Options
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LEFT, RIGHT, EDGE = 0.76, 0.08, 0.07  # room for y labels; at the right; around text
+HINTING = 1.03  # glyphs fitted to a screen's pixels are up to this much wider than their outlines
+TITLE_IN, HEADING_IN, LEGEND_LINE_IN, SMALL_LINE_IN = 0.2, 0.2, 0.165, 0.112
+
+
+def styled():
+    """The library's defaults and this package's style, whatever the user's own matplotlibrc says."""
+    import matplotlib as mpl
+
+    ours = {k: v for k, v in mpl.rcParamsDefault.items() if not k.startswith(("backend", "webagg", "date."))}
+    return mpl.rc_context(ours | style.RC)
+
+
+def text_width(text: str, points: float, weight: str = "normal") -> float:
+    """Width of one line of text."""
+    return _width_per_point(text, weight) * points / 72
+
+
+@cache
+def _width_per_point(text: str, weight: str) -> float:
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import text_to_path
+
+    font = FontProperties(family=style.RC["font.family"], weight=weight, size=100)
+    return HINTING * text_to_path.get_text_width_height_descent(text, font, False)[0] / 100
+
+
+def widest(texts: Iterable[str], points: float) -> float:
+    return max((text_width(text, points) for text in texts), default=0.0)
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A figure's frame: title on top, small print at the bottom, and the height between them."""
+
+    width: float
+    title: tuple[str, ...]
+    small: tuple[str, ...]
+    body: float
+
+    @property
+    def height(self) -> float:
+        return self.top + self.body + self.bottom
+
+    @property
+    def top(self) -> float:
+        return EDGE + TITLE_IN * len(self.title) + 0.04
+
+    @property
+    def bottom(self) -> float:
+        return EDGE + SMALL_LINE_IN * len(self.small) + 0.04
+
+    def figure(self) -> Figure:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(self.width, self.height))
+        FigureCanvasAgg(figure)
+        self._write(figure, self.title, self.height - EDGE, "top", fontsize=style.TITLE_PT, fontweight="bold")
+        self._write(figure, self.small, EDGE, "bottom", fontsize=style.SMALL_PT, color=style.QUIET, linespacing=1.3)
+        return figure
+
+    def _write(self, figure: Figure, lines: Sequence[str], y: float, side: str, **look: Any) -> None:
+        figure.text(EDGE / self.width, y / self.height, "\n".join(lines), ha="left", va=side, **look)
+
+    def axes(self, figure: Figure, left: float, top: float, width: float, height: float, **shared: Any) -> Axes:
+        """Axes whose upper left corner is `top` below the body's upper edge."""
+        bottom = self.bottom + self.body - top - height
+        return figure.add_axes((left / self.width, bottom / self.height, width / self.width, height / self.height),
+                               **shared)
+
+    def y(self, below: float) -> float:
+        """Figure fraction of a place `below` the body's upper edge."""
+        return (self.bottom + self.body - below) / self.height
+
+
+def sheet_of(result: Result, options: Options, notes: Iterable[str], width: float, body: float) -> Sheet:
+    title = str(options.get("title") or result.manifest.get("title") or result.name)
+    small = [part for line in (*notes, result.provenance) if line for part in fitted(line, style.SMALL_PT, width)]
+    return Sheet(width, tuple(fitted(title, style.TITLE_PT, width, "bold")), tuple(small), body)
+
+
+def fitted(text: str, points: float, width: float, weight: str = "normal") -> list[str]:
+    """The text in lines that fit between the edges, broken between words."""
+    room = width - 2 * EDGE
+    if text_width(text, points, weight) <= room:
+        return [text]
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if not lines[-1] or text_width(longer, points, weight) <= room:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def legend_columns(names: Sequence[str], width: float, points: float = 7.5) -> int:
+    """Most columns of a legend that fits into `width`."""
+    for columns in range(len(names), 1, -1):
+        parts = [widest(names[i::columns], points) + 3.4 * points / 72 for i in range(columns)]
+        if sum(parts) <= width:
+            return columns
+    return 1
