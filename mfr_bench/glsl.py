@@ -19,7 +19,7 @@ VERSION = "#version 430 core"
 VERSION_FOR_FEATURES = "#version 450 core"  # what the extensions of FEATURE_EXTENSIONS are written against
 LINE_STRIDE = 100_000  # line numbers carry the file: Mesa drops the source number of #line
 DIAGNOSTICS_BINDING = 7  # GL guarantees eight storage blocks to a fragment shader
-DIAGNOSTICS = ("lost_fragments", "arrived_fragments")  # counters outside every method's memory
+DIAGNOSTICS = ("lost_fragments", "arrived_fragments", "held_fragments")  # counters outside every method's memory
 LOCK_TRIES = 60000  # below the 65,535 iterations at which llvmpipe ends a loop silently
 
 # The uniform block `Frame`, one uint each, in order.

@@ -92,6 +92,11 @@ class SceneWork:
     def canvas(self) -> Canvas:
         return Canvas(self._device, (self.sizes.W, self.sizes.H))
 
+    @property
+    def shown(self) -> Sizes:
+        """Of the scene on the device now."""
+        return self._sizes[id(self.quads.scene)]
+
     def show(self, frame: int) -> Scene:
         """Bring the scene of an animation's frame to the device."""
         scene = self.scenes[frame % len(self.scenes)]
@@ -101,7 +106,7 @@ class SceneWork:
 
     def promised(self, variant: Variant) -> np.ndarray:
         """The float64 image that the variant aims at in the scene on the device now."""
-        return self.oracle(variant.promise(self._sizes[id(self.quads.scene)]))
+        return self.oracle(variant.promise(self.shown))
 
     def oracle(self, promise: Promise) -> np.ndarray:
         """The float64 image of the promised fragments of the scene on the device now; computed once."""
@@ -324,19 +329,19 @@ class Runner:
         self._time_passes(running, work, PASS_FRAMES)
         with self.split.work("check"):
             self._check_again(running, work)
+            distinct = self._distinct_images(running)
         if running.twin:
             low, _, high = ratio_interval(running.twin.samples_ms, sampler.samples_ms)
             if low is not None and high is not None:
                 self.summary.noise_floor_rel = max(abs(low - 1), abs(high - 1))
-        status, reason = verdict(job.variant, running.conformance, running.lost)
+        status, reason = verdict(job.variant, running.conformance, running.lost, distinct or 1)
         low, middle, high = sampler.interval
         values = _scene_values(job, work.sizes) | running.conformance | running.quality | {
             "samples": len(sampler.samples_ms), "timer": self.timer.name, "time_ms": middle, "time_ms_low": low,
             "time_ms_high": high, "noisy": sampler.noisy, "stop_reason": sampler.stop_reason,
             "memory_bytes": sum(running.frame.memory_bytes.values()),
             "lost_fragments": running.lost, "geometry_passes": running.frame.geometry_passes,
-            "discarded_share": running.frame.discarded_share(),
-            "hit_ratio": _hit_ratio(running, work.sizes),
+            "distinct_images": distinct, **_shares(running, work.shown),
         }
         self._write(job, status, reason, values=values, warmup_ms=sampler.warmup_ms, samples_ms=sampler.samples_ms,
                     passes=running.passes, buffers=running.frame.memory_bytes)
@@ -366,6 +371,19 @@ class Runner:
             again = quality.conformance(running.frame.image(), work.promised(running.job.variant))
             running.conformance = {name: max(value, again[name]) for name, value in running.conformance.items()}
 
+    def _distinct_images(self, running: Running) -> int | None:
+        """Different images of the scene on the device, where more than one frame is asked for and images compare."""
+        wanted = running.job.cell.measure.repeat_images
+        if wanted == 1 or not running.conformance:
+            return None
+        images = set()
+        for _ in range(wanted):
+            self._stop_if_asked()
+            running.frame.draw()
+            images.add(hashlib.sha256(running.frame.image()).digest())
+        running.lost += running.frame.lost_fragments()
+        return len(images)
+
     def _place(self, job: Job) -> dict[str, Any]:
         """Where the row stands in this experiment; not part of its key."""
         return {"experiment": job.cell.experiment, "point": _json(job.cell.point)}
@@ -388,8 +406,12 @@ class Runner:
         self.summary.statuses[row["status"]] = self.summary.statuses.get(row["status"], 0) + 1
 
 
-def verdict(variant: Variant, conformance: Mapping[str, float | int], lost: int) -> tuple[str, str | None]:
-    """Status and reason of a measured cell: an exact method is wrong above 1e-4, or where it lost a fragment."""
+def verdict(variant: Variant, conformance: Mapping[str, float | int], lost: int,
+            distinct_images: int = 1) -> tuple[str, str | None]:
+    """Status and reason of a measured cell.
+
+    An exact method is wrong above 1e-4, where it lost a fragment, or where its frames differ.
+    """
     if not variant.guarantee.startswith("exact"):
         return "ok", None
     if lost:
@@ -397,6 +419,8 @@ def verdict(variant: Variant, conformance: Mapping[str, float | int], lost: int)
     if conformance["max_abs_error"] > quality.EXACT_ERROR:
         return "wrong", (f"max_abs_error {conformance['max_abs_error']:.3g} above {quality.EXACT_ERROR:g}, "
                          f"{conformance['wrong_pixels']} wrong pixels")
+    if distinct_images > 1:
+        return "wrong", f"{distinct_images} different images of one scene"
     return "ok", None
 
 
@@ -430,14 +454,18 @@ def _scene_values(job: Job, sizes: Sizes) -> dict[str, Any]:
             "chosen_k": decision.k if decision else None}
 
 
-def _hit_ratio(running: Running, sizes: Sizes) -> float | None:
-    """Fragments kept / generated: what the method promises to keep, or with a choice that weakens it what it stored,
-    less what it counted as lost."""
+def _shares(running: Running, sizes: Sizes) -> dict[str, float | None]:
+    """Of the fragments generated: those kept, those that the promise keeps, and those discarded before the store.
+
+    `sizes` are of the scene on the device. What the method's memory cannot be asked for is as promised.
+    """
     variant = running.job.variant
     if variant.method.guarantee == "none" or not sizes.F:
-        return None
-    stored = running.frame.stored_fragments() if variant.weaknesses else None
-    return max(0, (variant.kept(sizes) if stored is None else stored) - running.lost) / sizes.F
+        return {"hit_ratio": None, "promised_ratio": None, "discarded_share": None}
+    counted, promised = running.frame.probe(), variant.kept(sizes)
+    arrived = counted.get("arrived_fragments")
+    return {"hit_ratio": counted.get("held_fragments", promised) / sizes.F, "promised_ratio": promised / sizes.F,
+            "discarded_share": None if arrived is None else 1 - arrived / sizes.F}
 
 
 def _json(value: Any) -> Any:

@@ -75,7 +75,8 @@ COLUMNS = (
     Column("rmse", "float", "", "root mean square error against the full list's image"),
     Column("psnr_db", "float", "dB", "peak signal-to-noise ratio against the full list's image"),
     Column("flip", "float", "", "mean FLIP error against the full list's image"),
-    Column("hit_ratio", "float", "", "fragments kept / generated"),
+    Column("hit_ratio", "float", "", "fragments kept / generated, counted in what the method holds after an untimed "
+           "frame (zbuffer: as promised)"),
     Column("wrong_pixels", "int", "pixels", "pixels with a channel error above 1/512"),
     Column("label", "str", "", "name of the method in tables and figures", "cell"),
     Column("layout", "str", "", "how quads are placed", "scene"),
@@ -86,6 +87,8 @@ COLUMNS = (
     Column("stop_reason", "str", "", "why sampling stopped"),
     Column("lost_fragments", "int", "fragments", "fragments that the method counted as dropped"),
     Column("discarded_share", "float", "", "share of the fragments that early z discards before the store (occupancy)"),
+    Column("distinct_images", "int", "", "different images among those of measure.repeat_images untimed frames"),
+    Column("promised_ratio", "float", "", "fragments that the method promises to keep / generated"),
     Column("geometry_passes", "int", "", "times the geometry was drawn in a frame"),
     Column("chosen_k", "int", "fragments", "k, where the method chooses it from the scene"),
     Column("glsl_hash", "str", "", "hash of the shaders that ran", "cell"),

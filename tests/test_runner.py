@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mfr_bench import runner
+from mfr_bench import glsl, runner
 from mfr_bench.config.model import Measure
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.frame import Frame
@@ -60,7 +60,8 @@ def test_a_row_has_everything_that_was_measured(run, tmp_path):
     values = rows["kplus-array", 2]["values"]
     assert (values["fragments"], values["covered_pixels"], values["max_fragments"]) == (960, 192, 5)
     assert (values["time_ms"], values["samples"], values["timer"]) == (1.0, 7, "wall")
-    assert values["hit_ratio"] == pytest.approx(2 / 5)
+    assert values["hit_ratio"] == values["promised_ratio"] == pytest.approx(2 / 5)
+    assert values["distinct_images"] is None  # the one image of a frame says nothing
     assert values["max_abs_error"] <= 1e-4 < values["rmse"]  # right for k = 2, and two of five layers are not all
     assert values["memory_bytes"] == sum(rows["kplus-array", 2]["buffers"].values())
     assert tuple(rows["kplus-array", 2]["passes"]) == catalog()["kplus-array"].variant({}).pass_names
@@ -156,7 +157,30 @@ def test_a_fragment_lost_in_any_frame_is_wrong(run, monkeypatch):
     monkeypatch.setattr(Frame, "lost_fragments", lambda self: next(losses))
     rows, _ = run([cell()])
     assert (rows["ab-array", None]["status"], rows["ab-array", None]["reason"]) == ("wrong", "3 fragments lost")
-    assert rows["ab-array", None]["values"]["hit_ratio"] == pytest.approx(957 / 960)
+    assert rows["ab-array", None]["values"]["lost_fragments"] == 3
+
+
+def test_hit_ratio_is_what_the_method_holds(run, monkeypatch):
+    """Not what it should hold: a shader that forgets the last of its slots is seen."""
+    read = glsl.read
+    monkeypatch.setattr(glsl, "read", lambda path: read(path).replace("uint(K) * pixels", "uint(K - 1) * pixels"))
+    rows, _ = run([cell("kb-mdt32", k=4), cell("kb", k=4)])
+    assert rows["kb-mdt32", 4]["values"]["hit_ratio"] == pytest.approx(3 / 5)
+    assert rows["kb", 4]["values"]["hit_ratio"] == pytest.approx(3 / 5)
+    assert rows["kb", 4]["values"]["promised_ratio"] == pytest.approx(4 / 5)
+
+
+def test_frames_of_different_images_are_counted_and_wrong_where_one_is_promised(run, monkeypatch):
+    def flickers(self, real=Frame.image):
+        self.shown = getattr(self, "shown", 0) + 1
+        return real(self) + np.float32(1e-6 * (self.shown % 3))
+
+    monkeypatch.setattr(Frame, "image", flickers)
+    measure = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=7, repeat_images=5)
+    rows, _ = run([cell(measure=measure), cell("kb", k=4, measure=measure)])
+    assert rows["ab-array", None]["values"]["distinct_images"] == rows["kb", 4]["values"]["distinct_images"] == 3
+    assert (rows["ab-array", None]["status"], rows["kb", 4]["status"]) == ("wrong", "ok")
+    assert rows["ab-array", None]["reason"] == "3 different images of one scene"
 
 
 # --- interruptions -------------------------------------------------------------------------------

@@ -93,7 +93,10 @@ class Scene(_Plain):
 
 @dataclass(frozen=True, kw_only=True)
 class Measure(_Plain):
-    """When a measurement is enough, and what it may take."""
+    """When a measurement is enough, and what it may take.
+
+    repeat_images: untimed frames whose distinct images are counted; with 1 none are.
+    """
 
     __pydantic_config__: ClassVar[dict] = STRICT
 
@@ -101,6 +104,7 @@ class Measure(_Plain):
     min_samples: Samples = 10
     max_samples: Samples = 1000
     time_limit_s: Annotated[float, Interval(gt=0, le=86400), Allowed("seconds above 0, up to 86400")] = 10.0
+    repeat_images: Samples = 1
     memory_budget_mb: Annotated[float, Interval(gt=0, le=2**24), Allowed("MiB above 0, up to 16777216")] = 3072.0
 
 

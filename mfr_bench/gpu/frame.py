@@ -97,7 +97,8 @@ class Frame:
         self._textures = {t.name: [self._texture(t) for _ in range(t.copies)] for t in variant.targets}
         self._buffers: dict[str, list] = {}
         self._allocate()
-        self._passes = {id(step): PassRunner(self, step) for step in variant.passes if variant.runs(step, sizes)}
+        self._passes = {id(step): PassRunner(self, step) for step in variant.passes
+                        if variant.runs(step, sizes) and not step.probes}
         self._write_uniforms()
         device.check(f"{variant.method.id}: allocation")
 
@@ -236,24 +237,23 @@ class Frame:
         self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
         return np.frombuffer(self._buffers[name][0].read(), dtype=np.uint32)
 
-    def stored_fragments(self) -> int | None:
-        """Fragments that took room in the last frame, where a growing buffer counts them."""
-        grown = self.variant.method.capacity
-        return int(self.words(grown.counter)[0]) if isinstance(grown, Grown) else None
-
     def lost_fragments(self) -> int:
         """Fragments that found no room or never got the lock, since the last call."""
         return self._diagnostic("lost_fragments")
 
-    def discarded_share(self) -> float | None:
-        """Share of the fragments that early z discards before the store; draws a frame. None for methods without."""
-        if not any(step.probes for step in self.variant.passes) or not self.sizes.F:
-            return None
-        self._diagnostic("arrived_fragments")
+    def probe(self) -> dict[str, int]:
+        """Fragments by each counter that the variant's probing passes fill; draws a frame, if there are any."""
+        probing = {id(step): step for step in self.variant.passes if step.probes}
+        counters = {step.probes for step in probing.values()}
+        if not counters:
+            return {}
+        for name in counters:
+            self._diagnostic(name)
         passes, self._probing = self.geometry_passes, True
+        self._passes |= {i: PassRunner(self, step) for i, step in probing.items() if i not in self._passes}
         self.draw()
         self.geometry_passes, self._probing = passes, False
-        return 1 - self._diagnostic("arrived_fragments") / self.sizes.F
+        return {name: self._diagnostic(name) for name in counters}
 
     def _diagnostic(self, name: str) -> int:
         """A counter's value, which starts anew."""

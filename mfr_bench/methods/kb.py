@@ -42,7 +42,7 @@ METHODS = [
         steps=(
             clear("nodes"),
             Pass("store", "geometry", "methods/kb/store.frag", writes=("nodes",)),
-            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl"),
+            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", hazards=True),
         ),
     ),
     Method(
@@ -64,7 +64,7 @@ METHODS = [
                 Pass("tidy", "fullscreen", "methods/kb/tidy.frag", reads=("layer", "layer_depth"), writes=("nodes",),
                      defines={"LOCAL": "k + 1"}),
             ), times="min(passes, k)"),
-            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl"),
+            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", hazards=True),
         ),
     ),
     Method(
@@ -76,7 +76,7 @@ METHODS = [
                 "front to back",
         params=(K32, MULTISAMPLING, *RESOLVE_OPTIONS), local="k",
         targets=routed_targets(SAMPLES),
-        steps=(*route(SAMPLES), resolve("depths", "colours", fetch="methods/routing/fetch.glsl")),
+        steps=(*route(SAMPLES), resolve("depths", "colours", fetch="methods/routing/fetch.glsl", hazards=True)),
     ),
     Method(
         id="kb-mha", name="KB-MHA (reconstruction)", family="kb",
@@ -91,7 +91,7 @@ METHODS = [
         steps=(
             clear("depths"),
             Pass("store", "geometry", "methods/kb/store_coded.frag", writes=("depths", "colours")),
-            resolve("depths", "colours", fetch="methods/kb/fetch_coded.glsl"),
+            resolve("depths", "colours", fetch="methods/kb/fetch_coded.glsl", hazards=True),
         ),
     ),
 ]

@@ -29,7 +29,7 @@ METHODS = [
             Pass("clear", "fullscreen", "methods/ll/clear.frag", writes=("cell_counter", "next", "cells")),
             Pass("store", "geometry", "methods/ll/store.frag", writes=("cell_counter", "next", "cells"),
                  defines={"ALLOCATION_PAGED": 0}),
-            resolve_sorted("next", "cells", fetch="methods/ll/fetch.glsl"),
+            resolve_sorted("next", "cells", fetch="methods/ll/fetch.glsl", hazards=True),
         ),
     ),
 ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from .spec import (
@@ -99,19 +100,35 @@ def count() -> Pass:
     return Pass("count", "geometry", "common/count.frag", writes=("counter",), counts=True)
 
 
-def resolve(*reads: str, select: bool = False, defines: Mapping[str, Any] | None = None, **more) -> Pass:
+ARRIVED, HELD = "arrived_fragments", "held_fragments"  # what `Pass.probes` may count
+
+
+def held(step: Pass, hazards: bool, room: str = "keep") -> Pass:
+    """The pass that counts what the resolve `step` finds of the fragments, at most `room` of a list.
+
+    With `hazards` it asks for each generated fragment whether its pixel holds it, which tells what is doubled or torn.
+    """
+    kind, shader = ("geometry", "common/found.frag") if hazards else ("fullscreen", "common/held.frag")
+    return replace(step, kind=kind, shader=shader, resolver=None, into=(), state=State(), probes=HELD, expand=None,
+                   defines={**step.defines, "HOLDS": room})
+
+
+def resolve(*reads: str, select: bool = False, hazards: bool = False, defines: Mapping[str, Any] | None = None,
+            **more) -> Pass:
     """Pass that sorts and composites what its `fetch` reads; with `select` only the k nearest.
 
-    Its parameters are RESOLVE_OPTIONS.
+    Its parameters are RESOLVE_OPTIONS. `hazards`: as for `held`.
     """
     return Pass("resolve", "fullscreen", "common/resolve.frag", reads=reads, into=(IMAGE,),
-                defines={"SELECT": int(select), "LISTS": 1, **(defines or {})}, expand=_resolve_passes, **more)
+                defines={"SELECT": int(select), "LISTS": 1, **(defines or {})},
+                expand=partial(_resolve_passes, hazards=hazards), **more)
 
 
-def resolve_sorted(*reads: str, **more) -> Pass:
+def resolve_sorted(*reads: str, hazards: bool = False, **more) -> Pass:
     """Pass that composites fragments which its `fetch` already reads nearest first. Its parameter is STAGE."""
     return Pass("resolve", "fullscreen", "common/resolve.frag", reads=reads, into=(IMAGE,),
-                resolver="common/resolve_sorted.glsl", defines={"LISTS": 1}, expand=_staged, **more)
+                resolver="common/resolve_sorted.glsl", defines={"LISTS": 1},
+                expand=lambda step, scope: (held(step, hazards), *_staged(step, scope)), **more)
 
 
 KTH_DEPTH = Target("kth_depth", "depth32f")
@@ -132,7 +149,7 @@ def occupied(store: Pass, *further: Pass) -> tuple[Pass, ...]:
         Pass("occupancy", "geometry", "common/occupancy/mark.frag", reads=("bounds",), writes=("occupied",), when=on),
         Pass("occupancy", "fullscreen", "common/occupancy/cull.frag", reads=("bounds", "occupied"),
              into=(KTH_DEPTH.name,), state=State(depth_test="always"), when=on),
-        _before_kth(Pass("occupancy", "geometry", "common/occupancy/arrive.frag", probes=True, when=on)),
+        _before_kth(Pass("occupancy", "geometry", "common/occupancy/arrive.frag", probes=ARRIVED, when=on)),
         *(replace(p, expand=_culled) for p in (store, *further)),
     )
 
@@ -159,15 +176,16 @@ CLASS_BOUNDS = tuple(8 << i for i in range(8))
 PIXEL_CLASS = Target("pixel_class", "depth32f")  # class / 16 as depth; 1 for an empty pixel
 
 
-def _resolve_passes(step: Pass, scope: Params) -> tuple[Pass, ...]:
+def _resolve_passes(step: Pass, scope: Params, hazards: bool) -> tuple[Pass, ...]:
     sort = scope.get("sort", SORT.default)
-    step = replace(step, resolver=RESOLVERS.get(str(sort), RESOLVER))
     length = str(scope.get("local_array") or ("keep" if sort != "lplus" else f"min({LPLUS}, keep)"))
+    counting = held(step, hazards, "keep" if sort == "lplus" else f"min(keep, {length})")
+    step = replace(step, resolver=RESOLVERS.get(str(sort), RESOLVER))
     if sort == "register":
         length = f"ceil({length}/{_network(length)})*{_network(length)}"
     if scope.get("bma") != "on":
-        return _staged(_with_local(step, length), scope)
-    return (_classify(step, length), *(p for i in range(len(CLASS_BOUNDS))
+        return (counting, *_staged(_with_local(step, length), scope))
+    return (counting, _classify(step, length), *(p for i in range(len(CLASS_BOUNDS))
                                        for p in _staged(_of_class(step, i, length), scope)))
 
 

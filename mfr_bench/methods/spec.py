@@ -311,7 +311,7 @@ class Pass:
     vertex: str | None = None  # another vertex shader than the kind's own
     when: When | None = None
     needed: str | None = None  # a formula; the pass is left out where it gives 0
-    probes: bool = False  # counts fragments that arrive, and runs only where that is asked for
+    probes: str | None = None  # the counter outside the method's memory that it fills; runs where that is asked for
     expand: Callable[[Pass, Params], tuple[Pass, ...]] | None = None
     targets: tuple[Target, ...] = ()
     buffers: tuple[Buffer, ...] = ()

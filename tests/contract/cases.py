@@ -85,7 +85,7 @@ def oracle(config: SceneConfig, promise: Promise) -> np.ndarray:
 class Drawn:
     """Frames of a variant: the last image, the number of distinct ones, losses, memory declared and allocated."""
 
-    def __init__(self, device, variant: Variant, config: SceneConfig, frames: int = 1):
+    def __init__(self, device, variant: Variant, config: SceneConfig, frames: int = 1, probing: bool = False):
         made = scene(config)
         sizes = sizes_of(made)
         quads, canvas = SceneBuffer(device, made), Canvas(device, (sizes.W, sizes.H))
@@ -97,6 +97,9 @@ class Drawn:
             digests.add(self.image.tobytes())
         self.distinct_images = len(digests)
         self.lost = frame.lost_fragments()
+        self.passes, self.kept = frame.geometry_passes, variant.kept(sizes)
+        self.probed = frame.probe() if probing else {}
+        self.passes_probing, self.image_probing = frame.geometry_passes, frame.image()
         self.allocated, self.declared = frame.memory_bytes, variant.memory_bytes(sizes)
         self.error = float(np.abs(self.image - oracle(config, variant.promise(sizes))).max())
         for thing in (frame, canvas, quads):

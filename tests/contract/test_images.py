@@ -68,3 +68,16 @@ def test_every_frame_gives_the_same_image(device, method, record_property):
     if variant.guarantee.startswith("exact"):
         assert drawn.distinct_images == 1
         assert drawn.lost == 0
+
+
+@METHODS
+def test_what_is_held_is_counted(device, method):
+    """A probing frame finds as many fragments as are promised, and leaves the image and the passes as they are."""
+    variant = with_k(method.variant({}), 4)
+    skip_unless_it_runs(device, variant)
+    for name in ALIKE:
+        drawn = Drawn(device, variant, SCENES[name], probing=True)
+        assert drawn.probed.get("held_fragments", drawn.kept) == drawn.kept, name
+        assert ("held_fragments" in drawn.probed) == (method.id not in ("floor", "zbuffer"))
+        assert drawn.passes_probing == drawn.passes
+        assert np.array_equal(drawn.image_probing, drawn.image)

@@ -108,7 +108,7 @@ def test_early_culling_errs_by_a_twentieth_at_most(device, method, params):
     with drawn(device, method, scene, early_culling="on", **params) as frame:
         assert frame.lost_fragments() == 0
         assert np.abs(frame.image() - composite(scene)).max() <= 0.05 + 1e-4
-        assert 0 < frame.stored_fragments() < 0.6 * sizes_of(scene).F
+        assert 0 < frame.probe()["held_fragments"] < 0.6 * sizes_of(scene).F
 
 
 @pytest.mark.parametrize(("method", "params"), [*SORTED, ("open-pre", {"atomic64": "emulated"})])
@@ -116,7 +116,7 @@ def test_early_culling_keeps_what_nothing_hides(device, method, params):
     scene = generate(SceneConfig(size=(33, 21), depth_complexity=12, alpha=(0.2, 0.2)))
     with drawn(device, method, scene, early_culling="on", **params) as frame:
         assert_exact(frame, scene)
-        assert frame.stored_fragments() == sizes_of(scene).F
+        assert frame.probe()["held_fragments"] == sizes_of(scene).F
 
 
 @pytest.mark.parametrize("method", ["lin-pre", "open-pre"])
