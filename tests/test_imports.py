@@ -24,7 +24,6 @@ LAYERS = (
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "prediction", "methods", "config", "plan", "scene", "oracle",
               "quality", "glsl", "store", "reference", "report", "claims")
 GL_PACKAGES = {"moderngl", "glcontext", "OpenGL"}
-PALETTE = "report.style"  # colours that the papers' methods keep in every figure; others get theirs from their id
 SPEAKING = ("methods", "claims", "cli")  # what a paper claims is about its methods; for the commands see below
 HEAVY = {"numpy", "pandas", "matplotlib", "moderngl", "glcontext", "pydantic", "yaml", "rich"}
 
@@ -93,7 +92,7 @@ def test_what_needs_no_gl_reaches_none(name):
     assert not {m for m in reached(name) if m.partition(".")[0] in ("gpu", "measure", "runner")}
 
 
-@pytest.mark.parametrize("name", [n for n in MODULES if n and n != PALETTE and n.partition(".")[0] not in SPEAKING])
+@pytest.mark.parametrize("name", [n for n in MODULES if n and n.partition(".")[0] not in SPEAKING])
 def test_the_harness_knows_no_method_but_the_floor(name):
     ids = set(catalog()) - {"floor"}
     strings = {node.value for node in ast.walk(source(name))

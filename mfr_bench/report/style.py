@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import colorsys
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from functools import cache
 
 WIDTH_IN = 7.2  # the text width of a two-column paper
 NARROW_IN = 3.5  # one of its columns
@@ -30,21 +31,13 @@ PASS_COLOURS = {  # the same step of a frame has one colour in every figure; leg
 SPARE_PASS_COLOURS = (SKY, GREEN, PURPLE, VERMILION, YELLOW)  # for passes without a fixed colour
 WHOLE_FRAME = "#c4c8cc"  # a frame whose passes were not timed
 
-# A method has one colour in every figure. Related methods have related hues: k+-buffers green, k-buffers blue to
-# violet, A-buffers orange to red, peeling pink. A method that is not named here gets a colour from its id.
-METHOD_COLOURS = {
-    "floor": "#202124", "zbuffer": "#80868b",
-    "peel-f2b": "#c2187a", "peel-dual": "#f08cb4", "peel-bucket": "#7b1045", "peel-srab": "#e0529c",
-    "peel-kplus": "#a86fb0",
-    "ab-array": "#d55e00", "ab-ll": "#e69f00", "ab-ll-paged": "#f0c27a", "ab-ll-bucket": "#8c4a00", "ab-sb": "#b3261e",
-    "ab-lbuffer": "#f0806a", "ab-precalc": "#6d1f0f", "ab-precalc-fixed": "#ff6f43", "ab-dfb": "#c49a6c",
-    "lin-post": "#6b6b00", "lin-pre": "#c9b400", "open-post": "#4e342e", "open-pre": "#a1887f",
-    "kb": "#08306b", "kb-multi": "#6baed6", "kb-sr": "#3f7fbf", "kb-ps": "#0072b2", "kb-mdt32": "#7b5cd6",
-    "kb-mdt64": "#b39ddb", "kb-mha": "#4a148c", "kb-ab-array": "#56b4e9", "kb-ab-ll": "#1e3a8a",
-    "kb-ab-sb": "#8fa8e8", "kb-ll": "#00a3c4",
-    "kplus-array": "#00734f", "kplus-array-r": "#66a61e", "kplus-heap": "#14b8a6", "kplus-sb": "#a8c700",
-    "kplus-sb-dynamic": "#3f5f00", "kplus-generic": "#7fd6b0",
-}
+# A method has one colour in every figure: its family's, by the order of families in the catalog, in the shade of its
+# place among them. Found by a search for the largest least difference in CIE Lab among methods that figures of the
+# papers show together, for normal sight and without red or green cones.
+FAMILY_COLOURS = ("#5f6368", "#146f29", "#c3826b", "#b50f7f", "#aaaf34", "#caca98", "#bc9089", "#9a56de", "#0618f7",
+                  "#f1b57e", "#d03b7a", "#170a86", "#749156")
+SHADES = ((0.0, 1.0), (-0.073, 0.42), (-0.106, 1.5), (0.102, 1.72), (-0.145, 1.78), (-0.037, 1.03), (-0.145, 0.65),
+          (0.146, 0.98))  # of hue (turns) and of lightness (factor)
 
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "*", "d", "8", "H")
 LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1)), (0, (5, 1, 1.2, 1)), (0, (3, 1, 1, 1, 1, 1)))
@@ -88,10 +81,40 @@ def lighter(colour: str) -> str:
     return "#" + "".join(f"{round(c + 0.45 * (255 - c)):02x}" for c in channels)
 
 
+@cache
+def method_colours() -> dict[str, str]:
+    """The colour of every method of the catalog by id."""
+    from ..methods import catalog
+
+    families: dict[str, list[str]] = {}
+    for method in catalog().values():
+        families.setdefault(method.family, []).append(method.id)
+    return {method: _shade(colour, place) for colour, members in zip(_family_colours(families), families.values(),
+                                                                     strict=True)
+            for place, method in enumerate(members)}
+
+
+def _family_colours(families: Iterable[str]) -> Iterator[str]:
+    """The families' colours in their order; beyond the listed ones a colour from the name."""
+    for i, family in enumerate(families):
+        yield FAMILY_COLOURS[i] if i < len(FAMILY_COLOURS) else _colour_of_name(family)
+
+
+def _shade(colour: str, place: int) -> str:
+    turn, factor = SHADES[place % len(SHADES)]
+    hue, lightness, saturation = colorsys.rgb_to_hls(*(int(colour[i:i + 2], 16) / 255 for i in (1, 3, 5)))
+    return _hex(hue + turn + 0.02 * (place // len(SHADES)), min(0.8, lightness * factor), saturation)
+
+
+def _hex(hue: float, lightness: float, saturation: float) -> str:
+    return "#" + "".join(f"{round(255 * c):02x}" for c in colorsys.hls_to_rgb(hue % 1, lightness, saturation))
+
+
+def _colour_of_name(name: str) -> str:
+    digest = zlib.crc32(name.encode())
+    return _hex(digest % 360 / 360, (0.35, 0.5, 0.62)[digest // 360 % 3], 0.7)
+
+
 def method_colour(method: str) -> str:
-    """The colour of a method id: its own, or one that the id alone determines."""
-    if method in METHOD_COLOURS:
-        return METHOD_COLOURS[method]
-    digest = zlib.crc32(method.encode())
-    red, green, blue = colorsys.hls_to_rgb(digest % 360 / 360, (0.35, 0.5, 0.62)[digest // 360 % 3], 0.7)
-    return f"#{round(255 * red):02x}{round(255 * green):02x}{round(255 * blue):02x}"
+    """The colour of a method id; one that the id alone determines where the catalog does not have it."""
+    return method_colours().get(method) or _colour_of_name(method)
