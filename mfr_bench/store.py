@@ -2,6 +2,7 @@
 
     DIR/manifest.json       what was run, where, in which order
     DIR/cells/<key>.json    one measured cell, raw samples included; written whole, renamed into place
+    DIR/cells/<key>.npz     arrays that it keeps, where its config asks for them
     DIR/results.csv         a row per cell           } derived, and may be deleted
     DIR/passes.csv          a row per cell and pass  }
 
@@ -117,6 +118,7 @@ REQUIRED: Mapping[str, type | tuple[type, ...]] = {
     "point": dict, "status": str, "values": dict,
 }
 TYPES: Mapping[str, tuple[type, ...]] = {"str": (str,), "int": (int,), "float": (int, float), "bool": (bool,)}
+ARRAY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.npz")
 KEY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.json")
 
 
@@ -265,6 +267,10 @@ class ResultFolder:
     def cells_path(self) -> Path:
         return self.path / "cells"
 
+    def arrays_path(self, key: str) -> Path:
+        """Where a cell keeps arrays, if it does."""
+        return self.cells_path / f"{key}.npz"
+
     @property
     def damaged(self) -> list[str]:
         """One line for each file met so far that could not be used, and what became of it."""
@@ -295,11 +301,11 @@ class ResultFolder:
         except FileNotFoundError:
             return None
         except OSError as error:
-            return self._skip(path, f"cannot be read: {error.strerror}")
+            return self.skip(path, f"cannot be read: {error.strerror}")
         except ValueError as error:
             return self._set_aside(path, f"not JSON: {error}")
         if isinstance(cell, dict) and cell.get("schema") != SCHEMA:
-            return self._skip(path, f"has schema {cell.get('schema')!r}, this program reads {SCHEMA}")
+            return self.skip(path, f"has schema {cell.get('schema')!r}, this program reads {SCHEMA}")
         wrong = fault(cell)
         if wrong is None and cell["key"] != key:
             wrong = f"is the record of {cell['key']}"
@@ -317,8 +323,8 @@ class ResultFolder:
         for name in names:
             if KEY_FILE.fullmatch(name):
                 found.append(name.removesuffix(".json"))
-            elif not name.endswith(".damaged"):
-                self._skip(self.cells_path / name, "not named as a cell file")
+            elif not name.endswith(".damaged") and not ARRAY_FILE.fullmatch(name):
+                self.skip(self.cells_path / name, "not named as a cell file")
         planned = {k: i for i, k in enumerate(map(str, self.manifest().get("cells", [])))}
         found.sort(key=lambda k: (planned.get(k, len(planned)), k))
         return [cell for cell in map(self.cell, found) if cell is not None]
@@ -337,15 +343,16 @@ class ResultFolder:
         except FileNotFoundError:
             return {}
         except (OSError, ValueError) as error:
-            self._skip(path, f"cannot be read: {error}")
+            self.skip(path, f"cannot be read: {error}")
             return {}
         if not (isinstance(manifest, dict) and manifest.get("schema") == SCHEMA
                 and isinstance(manifest.get("cells", []), list)):
-            self._skip(path, f"not a manifest of schema {SCHEMA}")
+            self.skip(path, f"not a manifest of schema {SCHEMA}")
             return {}
         return manifest
 
-    def _skip(self, path: Path, why: str) -> None:
+    def skip(self, path: Path, why: str) -> None:
+        """Name a file that is left in place and not used."""
         self._damaged[path] = f"{path}: {why}; left in place, not used"
 
     def _set_aside(self, path: Path, why: str) -> None:
@@ -354,7 +361,7 @@ class ResultFolder:
             os.replace(path, aside)
             self._damaged[path] = f"{path}: {why}; set aside as {aside.name}"
         except OSError:
-            self._skip(path, why)
+            self.skip(path, why)
 
 
 def find_results(paths: Iterable[str | os.PathLike[str]]) -> list[Path]:

@@ -10,10 +10,10 @@ from typing import Any
 from ..errors import nearest
 from ..methods.spec import Method, Value
 from .axes import K, R, measure_at, point_count, points, scene_at
-from .columns import IDENTITY, MEASURED, PER_PASS
+from .columns import IDENTITY, MEASURED, MEASURED_BY_KIND
 from .layers import AXES
 from .layout import quad_count
-from .model import MAX_QUADS, Experiment, Measure, MethodEntry, Scene
+from .model import KEPT, MAX_QUADS, Experiment, Measure, MethodEntry, Scene
 from .schema import ConfigFile, allowed, parse
 from .source import Document, Path, Problem, dotted, shown
 
@@ -60,7 +60,7 @@ class _Checker:
         first = next(points(self.axes["sweep"], self.axes["zip"]))
         return Experiment(
             config.name, config.title or config.name,
-            {key: text for key in ("paper", "figure") if (text := getattr(config.source, key))},
+            {key: told for key, told in config.source.as_dict().items() if told},
             scene_at(scene, self.params, first) if self._has("r") else scene, self.params, tuple(self.entries),
             self.axes["sweep"], self.axes["zip"], measure, config.figures, path)
 
@@ -217,11 +217,16 @@ class _Checker:
     def _figure(self, path: Path, figure: dict[str, Any]) -> None:
         axes = [key for section in AXES for key in self.document.mapping(section)]
         along = dict.fromkeys((*axes, *self._known(), *IDENTITY, *MEASURED))
-        measured = PER_PASS if figure.get("kind") == "stacked_passes" else MEASURED
-        for key, names in (("x", along), ("y", measured), ("panels", along)):
+        measured = MEASURED_BY_KIND.get(str(figure.get("kind")), MEASURED)
+        for key, names in (("x", along), ("y", measured), ("panels", along), ("gain_of", self._known())):
             if isinstance(figure.get(key), str) and figure[key] not in names:
                 self.problem((*path, key), f"unknown column {shown(figure[key])}; allowed: {', '.join(names)}"
                                            f"{nearest(figure[key], names)}")
+        kept = self.document.mapping("measure").get("keep") or ()
+        needed = figure.get("y") if figure.get("kind") == "maps" else figure.get("kind")
+        if needed in KEPT and needed not in kept:
+            self.problem((*path, "kind"), f"draws the array {needed}, which no cell keeps; allowed: with {needed} in "
+                                          "measure.keep")
         labels = [entry.label for entry in self.entries if entry]
         picked = figure.get("methods")
         for j, label in enumerate(picked if isinstance(picked, list) and None not in self.entries else []):

@@ -1,5 +1,7 @@
 """The names that a figure may draw: columns of results.csv, what follows from them, and for stacked bars passes.csv."""
 
+from .model import KEPT
+
 IDENTITY = ("experiment", "method", "label", "status", "width", "height", "pixel_density", "depth_complexity", "k",
             "fragment_probability", "order", "seed")
 MEASURED = ("fragments", "covered_pixels", "max_fragments", "samples", "time_ms", "time_ms_low", "time_ms_high",
@@ -9,3 +11,4 @@ MEASURED = ("fragments", "covered_pixels", "max_fragments", "samples", "time_ms"
             # derived when a figure is drawn: report.data.MEASURES
             "fps", "floor_ratio", "memory_mib", "memory_model_mib", "ms_per_mib", "fps_per_mib", "words_per_pixel")
 PER_PASS = ("time_ms", "share")
+MEASURED_BY_KIND = {"stacked_passes": PER_PASS, "maps": KEPT, "histogram": ("time_ms", "pixels")}  # others: MEASURED

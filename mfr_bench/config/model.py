@@ -51,6 +51,8 @@ Alpha = Annotated[tuple[Share, Share], Predicate(lambda pair: pair[0] <= pair[1]
                   OneOrTwo("a number above 0, up to 1, or two such numbers, the lower first")]
 Samples = Annotated[int, Interval(ge=1, le=1_000_000), Allowed("a whole number from 1 to 1000000")]
 
+KEPT = ("image", "error", "loss", "fragments", "discarded", "histogram")  # arrays, see `arrays`
+
 STRICT = {"extra": "forbid", "allow_inf_nan": False}  # pydantic's settings for a class below
 
 
@@ -95,7 +97,8 @@ class Scene(_Plain):
 class Measure(_Plain):
     """When a measurement is enough, and what it may take.
 
-    repeat_images: untimed frames whose distinct images are counted; with 1 none are.
+    repeat_images: untimed frames whose distinct images are counted; with 1 none are. keep: arrays of a cell to be kept
+    beside its numbers.
     """
 
     __pydantic_config__: ClassVar[dict] = STRICT
@@ -106,15 +109,21 @@ class Measure(_Plain):
     time_limit_s: Annotated[float, Interval(gt=0, le=86400), Allowed("seconds above 0, up to 86400")] = 10.0
     repeat_images: Samples = 1
     memory_budget_mb: Annotated[float, Interval(gt=0, le=2**24), Allowed("MiB above 0, up to 16777216")] = 3072.0
+    keep: Annotated[tuple[Literal[KEPT], ...], Allowed(f"a list of {', '.join(KEPT)}")] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
 class Figure(_Plain):
-    """One figure: x and y are columns of results.csv, parameters or axes; `methods` picks labels, empty means all."""
+    """One figure: x and y are columns of results.csv, parameters or axes; `methods` picks labels, empty means all.
+
+    A kind `maps` draws the kept array y of each cell, `histogram` the fragments per pixel. `passes`: the time of the
+    first of these passes that a method has. `gain_of`: what this parameter gains over its first value. `fit`: a
+    polynomial through each line. `printed`: the paper's numbers of this quantity as marks.
+    """
 
     __pydantic_config__: ClassVar[dict] = STRICT
 
-    kind: Literal["stacked_passes", "lines", "bars"]
+    kind: Literal["stacked_passes", "lines", "bars", "maps", "histogram"]
     x: Text
     y: Text = "time_ms"
     log: Literal["x", "y", "xy"] | None = None
@@ -125,16 +134,21 @@ class Figure(_Plain):
     panels: Text | None = None
     methods: Annotated[tuple[Text, ...], Allowed("a list of labels of methods")] = ()
     floor: bool = False
+    passes: Annotated[tuple[Text, ...], Allowed("a list of names of passes")] = ()
+    gain_of: Text | None = None
+    fit: Literal["linear", "quadratic"] | None = None
+    printed: Text | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Source:
-    """Where an experiment comes from."""
+class Source(_Plain):
+    """Where an experiment comes from, and which quantities of results/reference belong beside it."""
 
     __pydantic_config__: ClassVar[dict] = STRICT
 
     paper: Text | None = None
     figure: Text | None = None
+    prints: Annotated[tuple[Text, ...], Allowed("a list of quantities of results/reference")] = ()
 
 
 @dataclass(frozen=True)
@@ -148,11 +162,11 @@ class MethodEntry:
 
 @dataclass(frozen=True)
 class Experiment:
-    """A checked config. `sweep` and `zip` hold the values of each axis by key; `source` has paper and figure."""
+    """A checked config. `sweep` and `zip` hold the values of each axis by key; `source` what it says of Source."""
 
     name: str
     title: str
-    source: Mapping[str, str]
+    source: Mapping[str, Any]
     scene: Scene
     params: Mapping[str, Value]
     methods: tuple[MethodEntry, ...]

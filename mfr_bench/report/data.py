@@ -15,6 +15,7 @@ from ..store import COLUMNS, FLOOR, Cell, Floors, ResultFolder, Row, device_name
 
 EXACT_ERROR = 1e-4  # an image within it counts as exact: rounding of float32 payload math, n <= 1024
 MIB = 2**20
+NOTHING: Interval = (None, None, None)
 
 ALIASES = {"n": "depth_complexity", "p_d": "pixel_density", "f_p": "fragment_probability"}
 SHORT = {"depth_complexity": "n", "pixel_density": "p_d", "fragment_probability": "f_p"}  # in headings
@@ -87,6 +88,10 @@ class Point:
         """Interval of each timed pass, in the order of the frame."""
         timed = self.cell.get("passes") or {}
         return {name: median_interval(samples) for name, samples in timed.items() if samples}
+
+    def pass_ms(self, names: Iterable[str]) -> Interval:
+        """Interval of the first of these passes that the method has."""
+        return next((self.passes_ms[name] for name in names if name in self.passes_ms), NOTHING)
 
     def measure(self, name: str) -> Interval:
         """A measure (see MEASURES) between the ends of its interval, which are None where it has none."""

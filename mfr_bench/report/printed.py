@@ -1,0 +1,157 @@
+"""The papers' printed numbers beside the measured ones.
+
+A config names the quantities of results/reference that belong beside it in `source.prints`. What a quantity is here is
+a measure of a cell; a quantity without one (a speed-up, a peak) is a claim's, and is only quoted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ..reference import Printed, find
+from ..stats import Interval
+from .data import Point, Result, number
+
+Here = Callable[[Point], Interval]
+
+
+def _column(name: str, factor: float = 1.0) -> Here:
+    def measured(point: Point) -> Interval:
+        value = point.row[name]
+        return None, None if value is None else factor * value, None
+    return measured
+
+
+def _measure(name: str) -> Here:
+    return lambda point: point.measure(name)
+
+
+def _pass(*names: str) -> Here:
+    return lambda point: point.pass_ms(names)
+
+
+def _mean_depth(point: Point) -> Interval:
+    fragments, pixels = point.row["fragments"], point.row["covered_pixels"]
+    return None, fragments / pixels if fragments is not None and pixels else None, None
+
+
+HERE: Mapping[str, Here] = {
+    "memory": _measure("memory_mib"), "words_per_pixel": _measure("words_per_pixel"), "frame_rate": _measure("fps"),
+    "geometry_passes": _column("geometry_passes"), "k_chosen": _column("chosen_k"),
+    "referencing_time": _pass("referencing", "scan", "store"), "render_time": _pass("render"),
+    "discarded_share": _column("discarded_share", 100.0), "fragments": _column("fragments"),
+    "mean_depth_complexity": _mean_depth, "depth_complexity": _column("max_fragments"),
+}
+BY_PIXELS = ("memory", "fragments")  # grow with the viewport's pixels
+BOUNDS = {"about": "about ", "from": "from ", "to": "to ", "up to": "up to ", "above": "above ", "below": "below "}
+UNITS = {"fragments": "", "times": "×", "32-bit words": "words", "frames per second": "fps"}
+
+
+def rows(result: Result) -> list[Printed]:
+    """The printed numbers that the result's config asks for, in the order of the reference files."""
+    source = result.manifest.get("source") or {}
+    quantities = source.get("prints") or []
+    return [row for quantity in quantities if isinstance(quantity, str)
+            for row in _of_quantity(source.get("paper"), source.get("figure"), quantity)]
+
+
+def _of_quantity(paper: str | None, figure: str | None, quantity: str) -> list[Printed]:
+    """The rows of the figure itself; where the paper prints the quantity for no figure, those of the text."""
+    found = find(paper=paper, quantity=quantity)
+    own = [row for row in found if figure in (row.figure, f"§{row.section}")]
+    return own or [row for row in found if row.figure is None]
+
+
+@dataclass(frozen=True)
+class Match:
+    """A cell that a printed number is about, and the scale between the paper's viewport and this one."""
+
+    point: Point
+    scale: int | None  # the paper's width / this one's; None where the viewports cannot be compared
+
+    def printed_here(self, row: Printed) -> float | None:
+        """The printed value as a mark in a figure of these cells; None where it is for another viewport."""
+        if row.value is None or self.scale is None:
+            return None
+        return row.value / self.scale**2 if row.quantity in BY_PIXELS else row.value if self.scale == 1 else None
+
+
+def matches(row: Printed, points: Iterable[Point]) -> list[Match]:
+    """The cells that a number is about: its method, its k and density, its viewport or that divided by a number."""
+    if row.quantity not in HERE:
+        return []
+    return [Match(p, _scale(row, p)) for p in points
+            if (row.method is None or p.method == row.method) and _alike(row, p) and _scale(row, p) != 0]
+
+
+def _alike(row: Printed, point: Point) -> bool:
+    for wanted, name in ((row.k, "k"), (row.pixel_density, "pixel_density"),
+                         (row.fragment_probability, "fragment_probability")):
+        here = point.at(name)
+        if wanted is not None and here is not None and not isinstance(here, str) and abs(here - wanted) > 1e-6 * wanted:
+            return False
+    return True
+
+
+def _scale(row: Printed, point: Point) -> int:
+    """How many times smaller each side is here: 1 too where none is printed, 0 where it is no whole number."""
+    if row.width is None or row.height is None:
+        return 1
+    width, height = point.row["width"], point.row["height"]
+    times = row.width // width if width else 0
+    return times if (width * times, height * times) == (row.width, row.height) else 0
+
+
+def value_text(row: Printed) -> str:
+    """'up to 3.5 ×', '2*k + 2 words'; what the paper's own formula gives where that differs from the print."""
+    unit = UNITS.get(row.unit or "", row.unit or "")
+    value = row.formula if row.value is None else f"{row.value:.10g}"
+    text = f"{BOUNDS.get(row.bound or '', '')}{value}{f' {unit}' if unit else ''}"
+    return f"{text} (slip: {number(row.recomputed)} follows)" if row.recomputed is not None else text
+
+
+def place_text(row: Printed) -> str:
+    """For what it was printed: '640×480, n 25, k 8, 30 counters'."""
+    parts = [f"{row.width}×{row.height}" if row.width and row.height else None]
+    parts += [f"{short} {value:g}" for short, value in (("p_d", row.pixel_density), ("f_p", row.fragment_probability),
+                                                        ("n", row.n), ("k", row.k)) if value is not None]
+    return ", ".join(part for part in (*parts, row.condition) if part)
+
+
+def here_text(row: Printed, points: Sequence[Point]) -> str:
+    """What was measured of it: one cell's value with its place, or the range of several; empty where nothing was."""
+    found = [(HERE[row.quantity](m.point)[1], m) for m in matches(row, points) if m.point.status == "ok"]
+    found = [(value, m) for value, m in found if value is not None]
+    if not found:
+        return ""
+    low, high = min(v for v, _ in found), max(v for v, _ in found)
+    text = number(low) if number(low) == number(high) else f"{number(low)} to {number(high)}"
+    sizes = {(m.point.row["width"], m.point.row["height"]) for _, m in found}
+    size = "×".join(map(str, sizes.pop())) if len(sizes) == 1 else ""
+    return f"{text} at {size}" if size and row.width and (row.width, row.height) != tuple(
+        map(int, size.split("×"))) else text
+
+
+def notes(result: Result) -> list[str]:
+    """One line of small print: the numbers, by quantity and name, and the devices they were measured on."""
+    groups: dict[tuple[str, str], list[Printed]] = {}
+    for row in rows(result):
+        groups.setdefault((row.quantity, row.device or ""), []).append(row)
+    texts = [f"{quantity.replace('_', ' ')}{f' on {device}' if device else ''}: {'; '.join(_named(members))}"
+             for (quantity, device), members in groups.items()]
+    return [f"The paper prints {'. '.join(texts)}."] if texts else []
+
+
+def _named(members: Sequence[Printed]) -> list[str]:
+    """'PreCalc_Fixed 0.027 ms, 0.05 ms, 0.11 ms (640×480, 1024×768, 1600×1200)'; equal places are told once."""
+    by_name: dict[str, list[Printed]] = {}
+    for row in members:
+        by_name.setdefault(row.name or "", []).append(row)
+    return [" ".join(part for part in (name, ", ".join(_with_condition(row) for row in of_name)) if part)
+            for name, of_name in by_name.items()]
+
+
+def _with_condition(row: Printed) -> str:
+    place = place_text(row)
+    return f"{value_text(row)} ({place})" if place else value_text(row)
