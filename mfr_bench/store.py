@@ -87,7 +87,7 @@ COLUMNS = (
     Column("noisy", "bool", "", "the interval was still wider than asked for when time or samples ran out"),
     Column("stop_reason", "str", "", "why sampling stopped"),
     Column("lost_fragments", "int", "fragments", "fragments that the method counted as dropped"),
-    Column("discarded_share", "float", "", "share of the fragments that early z discards before the store (occupancy)"),
+    Column("discarded_share", "float", "", "share of the fragments discarded before the store (occupancy)"),
     Column("distinct_images", "int", "", "different images among those of measure.repeat_images untimed frames"),
     Column("promised_ratio", "float", "", "fragments that the method promises to keep / generated"),
     Column("geometry_passes", "int", "", "times the geometry was drawn in a frame"),

@@ -178,6 +178,8 @@ class Frame:
             counted = self._counted = self.gl.query_result(self._query)
             if isinstance(self.variant.method.capacity, Counted):
                 self._set_capacity(counted)
+        if step.totals:
+            self._set_capacity(int(self.words(step.totals).sum()))
         if step.decides:
             self._decide()
         if mark:

@@ -15,7 +15,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import MULTISAMPLING, RESOLVE_OPTIONS, STAGE, K, clear, resolve, resolve_sorted, route, routed_targets
+from .shared import (
+    MULTISAMPLING,
+    OCCUPANCY,
+    RESOLVE_OPTIONS,
+    STAGE,
+    K,
+    clear,
+    culled,
+    occupancy_map,
+    occupied,
+    resolve,
+    resolve_sorted,
+    route,
+    routed_targets,
+)
 from .spec import Buffer, Loop, Method, Param, Pass, State, Target
 
 ORDER = 6
@@ -37,11 +51,11 @@ METHODS = [
         summary="k slots per pixel, sorted insertion without exclusion",
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure=f"{HAZARD}; right where a device shades the fragments of a pixel one by one",
-        params=(K16, STAGE), local="k",
+        params=(K16, OCCUPANCY, STAGE), local="k",
         buffers=(NODES,),
         steps=(
             clear("nodes"),
-            Pass("store", "geometry", "methods/kb/store.frag", writes=("nodes",)),
+            *occupied(Pass("store", "geometry", "methods/kb/store.frag", writes=("nodes",))),
             resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", hazards=True),
         ),
     ),
@@ -53,14 +67,16 @@ METHODS = [
         guarantee="approximate", words="2*k", ties="one of them is kept; each pass takes another",
         failure="with fewer passes than k, fragments that hazards lost may still be missing behind the nearest "
                 "`passes`; right with k passes, and wherever a pass finds nothing missing",
-        params=(K16, PASSES, STAGE), local="k",
+        params=(K16, PASSES, OCCUPANCY, STAGE), local="k",
         buffers=(NODES,),
         targets=(Target("layer", "r32ui"), Target("layer_depth", "depth32f")),
         steps=(
             clear("nodes"),
+            *occupancy_map(),
             Loop((
-                Pass("store", "geometry", "methods/kb/repair.frag", writes=("nodes",), into=("layer", "layer_depth"),
-                     clears={"layer": (0,), "layer_depth": (1.0,)}, state=State(depth_test="lequal"), counts=True),
+                culled(Pass("store", "geometry", "methods/kb/repair.frag", writes=("nodes",),
+                            into=("layer", "layer_depth"), clears={"layer": (0,), "layer_depth": (1.0,)},
+                            state=State(depth_test="lequal"), counts=True)),
                 Pass("tidy", "fullscreen", "methods/kb/tidy.frag", reads=("layer", "layer_depth"), writes=("nodes",),
                      defines={"LOCAL": "k + 1"}),
             ), times="min(passes, k)"),
@@ -72,11 +88,16 @@ METHODS = [
         source="Bavoil & Myers 2008; kplus_2015 §2, Table 1",
         summary="stencil routing into the samples of multisample targets: the first k fragments to arrive",
         guarantee="approximate", words="3*k", ties="kept, in no fixed order",
-        failure="keeps the first k fragments to arrive, not the nearest; right where f <= k or the scene is sorted "
+        failure="keeps the first k fragments to arrive, not the nearest (with occupancy, the first of those that are "
+                "not culled); right where f <= k or the scene is sorted "
                 "front to back",
-        params=(K32, MULTISAMPLING, *RESOLVE_OPTIONS), local="k",
+        params=(K32, MULTISAMPLING, OCCUPANCY, *RESOLVE_OPTIONS), local="k",
         targets=routed_targets(SAMPLES),
-        steps=(*route(SAMPLES), resolve("depths", "colours", fetch="methods/routing/fetch.glsl", hazards=True)),
+        steps=(
+            *occupancy_map(),
+            *(culled(p) if p.kind == "geometry" else p for p in route(SAMPLES)),
+            resolve("depths", "colours", fetch="methods/routing/fetch.glsl", hazards=True),
+        ),
     ),
     Method(
         id="kb-mha", name="KB-MHA (reconstruction)", family="kb",
@@ -86,11 +107,11 @@ METHODS = [
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure=f"{HAZARD}, and one torn slot in four passes for whole; right where a device shades the fragments of "
                 "a pixel one by one",
-        params=(K16, *RESOLVE_OPTIONS), local="k",
+        params=(K16, OCCUPANCY, *RESOLVE_OPTIONS), local="k",
         buffers=(Buffer("depths", "k*P", clear="EMPTY", coherent=True), Buffer("colours", "k*P", coherent=True)),
         steps=(
             clear("depths"),
-            Pass("store", "geometry", "methods/kb/store_coded.frag", writes=("depths", "colours")),
+            *occupied(Pass("store", "geometry", "methods/kb/store_coded.frag", writes=("depths", "colours"))),
             resolve("depths", "colours", fetch="methods/kb/fetch_coded.glsl", hazards=True),
         ),
     ),

@@ -13,6 +13,9 @@ Words per pixel, beside Table 1 of kplus_2015:
 - `kplus-sb-dynamic`: the same, and 4 KiB of histogram per frame (§5.2).
 - `peel-kplus` has no row there: 2k + 2, and 3 for the boundary between iterations, a fragment and how often it was
   composited.
+
+`peel-kplus` has no occupancy map: a map of k intervals holds for one iteration, since what lies beyond the k-th depth
+is what the next one is for, and two geometry passes to make it anew cost an iteration twice what they could save.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ Words beside those of kplus_2015, Table 1 (3f + 1):
 - `ab-ll-bucket`: a head per list, and the pixel's depth bounds.
 - `packed: on`, `insert: max64`: 64-bit records for cells and heads, 3f + 2; gpupro5_ch1 has no formula.
 - `atomic64: emulated`: a lock per pixel.
-- `early_culling: on` takes no cell for what it drops, so less may be allocated than for all fragments.
+- `early_culling: on` and `occupancy` take no cell for what they drop, so less may be allocated than for all fragments.
 """
 
 from __future__ import annotations
@@ -17,11 +17,13 @@ from dataclasses import replace
 from .shared import (
     ATOMIC64,
     EARLY_CULLING,
+    OCCUPANCY,
     PAYLOAD,
     RESOLVE_OPTIONS,
     STAGE,
     K,
     clear,
+    occupied,
     resolve,
     resolve_sorted,
     wide_buffers,
@@ -132,9 +134,9 @@ METHODS = [
         source="Yu et al. 2012; kplus_2015 §2, §5",
         summary="unsorted linked lists of all fragments; the resolve picks the k nearest",
         guarantee="exact k nearest", words="3*f + 1", ties="kept, the first in the list wins the last place",
-        params=(K, *RESOLVE_OPTIONS, PAYLOAD), fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN, local="k",
+        params=(K, OCCUPANCY, *RESOLVE_OPTIONS, PAYLOAD), fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN, local="k",
         buffers=(COUNTER, NEXT, CELLS),
-        steps=(clear("cell_counter", "next"), store("methods/list/store.frag", "next", "cells"),
+        steps=(clear("cell_counter", "next"), *occupied(store("methods/list/store.frag", "next", "cells")),
                resolve("next", "cells", select=True, fetch=FETCH)),
     ),
 ]

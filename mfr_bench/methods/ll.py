@@ -6,7 +6,7 @@ from one counter, which takes one word per frame, and double until the frame fit
 
 from __future__ import annotations
 
-from .shared import STAGE, K, resolve_sorted
+from .shared import OCCUPANCY, STAGE, K, occupied, resolve_sorted
 from .spec import Buffer, Grown, Method, Param, Pass
 
 ORDER = 6
@@ -22,13 +22,13 @@ METHODS = [
         guarantee="approximate",
         failure="a fragment whose swap fails `retries` times is lost, and counted; exact where none is",
         words="3*f + 6", ties="kept, in order of arrival; the first to arrive has the k-th place",
-        params=(K, RETRIES, STAGE), local="k", capacity=Grown(start="P", counter="cell_counter"),
+        params=(K, RETRIES, OCCUPANCY, STAGE), local="k", capacity=Grown(start="P", counter="cell_counter"),
         buffers=(Buffer("cell_counter", "1"), Buffer("next", "2*P + capacity", coherent=True),
                  Buffer("cells", "2*(2*P + capacity)", type="uvec2", coherent=True)),
         steps=(
             Pass("clear", "fullscreen", "methods/ll/clear.frag", writes=("cell_counter", "next", "cells")),
-            Pass("store", "geometry", "methods/ll/store.frag", writes=("cell_counter", "next", "cells"),
-                 defines={"ALLOCATION_PAGED": 0}),
+            *occupied(Pass("store", "geometry", "methods/ll/store.frag", writes=("cell_counter", "next", "cells"),
+                           defines={"ALLOCATION_PAGED": 0})),
             resolve_sorted("next", "cells", fetch="methods/ll/fetch.glsl", hazards=True),
         ),
     ),

@@ -5,7 +5,9 @@ Beside the 2f + 2 words of kplus_2015, Table 1, stand the shared counters: one w
 
 from __future__ import annotations
 
-from .shared import PAYLOAD, RESOLVE_OPTIONS, K, clear, count, resolve
+from dataclasses import replace
+
+from .shared import OCCUPANCY, OCCUPIED, PAYLOAD, RESOLVE_OPTIONS, UNOCCUPIED, K, clear, count, occupied, resolve
 from .spec import Buffer, Counted, Method, Param, Pass
 
 ORDER = 4
@@ -34,16 +36,26 @@ def referencing(bounded: bool = False) -> tuple[Pass, ...]:
                  writes=("address", "nodes") if bounded else ("address",), defines=defines))
 
 
-def sbuffer(method_id: str, name: str, source: str, summary: str, finish: Pass = RESOLVE, **more) -> Method:
+PLAIN = (count(), *referencing(), STORE)
+
+
+def occupied_steps() -> tuple[Pass, ...]:
+    """`PLAIN` with OCCUPANCY: count and store see the same fragments, and the groups add up to the capacity."""
+    *occupancy, counting, storing = occupied(count(), STORE)
+    address, offset = referencing()
+    return (*occupancy, counting, replace(address, when=UNOCCUPIED),
+            replace(address, totals="group_total", when=OCCUPIED), offset, storing)
+
+
+def sbuffer(method_id: str, name: str, source: str, summary: str, fill: tuple[Pass, ...] = PLAIN,
+            finish: Pass = RESOLVE, **more) -> Method:
     return Method(
         id=method_id, name=name, family="sbuffer", source=source, summary=summary,
         words="2*f + 2", capacity=Counted(),
         buffers=(COUNTER, ADDRESS, Buffer("group_total", "counters", clear="0u"), NODES),
         steps=(
             clear("counter", "group_total"),
-            count(),
-            *referencing(),
-            STORE,
+            *fill,
             finish,
         ),
         **{"guarantee": "exact all", "ties": "kept, in no fixed order", **more},
@@ -57,7 +69,8 @@ METHODS = [
             "ranges from one shared counter, only for non-empty pixels",
             params=(*RESOLVE_OPTIONS, PAYLOAD), fixed=(COUNTERS.at(1), MAPPING.at("forward"), HASH.at("column"))),
     sbuffer("kb-ab-sb", "KB-AB_SB", "kplus_2015 §2, §5", "S-buffer of all fragments; the resolve picks the k nearest",
-            finish=resolve("counter", "address", "nodes", fetch=FETCH, select=True), guarantee="exact k nearest",
+            fill=occupied_steps(), finish=resolve("counter", "address", "nodes", fetch=FETCH, select=True),
+            guarantee="exact k nearest",
             ties="kept; the first to arrive wins the last place", local="k",
-            params=(K, COUNTERS, MAPPING, HASH, *RESOLVE_OPTIONS, PAYLOAD)),
+            params=(K, COUNTERS, MAPPING, HASH, OCCUPANCY, *RESOLVE_OPTIONS, PAYLOAD)),
 ]

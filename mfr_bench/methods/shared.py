@@ -50,8 +50,9 @@ MULTISAMPLING = Param(
     "multisampling", "on", "while fragments are routed. off, as in the source: a fragment covers all samples, whose "
     "stencils GL lets a device test by one of them; on: it covers those that it covers, right where primitives meet "
     "no pixel but at its edges or in a shared edge", choices=ON_OFF, needs={"off": SAMPLE_STENCIL})
-OCCUPANCY = Param("occupancy", 0, "intervals of the occupancy map by which early z discards fragments beyond the k-th "
-                  "before the store; 0: none", of=(0, 32, 64, 128), low=0, high=128)
+OCCUPANCY = Param("occupancy", 0, "intervals of the occupancy map, by which fragments beyond the k-th are discarded "
+                  "before the store, by early z where the store has no depth or stencil test of its own; 0: none",
+                  of=(0, 32, 64, 128), low=0, high=128)
 
 CLEARED = (0.0, 0.0, 0.0, 0.0)
 CLEAR_IMAGE = Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,))
@@ -135,12 +136,20 @@ KTH_DEPTH = Target("kth_depth", "depth32f")
 NO_BOUNDS = (-1.0, -1.0, 0.0, 0.0)  # of (-z, z), by MAX blending
 
 
-def occupied(store: Pass, *further: Pass) -> tuple[Pass, ...]:
-    """The store passes of a k-buffer, with what OCCUPANCY puts before them (occupancy_2015); both need K.
+OCCUPIED, UNOCCUPIED = when("occupancy", *(d for d in OCCUPANCY.of if d)), when("occupancy", 0)
+
+
+def occupied(*stores: Pass) -> tuple[Pass, ...]:
+    """The store passes of a k-buffer, culled, with what OCCUPANCY puts before them (occupancy_2015); both need K."""
+    return (*occupancy_map(), *map(culled, stores))
+
+
+def occupancy_map() -> tuple[Pass, ...]:
+    """The passes that find a depth of each pixel beyond which none of its K nearest fragments is.
 
     Beside the method's words stand 3 per pixel for the depth bounds and the k-th depth, and a bit per interval.
     """
-    on = when("occupancy", *(d for d in OCCUPANCY.of if d))
+    on = OCCUPIED
     mask = Buffer("occupied", "occupancy / 32 * P", clear="0u")
     return (
         Pass("occupancy", "fullscreen", "common/clear.frag", writes=("occupied",), buffers=(mask,), when=on),
@@ -150,18 +159,32 @@ def occupied(store: Pass, *further: Pass) -> tuple[Pass, ...]:
         Pass("occupancy", "fullscreen", "common/occupancy/cull.frag", reads=("bounds", "occupied"),
              into=(KTH_DEPTH.name,), state=State(depth_test="always"), when=on),
         _before_kth(Pass("occupancy", "geometry", "common/occupancy/arrive.frag", probes=ARRIVED, when=on)),
-        *(replace(p, expand=_culled) for p in (store, *further)),
     )
 
 
-def _culled(step: Pass, scope: Params) -> tuple[Pass, ...]:
-    step = replace(step, expand=None)
-    return (_before_kth(step) if scope.get("occupancy") else step,)
+def culled(store: Pass) -> Pass:
+    """A geometry pass that with OCCUPANCY sees no fragment beyond the k-th depth.
+
+    Early z sees to it, except where the depth or stencil test is the pass's own: then its shader does. A stencil
+    test comes before the depth test, so that a fragment that early z culls would still take its turn.
+    """
+    own = store.state.depth_test or store.state.stencil
+    restrict = _from_shader if own else _before_kth
+    return replace(store, expand=lambda step, scope: (
+        (restrict if scope.get("occupancy") else replace)(replace(step, expand=None)),))
+
+
+def _from_shader(step: Pass) -> Pass:
+    """The pass with fragments beyond the k-th depth rejected by its shader."""
+    return replace(step, reads=(*step.reads, KTH_DEPTH.name), defines={**step.defines, "CULLS": 1})
 
 
 def _before_kth(step: Pass) -> Pass:
-    """The pass with fragments beyond the k-th depth discarded before its shader."""
-    return replace(step, into=(*step.into, KTH_DEPTH.name),
+    """The pass with fragments beyond the k-th depth discarded before its shader.
+
+    An occlusion query would then count fragments that the shader rejects as well, so it gives way to `Pass.totals`.
+    """
+    return replace(step, into=(*step.into, KTH_DEPTH.name), counts=False,
                    state=replace(step.state, depth_test="lequal", depth_write=False, early=True))
 
 

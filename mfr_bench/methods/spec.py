@@ -165,7 +165,7 @@ class Grown:
 
 @dataclass(frozen=True)
 class Counted:
-    """Capacity known inside the frame: what the pass that `counts` has counted by an occlusion query.
+    """Capacity known inside the frame: what the pass that `counts` has counted by an occlusion query, or `totals`.
 
     `elements` is the same as a formula of the scene's sizes.
     """
@@ -305,6 +305,7 @@ class Pass:
     groups: str | None = None  # compute: number of work groups, a formula
     instances: str = "1"  # fullscreen: how often it is drawn, a formula
     counts: bool = False  # count the samples that pass, by an occlusion query
+    totals: str | None = None  # a buffer whose words, as the pass leaves them, add up to the capacity
     decides: bool = False  # afterwards the host sets k and the capacity, as the method's `Decided` says
     fetch: str | None = None  # the include by which a resolve reads fragments
     resolver: str | None = None  # the include by which a resolve makes them one colour
@@ -535,6 +536,11 @@ class Variant:
         targets = {t.name: 4 * FORMAT_WORDS[t.format] * t.copies * sizes.P * self.samples(t, sizes)
                    * self.layer_count(t, sizes) for t in self.targets}
         return buffers | targets
+
+    @property
+    def stores_fewer(self) -> bool:
+        """Whether fragments may be discarded before they take room: the declared bytes are then the most."""
+        return bool(self.scope.get("occupancy")) and isinstance(self.method.capacity, (Grown, Counted))
 
     def samples(self, target: Target, sizes: Sizes) -> int:
         """Samples of a target's pixel."""

@@ -11,8 +11,12 @@ FRAGMENT incoming() {
     return fragment_of(floatBitsToUint(gl_FragCoord.z), payload_from(payload8));
 }
 
-// Fragment probability f_p (kplus_2015 §5.1.1), decided per pixel, quad and seed.
+// Fragment probability f_p (kplus_2015 §5.1.1), decided per pixel, quad and seed. With CULLS also beyond the K-th
+// depth of the occupancy map, where the pass has a depth test of its own and early z cannot see to it.
 bool rejected() {
+#if CULLS
+    if (gl_FragCoord.z > texelFetch(kth_depth, ivec2(gl_FragCoord.xy), 0).x) return true;
+#endif
 #if REJECTS
     return hash3(pixel_index(), quad, seed) >= keep_threshold;
 #else

@@ -1,9 +1,10 @@
 // One quad per instance, pixel-aligned, as a strip of four vertices.
-// Invariant: the depth survives the way to window space bit for bit (it lies on a 2^-23 grid).
+// Invariant: the depth survives the way to window space bit for bit (it lies on a 2^-23 grid), in every program alike.
 in ivec4 in_rect;   // x0 y0 x1 y1, half-open pixels
 in float in_depth;  // window space
 in vec4 in_rgba;    // straight alpha
 
+invariant gl_Position;
 flat out uint quad;
 flat out uint payload8;  // RGBA8
 

@@ -102,6 +102,7 @@ class Drawn:
         self.passes_probing, self.image_probing = frame.geometry_passes, frame.image()
         self.allocated, self.declared = frame.memory_bytes, variant.memory_bytes(sizes)
         self.error = float(np.abs(self.image - oracle(config, variant.promise(sizes))).max())
+        self.fits = all(size <= self.declared[name] for name, size in self.allocated.items())
         for thing in (frame, canvas, quads):
             thing.release()
         device.check(label(variant))

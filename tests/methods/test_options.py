@@ -163,3 +163,72 @@ def test_occupancy_reports_the_share_that_never_reaches_the_store(device):
         assert frame.geometry_passes == passes == 3
     with drawn(device, "kplus-array", stack(depths[:3], size=SIZE), k=8) as frame:
         assert "arrived_fragments" not in frame.probe()
+
+
+OCCUPANCY_METHODS = [m.id for m in catalog().values() if m.param("occupancy") and "k" in m.variant({}).params]
+LAYERED = generate(SceneConfig(size=(33, 21), depth_complexity=24, fragment_probability=0.4, layout="random",
+                               quad_size=(17, 13), seed=9))
+
+
+def occupied_frame(device, method: str, scene: Scene, **params):
+    """Emulated atomics where the device has no others; a k that the method has slots or samples for."""
+    declared = catalog()[method]
+    if declared.param("atomic64"):
+        params["atomic64"] = "emulated"
+    if method == "kb-sr":
+        params["k"] = min(params["k"], 4)
+    if method != "kb-sr" and declared.variant(params).needs:
+        params["k"] = 16
+    return params["k"], drawn(device, method, scene, **params)
+
+
+def test_every_k_buffer_has_occupancy():
+    bounded = {m.id for m in catalog().values() if m.param("k") and m.guarantee != "exact all"}
+    assert set(OCCUPANCY_METHODS) == bounded
+    assert catalog()["kplus-sb-dynamic"].param("occupancy")
+
+
+@pytest.mark.parametrize("intervals", [32, 64, 128])
+@pytest.mark.parametrize("k", [1, 7, 100])
+@pytest.mark.parametrize("method", [m for m in OCCUPANCY_METHODS if m != "kb-sr"])
+def test_occupancy_changes_no_image(device, method, k, intervals):
+    """Rejected fragments, pixels with fewer than k, overlapping quads; k = 1, some and more than there are."""
+    if device.kind != "cpu" and catalog()[method].guarantee == "approximate":
+        pytest.skip("this device may shade fragments of a pixel at once")
+    k, drawing = occupied_frame(device, method, LAYERED, k=k, occupancy=intervals)
+    with drawing as frame:
+        np.testing.assert_allclose(frame.image(), composite(LAYERED, k), rtol=0, atol=1e-5)
+        assert frame.lost_fragments() == 0
+        counted, kept = frame.probe(), sizes_of(LAYERED).bounded(k)
+        assert counted["held_fragments"] == kept <= counted["arrived_fragments"] <= sizes_of(LAYERED).F
+        if k < 16:
+            assert counted["arrived_fragments"] < sizes_of(LAYERED).F
+
+
+@pytest.mark.parametrize("depths", [[0.5], [0.0], [1.0], [0.0, 1.0], [0.25, 0.25 + 2**-23, 0.25 + 2**-22]],
+                         ids=["one", "near plane", "far plane", "both ends", "narrow"])
+@pytest.mark.parametrize("method", OCCUPANCY_METHODS)
+def test_occupancy_keeps_depth_ranges_of_zero_and_their_bounds(device, method, depths):
+    _, drawing = occupied_frame(device, method, stack(depths), k=len(depths), occupancy=32)
+    with drawing as frame:
+        assert discarded_share(frame) == 0
+        np.testing.assert_allclose(frame.image(), composite(frame.quads.scene), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("multisampling", ["on", "off"])
+def test_routing_takes_the_first_of_those_that_occupancy_leaves(device, multisampling):
+    """A culled fragment takes no turn: the samples go to the four nearest, which are submitted last."""
+    depths = np.arange(1, 33)[::-1] / 64
+    scene = stack(depths)
+    with drawn(device, "kb-sr", scene, k=4, occupancy=128, multisampling=multisampling) as frame:
+        np.testing.assert_allclose(frame.image(), composite(scene, 4), rtol=0, atol=1e-5)
+        assert discarded_share(frame) == 1 - 4 / 32
+
+
+@pytest.mark.parametrize("f_p", [1.0, 0.3])
+def test_a_culled_count_makes_room_for_no_more_than_is_stored(device, f_p):
+    scene = generate(SceneConfig(size=(33, 21), depth_complexity=40, fragment_probability=f_p, seed=3))
+    with drawn(device, "kb-ab-sb", scene, frames=2, k=4, occupancy=64) as frame:
+        arrived = frame.probe()["arrived_fragments"]
+        assert frame.memory_bytes["nodes"] == 8 * arrived < 8 * sizes_of(scene).F
+        np.testing.assert_allclose(frame.image(), composite(scene, 4), rtol=0, atol=1e-5)
