@@ -67,7 +67,8 @@ def _method_record(declared, device, reason: str | None) -> dict:
     return {
         "id": declared.id, "name": declared.name, "family": declared.family, "source": declared.source,
         "summary": declared.summary, "passes": list(declared.pass_names), "guarantee": declared.guarantee,
-        "words_per_pixel": declared.words, "ties": declared.ties, "failure": declared.failure,
+        "words_per_pixel": declared.words, "beside_the_words": declared.beside, "cost": declared.cost,
+        "ties": declared.ties, "failure": declared.failure,
         "params": [{"name": p.name, "default": p.default, "allowed": p.allowed, "doc": p.doc,
                     "needs": dict(p.needs), "weakens": dict(p.weakens),
                     "unsupported": [c for c, f in p.needs.items() if device and f not in device.features]}
@@ -285,7 +286,7 @@ def shader(method_id: str, pass_name: str | None, config: str, profile: str | No
                          f"{nearest(pass_name, names)}")
     sizes = expected_sizes(cell.scene)
     for step in variant.passes:
-        if step.kind == "clear" or pass_name not in (None, step.name) or not variant.runs(step, sizes):
+        if step.kind == "clear" or step.probes or pass_name not in (None, step.name) or not variant.runs(step, sizes):
             continue
         for stage in stages(variant, step, sizes):
             say(f"// {method_id}, pass {step.name}: {stage.entry}\n{stage.text}")

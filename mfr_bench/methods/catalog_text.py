@@ -10,7 +10,9 @@ HEAD = """# The methods
 
 Every method that mfr-bench runs, from its own declaration (`mfr-bench methods --markdown` prints this page). Words are
 32-bit words per pixel by the paper's formula; n is the most fragments of any pixel, f the fragments of a pixel, f_k at
-most k of them, F all fragments of the frame, P the pixels. Whether a device runs a method, `mfr-bench methods` says.
+most k of them, F all fragments of the frame, P the pixels. What stands beside the words: occupancy takes 3 words per
+pixel and one for every 32 intervals, backwards memory allocation one, a payload of two words one more per fragment.
+Whether a device runs a method, `mfr-bench methods` says.
 """
 
 
@@ -38,6 +40,10 @@ def as_markdown(methods: Iterable[Method]) -> str:
     lines += _table(("id", "guarantee", "words", "passes", "needs"),
                     ((f"`{m.id}`", m.guarantee + (f": {m.failure}" if m.failure else ""), f"`{m.words}`",
                       ", ".join(m.pass_names), _needs(m)) for m in methods))
+    lines += ["", "## What is allocated beside the words, or how they are used", ""]
+    lines += _table(("id", "beside the words"), ((f"`{m.id}`", m.beside) for m in methods if m.beside))
+    lines += ["", "## Why some take more than thrice the time of the fastest A-buffer", ""]
+    lines += _table(("id", "reason"), ((f"`{m.id}`", m.cost) for m in methods if m.cost))
     lines += ["", "## Equal depths", ""]
     lines += _table(("id", "fragments of equal depth"), ((f"`{m.id}`", m.ties) for m in methods))
     lines += ["", "## Parameters", ""]

@@ -3,7 +3,7 @@
 How it differs from `ab-precalc`: the prefix sum climbs a tree of sums and comes down again in fragment shaders, two
 full-screen passes per level and a total work in proportion to the pixels. PreCalc's full-screen steps are one per
 doubling and each touches every pixel; its compute scan is one tree in shared memory. Count, store and resolve are
-the same. Beside the 2f + 2 words stands the tree above the pixels, a fifteenth of a word per pixel.
+the same.
 
 Maule et al. 2014 is not among the papers at hand: the branching of 16 is a choice made here.
 """
@@ -26,7 +26,8 @@ METHODS = [
         id="ab-dfb", name="DFB", family="dfb",
         source="Maule et al. 2014; kplus_2015 §2 [31]",
         summary="dynamic fragment buffer: count, hierarchical sum over all pixels, store into exact ranges",
-        guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
+        guarantee="exact all", words="2*f + 2",
+        beside="the tree of sums above the pixels, a fifteenth of a word per pixel", ties="kept, in no fixed order",
         params=(*RESOLVE_OPTIONS, PAYLOAD), capacity=Counted(),
         buffers=(COUNTER, ADDRESS, NODES, Buffer("sums", SUMS_WORDS)),
         steps=(

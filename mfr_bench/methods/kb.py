@@ -1,10 +1,8 @@
 """k-buffers with read-modify-write hazards, from before shaders could exclude one another, and their repairs.
 
 They aim at the k nearest fragments and are right where the fragments of a pixel come one by one; what the hazards
-cost is measured, not promised. Words are those of Table 1 of kplus_2015 without attribute packing; more is held by
-
-- kb-multi, 2 words: depth and colour of the nearest fragment that was missing, which the hardware finds for certain;
-- kb-sr: samples come in powers of two from 4, so that a k between them leaves some of them unused.
+cost is measured, not promised. Words are those of Table 1 of kplus_2015 without attribute packing, `beside` says
+where more is held.
 
 The original stores a pixel's slots in render targets that the shader reads and writes at once, at most 8 of them,
 or 16 packed; here they are storage buffers, with the same lack of exclusion, kept to the same 16. A greater k
@@ -68,6 +66,8 @@ METHODS = [
         failure="with fewer passes than k, fragments that hazards lost may still be missing behind the nearest "
                 "`passes`; right with k passes, and wherever a pass finds nothing missing",
         params=(K16, PASSES, OCCUPANCY, STAGE), local="k",
+        beside="2 words per pixel: depth and colour of the nearest fragment that was missing, which the hardware finds "
+               "for certain",
         buffers=(NODES,),
         targets=(Target("layer", "r32ui"), Target("layer_depth", "depth32f")),
         steps=(
@@ -92,6 +92,7 @@ METHODS = [
                 "not culled); right where f <= k or the scene is sorted "
                 "front to back",
         params=(K32, MULTISAMPLING, OCCUPANCY, *RESOLVE_OPTIONS), local="k",
+        beside="3 words for each sample that k leaves unused: samples come in powers of two from 4",
         targets=routed_targets(SAMPLES),
         steps=(
             *occupancy_map(),

@@ -4,16 +4,6 @@ Slot 0 of a pixel holds the worst of its k fragments, and is empty until the oth
 the lock then needs that one slot, and no order between it and a counter. The paper keeps the furthest in slot 0 from
 the first fragment on, which is the same set in the end.
 
-Words per pixel, beside Table 1 of kplus_2015:
-
-- `kplus-array`, `kplus-heap`, `kplus-array-r`, `kplus-generic`: counter, semaphore and 2k, as printed; without the
-  semaphore with `sync: interlock`.
-- `kplus-sb`: the printed 3 words are address, semaphore, and a counter that holds both the fragments counted and the
-  slots taken. Beside them stand the shared counters of the S-buffer, a few dozen words per frame.
-- `kplus-sb-dynamic`: the same, and 4 KiB of histogram per frame (§5.2).
-- `peel-kplus` has no row there: 2k + 2, and 3 for the boundary between iterations, a fragment and how often it was
-  composited.
-
 `peel-kplus` has no occupancy map: a map of k intervals holds for one iteration, since what lies beyond the k-th depth
 is what the next one is for, and two geometry passes to make it anew cost an iteration twice what they could save.
 """
@@ -24,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ..prediction import BINS, fragments_in, predict_k
-from .sbuffer import ADDRESS, COUNTERS, HASH, MAPPING, referencing
+from .sbuffer import ADDRESS, COUNTERS, HASH, MAPPING, SHARED_COUNTERS, referencing
 from .shared import (
     CLEAR_IMAGE,
     CULLING,
@@ -58,6 +48,8 @@ RANGES = Buffer("nodes", "2*capacity", type="FRAGMENT", coherent=True)
 GROUP_TOTAL = Buffer("group_total", "counters", clear="0u")
 HISTOGRAM = Buffer("histogram", str(BINS), clear="0u")
 
+RANGED_WORDS = ("the 3 words are address, semaphore, and a counter of both the fragments counted and the slots taken; "
+                f"beside them {SHARED_COUNTERS}")
 TIES = "kept; for the k-th place the lesser payload stays"
 FETCH = "methods/kplus/fetch.glsl"
 EXACT_RANGES = {"EXACT_RANGES": 1}
@@ -74,7 +66,8 @@ def kplus(method_id: str, name: str, section: str, summary: str, *params: Param,
     shader = more.pop("shader", "methods/kplus/store.frag")
     return Method(
         id=method_id, name=name, family="kplus", source=f"kplus_2015 {section}", summary=summary,
-        words="2*k + 2", local="k", fixed=fixed,
+        words="2*k + 2", beside="counter and semaphore are the 2 words; with sync: interlock only the counter",
+        local="k", fixed=fixed,
         params=(K, *params, SYNC, CULLING, occupancy, *RESOLVE_OPTIONS, PAYLOAD),
         buffers=(COUNTER, SEMAPHORE, NODES),
         steps=(
@@ -122,6 +115,9 @@ MULTI_PASS = Method(
     id="peel-kplus", name="multi-pass K+B-Array", family="kplus", source="kplus_2015 §4.3",
     summary="each iteration keeps and composites the k nearest fragments beyond the furthest of the last",
     guarantee="exact all", words="2*k + 5",
+    beside="no row of Table 1: 2k + 2, and 3 for the boundary between iterations, a fragment and how often it was "
+           "composited",
+    cost="one geometry pass for every k layers, and all k+ insertions in each",
     ties="kept; across two iterations in order of payload, within one in order of the slots",
     params=(replace(K, doc="fragments peeled per pixel and iteration"), SYNC, SORT),
     fixed=(STRUCTURE, CRITERION, CULLING), local="k",
@@ -155,10 +151,11 @@ METHODS = [
           ties="kept; for the k-th place the nearer stays, then the lesser payload"),
     ranged("kplus-sb", "K+B-AB_SB", "§4.1, Alg. 3",
            "contiguous ranges of min(f, k) fragments from a bounded count; array or heap for each pixel",
-           (COUNT,), (K,), capacity=Counted("bounded(k)"), words="2*f_k + 3", local="k"),
+           (COUNT,), (K,), capacity=Counted("bounded(k)"), words="2*f_k + 3", local="k", beside=RANGED_WORDS),
     ranged("kplus-sb-dynamic", "dynamic K+B-AB_SB", "§4.2, Eq. 6 and 7, Alg. 3",
            "the same, with k from the depth-complexity histogram by a memory budget and a hit ratio",
            (count(), HISTOGRAM_PASS), (MEMORY_MB, HIT_RATIO), (HISTOGRAM,),
-           capacity=Decided("histogram", predicted), words="2*f_k + 3", local=f"min(n, {BINS})"),
+           capacity=Decided("histogram", predicted), words="2*f_k + 3", local=f"min(n, {BINS})",
+           beside=f"{RANGED_WORDS}; 4 KiB of histogram per frame (§5.2)"),
     MULTI_PASS,
 ]

@@ -1,10 +1,7 @@
 """Linked lists of fragments: unsorted with a sorting resolve, or kept sorted by the insertion.
 
-Words beside those of kplus_2015, Table 1 (3f + 1):
-- Every method: one word for the shared counter, and what the capacity, doubled until the frame fits, has to spare.
+Words beside those of kplus_2015, Table 1 (3f + 1), by option:
 - `allocation: paged`: whole pages of 4 cells per pixel, and one word per pixel for its next cell and the lock.
-- `ab-ll-paged`: a link per page in place of one per cell; Crassin's page, counter and lock of a pixel are one word.
-- `ab-ll-bucket`: a head per list, and the pixel's depth bounds.
 - `packed: on`, `insert: max64`: 64-bit records for cells and heads, 3f + 2; gpupro5_ch1 has no formula.
 - `atomic64: emulated`: a lock per pixel.
 - `early_culling: on` and `occupancy` take no cell for what they drop, so less may be allocated than for all fragments.
@@ -28,7 +25,7 @@ from .shared import (
     resolve_sorted,
     wide_buffers,
 )
-from .spec import ON_OFF, Buffer, Grown, Method, Param, Pass, when
+from .spec import ON_OFF, SPARE_CELLS, Buffer, Grown, Method, Param, Pass, when
 
 ORDER = 3
 
@@ -71,6 +68,7 @@ def gpupro(method_id: str, name: str, section: str, summary: str, switch: Param,
     return Method(
         id=method_id, name=name, family="list", source=f"gpupro5_ch1 {section}", summary=summary,
         guarantee="exact all", words="3*f + 1", ties="kept, in no fixed order",
+        beside=f"{SPARE_CELLS}; 64-bit records take 3f + 2, and emulated a lock per pixel",
         buffers=(COUNTER, replace(NEXT, coherent=not unsorted, when=narrow),
                  replace(CELLS, coherent=not unsorted, when=narrow),
                  *wide_buffers("records", "P + capacity", condition=broad, clear_heads=True),
@@ -91,7 +89,7 @@ METHODS = [
         id="ab-ll", name="AB_LL", family="list",
         source="Yang et al. 2010; kplus_2015 §2",
         summary="unsorted linked lists, cells from one shared counter; grown and redone on overflow",
-        guarantee="exact all", words="3*f + 1", ties="kept, in no fixed order",
+        guarantee="exact all", words="3*f + 1", beside=SPARE_CELLS, ties="kept, in no fixed order",
         params=(*RESOLVE_OPTIONS, PAYLOAD), fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN,
         buffers=(COUNTER, NEXT, CELLS),
         steps=(clear("cell_counter", "next"), store("methods/list/store.frag", "next", "cells"),
@@ -102,6 +100,8 @@ METHODS = [
         source="Crassin 2010; gpupro5_ch1 §1.2; kplus_2014 (LL-Paged)",
         summary="linked lists of pages of 4 fragments; a lock per pixel only while a page is taken",
         guarantee="exact all", words=f"(2 + 1/{PAGE})*paged({PAGE})/P + 1", ties="kept, in order of the cells",
+        beside=f"a link per page in place of one per cell, Crassin's page, counter and lock of a pixel in one word; "
+               f"beside them {SPARE_CELLS}",
         params=(*RESOLVE_OPTIONS, PAYLOAD), fixed=(ALLOCATION.at("paged"), ONE_LIST), capacity=GROWN_IN_PAGES,
         buffers=(COUNTER, PLACE, Buffer("page_link", f"ceil(capacity/{PAGE})"), CELLS),
         steps=(clear("cell_counter", "place"),
@@ -112,7 +112,7 @@ METHODS = [
         id="ab-ll-bucket", name="AB_LL-BUN", family="list",
         source="Vasilakis and Fudos 2013; kplus_2015 §2",
         summary="several linked lists per pixel by depth range, after a pass for the depth bounds; smaller sorts",
-        guarantee="exact all", words="3*f + buckets + 2", ties="kept, in no fixed order",
+        guarantee="exact all", words="3*f + buckets + 2", beside=SPARE_CELLS, ties="kept, in no fixed order",
         params=(BUCKETS, *RESOLVE_OPTIONS, PAYLOAD), fixed=(ONE_BY_ONE,), capacity=GROWN,
         buffers=(COUNTER, Buffer("nearest", "P", clear="EMPTY"), Buffer("furthest", "P", clear="0u"), NEXT, CELLS),
         steps=(clear("cell_counter", "next", "nearest", "furthest"),
@@ -127,13 +127,16 @@ METHODS = [
     gpupro("lin-pre", "PRE-LIN", "§1.2.3",
            "linked lists kept sorted by the insertion, which walks them in global memory",
            INSERT, "methods/list/insert_cas32.frag", "methods/list/insert_max64.frag", unsorted=False,
+           cost="each insertion walks the pixel's list in global memory, quadratic in its fragments; early culling "
+                "shortens the walk (gpupro5_ch1 §1.1.2, §1.7.2)",
            params=(INSERT, replace(ATOMIC64, acts=when("insert", "max64")), EARLY_CULLING, STAGE, PAYLOAD),
            fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN),
     Method(
         id="kb-ab-ll", name="KB-AB_LL", family="list",
         source="Yu et al. 2012; kplus_2015 §2, §5",
         summary="unsorted linked lists of all fragments; the resolve picks the k nearest",
-        guarantee="exact k nearest", words="3*f + 1", ties="kept, the first in the list wins the last place",
+        guarantee="exact k nearest", words="3*f + 1", beside=SPARE_CELLS,
+        ties="kept, the first in the list wins the last place",
         params=(K, OCCUPANCY, *RESOLVE_OPTIONS, PAYLOAD), fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN, local="k",
         buffers=(COUNTER, NEXT, CELLS),
         steps=(clear("cell_counter", "next"), *occupied(store("methods/list/store.frag", "next", "cells")),

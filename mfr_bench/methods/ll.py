@@ -1,13 +1,12 @@
 """KB-LL: a linked list in order of depth, built directly.
 
-3f + 6 words per pixel: a cell is depth, colour and link, and so is each of the two sentinels of a list. Cells come
-from one counter, which takes one word per frame, and double until the frame fits.
+3f + 6 words per pixel: a cell is depth, colour and link, and so is each of the two sentinels of a list.
 """
 
 from __future__ import annotations
 
 from .shared import OCCUPANCY, STAGE, K, occupied, resolve_sorted
-from .spec import Buffer, Grown, Method, Param, Pass
+from .spec import SPARE_CELLS, Buffer, Grown, Method, Param, Pass
 
 ORDER = 6
 
@@ -21,7 +20,8 @@ METHODS = [
         summary="depth-ordered linked lists by compare-and-swap; a fragment behind k nearer ones is not linked",
         guarantee="approximate",
         failure="a fragment whose swap fails `retries` times is lost, and counted; exact where none is",
-        words="3*f + 6", ties="kept, in order of arrival; the first to arrive has the k-th place",
+        words="3*f + 6", beside=SPARE_CELLS,
+        ties="kept, in order of arrival; the first to arrive has the k-th place",
         params=(K, RETRIES, OCCUPANCY, STAGE), local="k", capacity=Grown(start="P", counter="cell_counter"),
         buffers=(Buffer("cell_counter", "1"), Buffer("next", "2*P + capacity", coherent=True),
                  Buffer("cells", "2*(2*P + capacity)", type="uvec2", coherent=True)),

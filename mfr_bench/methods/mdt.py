@@ -1,8 +1,4 @@
-"""Multi depth test: a cascade of atomic minima per fragment.
-
-2k words per pixel, as in Table 1 of kplus_2015. Emulated 64-bit atomics take a semaphore beside them, one
-word per pixel.
-"""
+"""Multi depth test: a cascade of atomic minima per fragment."""
 
 from __future__ import annotations
 
@@ -38,7 +34,9 @@ METHODS = [
         id="kb-mdt64", name="KB-MDT_64", family="mdt",
         source="Kubisch 2014; kplus_2015 §2",
         summary="64-bit atomic minima sort the k nearest fragments, depth and colour at once",
-        guarantee="exact k nearest", words="2*k", ties="kept, in order of payload, the k-th place included",
+        guarantee="exact k nearest", words="2*k",
+        beside="with atomic64: emulated a lock, one word per pixel",
+        ties="kept, in order of payload, the k-th place included",
         params=(K, ATOMIC64, OCCUPANCY, STAGE), local="k",
         buffers=wide_buffers("nodes", "k*P", word="EMPTY"),
         steps=(

@@ -38,7 +38,9 @@ def open_addressing(method_id: str, name: str, section: str, summary: str, order
                     **more) -> Method:
     return Method(
         id=method_id, name=name, family="open", source=f"gpupro5_ch1 {section}", summary=summary,
-        guarantee="exact all", words="2*f/load_factor + 1", fixed=(ORDER_KEPT.at(order),), deepest=DEEPEST,
+        guarantee="exact all", words="2*f/load_factor + 1",
+        beside="256 probe offsets and the counter, per frame; a cell per pixel at least; emulated 3 words per cell, an "
+               "index and a record of two", fixed=(ORDER_KEPT.at(order),), deepest=DEEPEST,
         capacity=Grown(start="max(P, ceil(F/load_factor))", counter="cell_counter"),
         buffers=(Buffer("cell_counter", "1", clear="0u", coherent=True),
                  Buffer("ages", "P", clear="0u", coherent=True),
@@ -65,9 +67,14 @@ METHODS = [
     open_addressing("open-post", "POST-OPEN", "§1.3.1-1.3.2",
                     "one hash table for all pixels, evicting younger fragments; sorted when rendered",
                     "unsorted", resolve(*READS, fetch=FETCH), ties="kept, in no fixed order",
+                    cost="fragments are evicted and placed anew, with an atomic maximum for each cell tried, which "
+                         "emulated is a loop of its own: open addressing is the slower allocation (gpupro5_ch1 §1.8)",
                     params=(LOAD_FACTOR, ATOMIC64, *RESOLVE_OPTIONS)),
     open_addressing("open-pre", "PRE-OPEN", "§1.3.3",
                     "one hash table for all pixels, evicting younger fragments; kept sorted by the insertion",
                     "sorted", resolve_sorted(*READS, fetch=FETCH), ties="kept, the larger payload as a number first",
+                    cost="every fragment traverses its pixel's whole list in global memory by evictions, quadratic in "
+                         "its fragments, with an atomic maximum each step: the method that depth complexity hits "
+                         "hardest (gpupro5_ch1 §1.7.2, Figure 1.6)",
                     params=(LOAD_FACTOR, ATOMIC64, EARLY_CULLING, STAGE)),
 ]

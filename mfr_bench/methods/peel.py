@@ -41,7 +41,8 @@ METHODS = [
         id="peel-f2b", name="F2B", family="peel",
         source="Everitt 2001; kplus_2015 §2",
         summary="front-to-back peeling: one layer per geometry pass, until an occlusion query sees none",
-        guarantee="exact all", words="6", ties="one of them is kept, the others are lost",
+        guarantee="exact all", words="6", cost="one geometry pass per layer",
+        ties="one of them is kept, the others are lost",
         targets=(Target("layer", "rgba32f"), Target("layer_depth", "depth32f", copies=2)),
         steps=(
             CLEAR_IMAGE,
@@ -60,7 +61,8 @@ METHODS = [
         id="peel-dual", name="DUAL", family="peel",
         source="Bavoil & Myers 2008; kplus_2015 §2",
         summary="dual peeling: the nearest and the furthest layer per geometry pass, by MAX blending",
-        guarantee="exact all", words="20", ties="the maximum of each channel is kept",
+        guarantee="exact all", words="20", cost="one geometry pass for every two layers",
+        ties="the maximum of each channel is kept",
         targets=(Target("bounds", "rg32f", copies=2), Target("front", "rgba32f", copies=2),
                  Target("behind", "rgba32f"), Target("back", "rgba32f")),
         steps=(
@@ -112,6 +114,9 @@ METHODS = [
         summary="stencil-routed A-buffer: each geometry pass takes the next `samples` fragments of a pixel, in order "
                 "of arrival; the resolve sorts them all",
         guarantee="exact all", words="2*samples*ceil(n/samples) + samples", ties="kept, in no fixed order",
+        beside="each pass copies its targets into an array: 2n words and 3 per sample in place of all passes' targets, "
+               "and for each pixel where the next pass resumes and how many fragments it has",
+        cost="one geometry pass for every `samples` layers",
         params=(SAMPLES, MULTISAMPLING, *RESOLVE_OPTIONS),
         targets=(*routed_targets("samples"), Target("arrivals", "r32ui", samples="samples")),
         buffers=(Buffer("counter", "P", clear="0u"), Buffer("resume", "P", clear="0u"),

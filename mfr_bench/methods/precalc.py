@@ -1,8 +1,5 @@
 """PreCalc: ranges from a prefix sum of the counters over all pixels, empty ones included.
 
-Beside the 2f + 2 words stand what the scan works in: a second address word per pixel where full-screen steps
-take turns, or one word per 1024 pixels for the compute scan. sbuffer_2012's memory table shows the like (§4).
-
 PreCalc_Fixed needs n beforehand and no count pass: the paper calls it a one-pass scheme, whose referencing is one
 full-screen pass.
 """
@@ -29,6 +26,8 @@ METHODS = [
         source="Peeper 2008; sbuffer_2012 §2, §4 (PreCalc, PreCalc_OpenCL)",
         summary="count, prefix sum over all pixels, store into exact ranges",
         guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
+        beside="what the scan works in: a word per 1024 pixels for the compute scan, or a second address word per "
+               "pixel where full-screen steps take turns; the memory table of sbuffer_2012 shows the like (§4)",
         params=(SCAN, *RESOLVE_OPTIONS, PAYLOAD), capacity=Counted(),
         buffers=(COUNTER, replace(ADDRESS, copies=2, when=FULLSCREEN), replace(ADDRESS, when=COMPUTE), NODES,
                  Buffer("block_sum", f"ceil(P/{SCAN_BLOCK})", when=COMPUTE)),

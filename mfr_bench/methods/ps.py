@@ -1,8 +1,4 @@
-"""KB-PS: sorted insertion inside pixel synchronization.
-
-Table 1 of kplus_2015 gives 2k words per pixel, which is what `sync: interlock` takes. The authors ran it with their
-own semaphores (§5), a word more: that is `sync: spin`.
-"""
+"""KB-PS: sorted insertion inside pixel synchronization."""
 
 from __future__ import annotations
 
@@ -17,6 +13,8 @@ METHODS = [
         source="Salvi 2013; kplus_2015 §2, §5",
         summary="k sorted slots, one fragment of a pixel inserted at a time; an empty slot ends them",
         guarantee="exact k nearest", words="2*k",
+        beside="with sync: spin a semaphore, one word per pixel: the authors ran it with theirs (kplus_2015 §5), Table "
+               "1 counts what sync: interlock takes",
         ties="kept, in order of arrival; the first to arrive has the k-th place",
         params=(K, SYNC, CULLING, OCCUPANCY, STAGE), local="k",
         buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),

@@ -1,7 +1,4 @@
-"""S-buffer and l-buffer: a count pass gives each pixel a contiguous range of exactly its fragments.
-
-Beside the 2f + 2 words of kplus_2015, Table 1, stand the shared counters: one word each, a few dozen per frame.
-"""
+"""S-buffer and l-buffer: a count pass gives each pixel a contiguous range of exactly its fragments."""
 
 from __future__ import annotations
 
@@ -17,6 +14,8 @@ MAPPING = Param("mapping", "inverse", "prefix sum over the shared counters from 
                 choices=("forward", "inverse"))
 HASH = Param("hash", "column", "which counter a pixel uses: its index modulo S, or its tile",
              choices=("column", "tile"))
+
+SHARED_COUNTERS = "the shared counters, one word each, a few dozen per frame"
 
 COUNTER = Buffer("counter", "P", clear="0u")
 ADDRESS = Buffer("address", "P")
@@ -51,7 +50,7 @@ def sbuffer(method_id: str, name: str, source: str, summary: str, fill: tuple[Pa
             finish: Pass = RESOLVE, **more) -> Method:
     return Method(
         id=method_id, name=name, family="sbuffer", source=source, summary=summary,
-        words="2*f + 2", capacity=Counted(),
+        words="2*f + 2", beside=SHARED_COUNTERS, capacity=Counted(),
         buffers=(COUNTER, ADDRESS, Buffer("group_total", "counters", clear="0u"), NODES),
         steps=(
             clear("counter", "group_total"),

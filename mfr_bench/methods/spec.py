@@ -163,6 +163,11 @@ class Grown:
     wanted: str = "F"
 
 
+# What stands beside the words of a method whose cells come from a counter.
+SPARE_CELLS = ("the counter, one word per frame, and the spare cells of a capacity that is doubled until the frame "
+               "fits, where the formula counts those in use")
+
+
 @dataclass(frozen=True)
 class Counted:
     """Capacity known inside the frame: what the pass that `counts` has counted by an occlusion query, or `totals`.
@@ -342,7 +347,9 @@ class Promise:
 class Method:
     """A multi-fragment rendering method as its paper describes it.
 
-    `words` is the paper's memory formula in 32-bit words per pixel (f: the pixel's fragments).
+    `words` is the paper's memory formula in 32-bit words per pixel (f: the pixel's fragments), `beside` what stands
+    beside them or in their place, and why. `cost` is the reason why it may take more than thrice the time of the
+    fastest A-buffer.
     `ties` says what becomes of fragments of equal depth. `needs` names device features without which
     no choice of parameters runs.
     """
@@ -364,6 +371,8 @@ class Method:
     local: str = "n"  # most fragments of a pixel that its resolve composites, a formula
     capacity: Grown | Counted | Decided | None = None
     failure: str | None = None  # the known failure of an approximate method
+    beside: str | None = None
+    cost: str | None = None
     deepest: int | None = None  # most fragments of a pixel that the method can hold
 
     def param(self, name: str) -> Param | None:

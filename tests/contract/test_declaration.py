@@ -9,9 +9,10 @@ from mfr_bench.glsl import read, stages
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Sizes, evaluate
 from mfr_bench.plan import expected_sizes
+from mfr_bench.reference import find
 from mfr_bench.resources import shaders_dir
 
-from .cases import every_method, label, variants
+from .cases import every_method, label, variants, with_k
 from .preprocess import active
 
 SIZES = expected_sizes(Scene(size=(64, 48), depth_complexity=12, pixel_density=0.5))
@@ -101,3 +102,32 @@ def test_every_shader_is_used():
                     used |= set(stage.files)
     files = {str(p.relative_to(shaders_dir())) for p in shaders_dir().rglob("*.*")}
     assert {f for f in files - used if not f.startswith("probe/")} == set()
+
+
+TABLE_1 = [row for row in find(paper="kplus2015", quantity="words_per_pixel") if row.condition is None]
+
+
+def test_words_are_those_of_table_1():
+    """kplus_2015, Table 1, every row; rows with attribute packing are of payloads that no method here has."""
+    assert len(TABLE_1) == 14
+    assert {row.method: catalog()[row.method].words for row in TABLE_1} == {row.method: row.formula for row in TABLE_1}
+
+
+@METHODS
+def test_every_difference_from_the_words_is_explained(method):
+    """Whatever k is, and for every option but those whose words the page of all methods states once."""
+    shared = {"occupancy", "bma"}
+    shares = [p for p in method.params if p.name in shared]
+    plain = [v for v in variants(method) if all(v.params[p.name] == p.default for p in shares)]
+    differs = [label(v) for v in plain for k in (7, 8)
+               if sum(with_k(v, k).memory_bytes(SIZES).values()) != with_k(v, k).model_bytes(SIZES)]
+    assert bool(method.beside) or not differs
+
+
+def test_shared_options_take_the_words_that_the_page_states():
+    array = catalog()["kb-ab-array"]
+    plain = sum(array.variant({}).memory_bytes(SIZES).values())
+    for intervals in (32, 64, 128):
+        occupied = sum(array.variant({"occupancy": intervals}).memory_bytes(SIZES).values())
+        assert occupied - plain == 4 * SIZES.P * (3 + intervals // 32)
+    assert sum(array.variant({"bma": "on"}).memory_bytes(SIZES).values()) - plain == 4 * SIZES.P
