@@ -38,13 +38,14 @@ def _grid(scene: Scene) -> Grid:
     width, height = scene.viewport
     if scene.keep_threshold < 2**32:
         return Grid(np.arange(width + 1), np.arange(height + 1))
-    return Grid(np.unique(np.concatenate([[0, width], scene.rect[:, 0], scene.rect[:, 2]])),
-                np.unique(np.concatenate([[0, height], scene.rect[:, 1], scene.rect[:, 3]])))
+    rect = scene.rasterized
+    return Grid(np.unique(np.concatenate([[0, width], rect[:, 0], rect[:, 2]])),
+                np.unique(np.concatenate([[0, height], rect[:, 1], rect[:, 3]])))
 
 
 def _cell_rects(scene: Scene, grid: Grid) -> np.ndarray:
     """int (n, 4): the quads' rectangles in cells instead of pixels."""
-    rect = scene.rect
+    rect = scene.rasterized
     return np.stack([np.searchsorted(grid.x, rect[:, 0]), np.searchsorted(grid.y, rect[:, 1]),
                      np.searchsorted(grid.x, rect[:, 2]), np.searchsorted(grid.y, rect[:, 3])], axis=-1)
 

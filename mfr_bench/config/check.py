@@ -12,7 +12,7 @@ from ..methods.spec import Method, Value
 from .axes import K, R, measure_at, point_count, points, scene_at
 from .columns import IDENTITY, MEASURED, MEASURED_BY_KIND
 from .layers import AXES
-from .layout import quad_count
+from .layout import clustered_depths, is_float32, quad_count
 from .model import KEPT, MAX_QUADS, Experiment, Measure, MethodEntry, Scene
 from .schema import ConfigFile, allowed, parse
 from .source import Document, Path, Problem, dotted, shown
@@ -267,6 +267,7 @@ class _Checker:
         scenes = {scene_at(scene, self.params, point) for point in along} or {scene} if scene else ()
         measures = {measure_at(measure, point) for point in along} or {measure} if measure else ()
         faults = [*filter(None, map(_too_many_quads, scenes)), *filter(None, map(_quad_size_unused, scenes)),
+                  *filter(None, map(_no_such_depths, scenes)),
                   *filter(None, map(_too_few_samples, measures))]
         for keys, what in dict(sorted(faults)).items():  # one point of each kind is enough
             self.problem(self._written(keys), what)
@@ -291,6 +292,19 @@ def _quad_size_unused(scene: Scene) -> Fault | None:
     unused = scene.quad_size and scene.layout != "random"
     what = f"no use in layout {scene.layout}; allowed: with layout random"
     return (("scene.quad_size", "scene.layout"), what) if unused else None
+
+
+def _no_such_depths(scene: Scene) -> Fault | None:
+    if scene.depth_at is None or quad_count(scene) > MAX_QUADS:
+        return None
+    keys = ("scene.depth_gap_log2", "scene.depth_at")
+    where = f"{quad_count(scene)} quads in steps of 2^{scene.depth_gap_log2} about {scene.depth_at:g}"
+    depths = clustered_depths(scene)
+    if depths and not 0 <= depths[0] <= depths[-1] <= 1:
+        return keys, f"{where} leave the depth range; allowed: smaller steps or fewer quads"
+    if not all(map(is_float32, depths)):
+        return keys, f"{where} are finer than a float32 there; allowed: larger steps"
+    return None
 
 
 def _too_few_samples(measure: Measure) -> Fault | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import struct
 from functools import lru_cache
 
 from ..hashing import hash3
@@ -78,3 +79,15 @@ def quad_count(scene: Scene) -> int:
     if scene.layout == "random":
         return round(scene.depth_complexity * covered_pixels(scene) / math.prod(quad_size(scene)))
     return scene.depth_complexity
+
+
+def clustered_depths(scene: Scene) -> list[float]:
+    """Depths in steps of the scene's gap about `depth_at`: from 0 upwards, from 1 downwards, else on both sides."""
+    quads, gap, at = quad_count(scene), 2.0 ** scene.depth_gap_log2, scene.depth_at
+    below = 0 if at == 0 else quads - 1 if at == 1 else quads // 2
+    return [at + (i - below) * gap for i in range(quads)]
+
+
+def is_float32(value: float) -> bool:
+    """Whether a float32 holds the value without rounding."""
+    return struct.unpack("<f", struct.pack("<f", value))[0] == value

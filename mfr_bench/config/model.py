@@ -12,6 +12,7 @@ from annotated_types import Interval, MinLen, Predicate
 from ..methods.spec import Value
 
 MAX_SIDE = 16384  # pixels
+MAX_OVERHANG = 2**24  # pixels: a float32 holds every corner
 MAX_QUADS = 2**22  # distinct depths on the grid of 2**-23, with a free point between any two
 
 
@@ -44,11 +45,12 @@ class OneOrTwo(Allowed):
 
 
 Text = Annotated[str, MinLen(1), Allowed("text")]
-Whole = Annotated[int, Interval(ge=1, le=MAX_SIDE)]
+Whole = Annotated[int, Interval(ge=1, le=MAX_SIDE), Allowed(f"a whole number from 1 to {MAX_SIDE}")]
 Size = Annotated[tuple[Whole, Whole], Allowed(f"two whole numbers from 1 to {MAX_SIDE}")]
 Share = Annotated[float, Interval(gt=0, le=1), Allowed("a number above 0, up to 1")]
-Alpha = Annotated[tuple[Share, Share], Predicate(lambda pair: pair[0] <= pair[1]),
-                  OneOrTwo("a number above 0, up to 1, or two such numbers, the lower first")]
+Unit = Annotated[float, Interval(ge=0, le=1), Allowed("a number from 0 to 1")]
+Alpha = Annotated[tuple[Unit, Unit], Predicate(lambda pair: pair[0] <= pair[1]),
+                  OneOrTwo("a number from 0 to 1, or two such numbers, the lower first")]
 Samples = Annotated[int, Interval(ge=1, le=1_000_000), Allowed("a whole number from 1 to 1000000")]
 
 KEPT = ("image", "error", "loss", "fragments", "discarded", "histogram")  # arrays, see `arrays`
@@ -76,6 +78,11 @@ class Scene(_Plain):
     depth_complexity: quads over every covered pixel; with layout `random`, their mean over the block's
     pixels. alpha: lowest and highest opacity. quad_size: pixels, layout `random` only; None means a
     quarter of each side of the viewport.
+
+    What puts methods under stress: depth_at: depths lie about this one in steps of 2**depth_gap_log2, instead of all
+    over the range. depth_copies: quads that share a depth; copies: whether they share their colour as well.
+    odd_depth: what the quad submitted first has for a depth. alpha_order: falling, the nearest quad has the highest
+    alpha; rising, the lowest. overhang: pixels by which every quad reaches beyond its place, on each side.
     """
 
     __pydantic_config__: ClassVar[dict] = STRICT
@@ -91,6 +98,14 @@ class Scene(_Plain):
     seed: Annotated[int, Interval(ge=0, lt=2**32), Allowed("a whole number from 0 to 4294967295")] = 1
     animate: bool = False
     quad_size: Size | None = None
+    depth_at: Unit | None = None
+    depth_gap_log2: Annotated[int, Interval(ge=-126, le=-1), Allowed("a whole number from -126 to -1")] = -4
+    depth_copies: Whole = 1
+    copies: Literal["alike", "different"] = "alike"
+    odd_depth: Literal["none", "zero", "minus_zero", "one", "below", "beyond", "far_below", "far_beyond", "infinity",
+                       "minus_infinity", "nan"] = "none"
+    alpha_order: Literal["random", "falling", "rising"] = "random"
+    overhang: Annotated[int, Interval(ge=0, le=MAX_OVERHANG), Allowed(f"pixels from 0 to {MAX_OVERHANG}")] = 0
 
 
 @dataclass(frozen=True, kw_only=True)

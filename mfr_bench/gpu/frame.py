@@ -325,6 +325,14 @@ class PassRunner:
     def takes_iteration(self) -> bool:
         return self.program is not None and "iteration" in self.program
 
+    @cached_property
+    def clips_from_zero(self) -> bool:
+        """Whether the vertex shader gives depths as they are; told to it once."""
+        if "clips_from_zero" not in self.program:
+            return False
+        self.program["clips_from_zero"] = bool(self.gl.glClipControl)
+        return bool(self.gl.glClipControl)
+
     def _framebuffer(self, iteration: int) -> Framebuffer:
         """The pass's own, or for a pass that only writes buffers the canvas, masked."""
         if not self.step.into or self.step.into == (IMAGE,):
@@ -346,6 +354,7 @@ class PassRunner:
         if self.step.kind == "clear":
             return
         self._apply_state()
+        self.gl.clip_depths_from_zero(self.clips_from_zero)
         if self.step.kind == "fullscreen":
             self.vao.render(mode=4, vertices=3, instances=self.instances)  # GL_TRIANGLES
         elif len(self.frame.quads.scene):

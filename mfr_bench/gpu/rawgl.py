@@ -26,6 +26,7 @@ DEPTH_FUNCTIONS = {"less": 0x0201, "equal": 0x0202, "lequal": 0x0203, "always": 
 # `image`: shader image access, fetches from textures, and everything done through framebuffers.
 BARRIERS = {"storage": 0x2000, "buffer_update": 0x200, "image": 0x20 | 0x8 | 0x400}
 WRITE_ONLY = 0x88B9
+LOWER_LEFT, NEGATIVE_ONE_TO_ONE, ZERO_TO_ONE = 0x8CA1, 0x935E, 0x935F
 ERRORS = {0x0500: "GL_INVALID_ENUM", 0x0501: "GL_INVALID_VALUE", 0x0502: "GL_INVALID_OPERATION",
           0x0505: "GL_OUT_OF_MEMORY", 0x0506: "GL_INVALID_FRAMEBUFFER_OPERATION", 0x0507: "GL_CONTEXT_LOST"}
 
@@ -74,10 +75,11 @@ _SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "glFinish": (None, ()),
     "glGetError": (ENUM, ()),
 }
+_OPTIONAL: dict[str, tuple[Any, tuple[Any, ...]]] = {"glClipControl": (None, (ENUM, ENUM))}  # OpenGL 4.5
 
 
 class RawGL:
-    """Attributes are GL functions of the current context, e.g. `gl.glFinish()`."""
+    """Attributes are GL functions of the current context, e.g. `gl.glFinish()`; an optional one may be None."""
 
     def __init__(self, load):
         for name, (result, arguments) in _SIGNATURES.items():
@@ -85,6 +87,9 @@ class RawGL:
             if not address:
                 raise OSError(f"the driver has no {name}")
             setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(address))
+        for name, (result, arguments) in _OPTIONAL.items():
+            address = load(name)
+            setattr(self, name, ctypes.CFUNCTYPE(result, *arguments)(address) if address else None)
 
     def generate(self, kind: str) -> int:
         """A new object name of kind Textures, Framebuffers or Queries."""
@@ -101,6 +106,11 @@ class RawGL:
     def clear_whole(self, buffer: int, index: int, value: int) -> None:
         """Clear a colour of unsigned whole numbers."""
         self.glClearBufferuiv(buffer, index, (UINT * 4)(value, value, value, value))
+
+    def clip_depths_from_zero(self, wanted: bool) -> None:
+        """Let clip space reach from depth 0 to 1, which keeps every bit of a float, or from -1 to 1."""
+        if self.glClipControl:
+            self.glClipControl(LOWER_LEFT, ZERO_TO_ONE if wanted else NEGATIVE_ONE_TO_ONE)
 
     def sample_counts(self, format: str) -> frozenset[int]:
         """The numbers of samples that multisample textures of a format can have."""

@@ -67,13 +67,13 @@ METHODS = [
                  Target("behind", "rgba32f"), Target("back", "rgba32f")),
         steps=(
             Pass("bounds", "geometry", "common/depth_bounds.frag", into=("bounds.previous",),
-                 clears={"bounds.previous": (-1.0, -1.0, 0.0, 0.0)}, state=State(blend=MAX)),
+                 clears={"bounds.previous": NO_BOUNDS}, state=State(blend=MAX)),
             Pass("clear", "clear", into=("front.previous", "back"),
                  clears={"front.previous": CLEARED, "back": CLEARED}),
             Loop((
                 Pass("peel", "geometry", "methods/peel/dual.frag", reads=("bounds.previous", "front.previous"),
                      into=("bounds.current", "front.current", "behind"),
-                     clears={"bounds.current": (-1.0, -1.0, 0.0, 0.0), "front.current": CLEARED, "behind": CLEARED},
+                     clears={"bounds.current": NO_BOUNDS, "front.current": CLEARED, "behind": CLEARED},
                      state=State(blend=MAX)),
                 Pass("peel", "fullscreen", "methods/peel/held_dual.frag", reads=("bounds.previous",), probes=HELD),
                 Pass("blend", "fullscreen", "methods/peel/dual_blend.frag", reads=("behind", "bounds.current"),

@@ -14,6 +14,7 @@ import numpy as np
 from ..config.layout import TILE, TILES_STREAM, block, quad_count, quad_size, tiles
 from ..config.model import Scene as SceneConfig
 from ..hashing import hash3
+from . import stress
 
 DEPTH_GRID = 2**23
 
@@ -25,7 +26,8 @@ ORDER, DEPTH, COLOUR, ALPHA, PLACE_X, _, PLACE_Y, DEPTH_ORDER = range(1, 9)
 class Scene:
     """Quads in submission order.
 
-    rect: int32 (n, 4), x0 y0 x1 y1, half-open pixels, origin lower left. depth: float32 (n,).
+    rect: int32 (n, 4), x0 y0 x1 y1, half-open pixels, origin lower left; it may reach beyond the viewport.
+    depth: float32 (n,); outside [0, 1] there is nothing to see.
     rgba: uint8 (n, 4), straight alpha. seed decides which fragments are rejected.
     """
 
@@ -43,6 +45,13 @@ class Scene:
     def depth_order(self) -> np.ndarray:
         """Quad indices from the nearest to the furthest; equal depths stay in submission order."""
         return np.argsort(self.depth, kind="stable")
+
+    @cached_property
+    def rasterized(self) -> np.ndarray:
+        """int32 (n, 4): the pixels that each quad covers; none at depths that GL clips, or that are no number."""
+        width, height = self.viewport
+        inside = np.clip(self.rect, 0, np.array([width, height, width, height], dtype=np.int32))
+        return np.where(((self.depth >= 0) & (self.depth <= 1))[:, None], inside, np.int32(0))
 
     @property
     def keep_threshold(self) -> int:
@@ -69,8 +78,10 @@ def generate(config: SceneConfig, frame: int = 0) -> Scene:
     for channel in range(3):
         rgba[:, channel] = colour >> (8 * channel) & 0xFF
     rgba[:, 3] = _alphas(config.alpha, hash3(index, ALPHA, seed))
+    depth, rgba = stress.values(config, depth, rgba)
     order = _submission(config.order, depth, index, seed)
-    return Scene(tuple(config.size), rect[order], depth[order], rgba[order], config.fragment_probability, seed)
+    rect, depth = stress.reaching(config, rect[order]), stress.odd(config, depth[order])
+    return Scene(tuple(config.size), rect, depth, rgba[order], config.fragment_probability, seed)
 
 
 def _depths(index: np.ndarray, seed: int) -> np.ndarray:

@@ -1,5 +1,5 @@
 // Dual depth peeling: the nearest and the furthest fragment left are peeled, the bounds move inwards.
-// Invariant: out_bounds (MAX of (-z, z), -1 for none) encloses what is left; out_front only grows, so that
+// Invariant: out_bounds (MAX of (-z, z), below -1 for none: a fragment may be at depth 1) encloses what is left; out_front only grows, so that
 // MAX keeps the peeled value. Where nearest and furthest are one fragment it counts as the front.
 // Source: Bavoil and Myers 2008, as in kplus_2015 §2.
 #include "scene/fragment.glsl"
@@ -10,7 +10,7 @@ void main() {
     ivec2 xy = ivec2(gl_FragCoord.xy);
     vec2 peeling = texelFetch(bounds, xy, 0).xy;
     float z = gl_FragCoord.z, nearest = -peeling.x, furthest = peeling.y;
-    out_bounds = vec4(-1.0);
+    out_bounds = vec4(-2.0);
     out_front = texelFetch(front, xy, 0);
     out_behind = vec4(0.0);
     if (z > nearest && z < furthest) out_bounds.xy = vec2(-z, z);

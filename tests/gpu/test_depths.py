@@ -1,0 +1,49 @@
+"""What the device rasterizes of depths at their extremes is what the oracle takes them for."""
+
+import numpy as np
+import pytest
+
+from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.methods import catalog
+from mfr_bench.oracle import sizes_of
+from mfr_bench.scene import generate
+from mfr_bench.scene.stress import ODD_DEPTHS
+
+
+def arrived(device, config: SceneConfig) -> np.ndarray:
+    """float32 depths of every fragment of pixel 0, ascending, as the shaders get them."""
+    scene = generate(config)
+    sizes = sizes_of(scene)
+    quads, canvas = SceneBuffer(device, scene), Canvas(device, (sizes.W, sizes.H))
+    frame = Frame(device, catalog()["ab-array"].variant({}), sizes, quads, canvas)
+    frame.draw()
+    count = frame.words("counter")
+    assert (count == count[0]).all()
+    depths = frame.words("nodes").reshape(-1, sizes.P, 2)[:count[0], 0, 0].view(np.float32)
+    for thing in (frame, canvas, quads):
+        thing.release()
+    return np.sort(depths)
+
+
+@pytest.mark.parametrize(("at", "gap"), [(0.0, -24), (0.5, -24), (1.0, -24), (0.0, -126), (0.5, -4)])
+def test_every_bit_of_a_depth_arrives(device, at, gap):
+    if gap < -24 and not device.gl.glClipControl:
+        pytest.skip("this device has no clip control")
+    config = SceneConfig(size=(3, 2), depth_complexity=8, depth_at=at, depth_gap_log2=gap)
+    expected = np.sort(generate(config).depth)
+    assert arrived(device, config).tobytes() == expected.tobytes()
+
+
+@pytest.mark.parametrize("odd", ODD_DEPTHS)
+def test_odd_depths_are_clipped_as_the_oracle_clips_them(device, odd):
+    config = SceneConfig(size=(3, 2), depth_complexity=5, odd_depth=odd)
+    depth = generate(config).depth
+    seen = np.sort(depth[(depth >= 0) & (depth <= 1)])
+    assert np.array_equal(arrived(device, config), seen)
+
+
+@pytest.mark.parametrize("overhang", [1, 2**12, 2**24])
+def test_far_corners_cost_no_fragment(device, overhang):
+    config = SceneConfig(size=(37, 29), depth_complexity=3, overhang=overhang)
+    assert len(arrived(device, config)) == 3
