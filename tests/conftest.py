@@ -16,3 +16,15 @@ def device():
     from mfr_bench.gpu.device import open_device
 
     return open_device()
+
+
+@pytest.fixture
+def plant(monkeypatch):
+    """Replaces one piece of a shader, which has to be there."""
+    from mfr_bench import glsl
+
+    def planted(path: str, right: str, wrong: str) -> None:
+        original = glsl.read
+        assert right in original(path), f"{path} no longer says {right!r}; plant the fault elsewhere"
+        monkeypatch.setattr(glsl, "read", lambda p: original(p).replace(right, wrong) if p == path else original(p))
+    return planted

@@ -18,7 +18,7 @@ from ..glsl import (
     stages,
     texture_bindings,
 )
-from ..methods.spec import IMAGE, Counted, Grown, Loop, Pass, Sizes, Target, Variant, evaluate
+from ..methods.spec import IMAGE, Counted, Grown, Loop, Pass, Sizes, State, Target, Variant, evaluate
 from ..scene import Scene
 from . import rawgl
 from .device import Device
@@ -380,13 +380,7 @@ class PassRunner:
 
     def _apply_state(self) -> None:
         state = self.step.state
-        if state.blend:
-            equation, source, destination = state.blend
-            self.gl.glEnable(rawgl.BLEND)
-            self.gl.glBlendEquation(rawgl.EQUATIONS[equation])
-            self.gl.glBlendFunc(rawgl.FACTORS[source], rawgl.FACTORS[destination])
-        else:
-            self.gl.glDisable(rawgl.BLEND)
+        self._apply_blend(state)
         if state.depth_test:
             self.gl.glEnable(rawgl.DEPTH_TEST)
             self.gl.glDepthFunc(rawgl.DEPTH_FUNCTIONS[state.depth_test])
@@ -399,6 +393,17 @@ class PassRunner:
         else:
             self.gl.glDisable(rawgl.STENCIL_TEST)
         (self.gl.glEnable if state.multisample else self.gl.glDisable)(rawgl.MULTISAMPLE)
+
+    def _apply_blend(self, state: State) -> None:
+        """Blending of all locations alike, or of each its own way."""
+        (self.gl.glEnable if state.blend or state.blends else self.gl.glDisable)(rawgl.BLEND)
+        if state.blend:
+            equation, source, destination = state.blend
+            self.gl.glBlendEquation(rawgl.EQUATIONS[equation])
+            self.gl.glBlendFunc(rawgl.FACTORS[source], rawgl.FACTORS[destination])
+        for location, (equation, source, destination) in enumerate(state.blends):
+            self.gl.glBlendEquationi(location, rawgl.EQUATIONS[equation])
+            self.gl.glBlendFunci(location, rawgl.FACTORS[source], rawgl.FACTORS[destination])
 
     def release(self) -> None:
         for framebuffer in self.framebuffers.values():

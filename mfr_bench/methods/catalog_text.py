@@ -30,6 +30,12 @@ def _needs(method: Method) -> str:
     return ", ".join([*method.needs, *chosen]) or "nothing more than OpenGL 4.3"
 
 
+def _promise(method: Method) -> str:
+    parts = [method.guarantee, *([method.failure] if method.failure else []),
+             *([f"exact where `{method.exact_where}`"] if method.exact_where else [])]
+    return ": ".join(parts[:2]) + "".join(f"; {part}" for part in parts[2:])
+
+
 def as_markdown(methods: Iterable[Method]) -> str:
     """docs/methods.md: what each method is, promises and costs; its parameters; what becomes of equal depths."""
     methods = list(methods)
@@ -38,7 +44,7 @@ def as_markdown(methods: Iterable[Method]) -> str:
                     ((f"`{m.id}`", m.name, m.summary, m.source) for m in methods))
     lines += ["", "## What they promise and cost", ""]
     lines += _table(("id", "guarantee", "words", "passes", "needs"),
-                    ((f"`{m.id}`", m.guarantee + (f": {m.failure}" if m.failure else ""), f"`{m.words}`",
+                    ((f"`{m.id}`", _promise(m), f"`{m.words}`",
                       ", ".join(m.pass_names), _needs(m)) for m in methods))
     lines += ["", "## What is allocated beside the words, or how they are used", ""]
     lines += _table(("id", "beside the words"), ((f"`{m.id}`", m.beside) for m in methods if m.beside))

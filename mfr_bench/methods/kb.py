@@ -65,6 +65,7 @@ METHODS = [
         guarantee="approximate", words="2*k", ties="one of them is kept; each pass takes another",
         failure="with fewer passes than k, fragments that hazards lost may still be missing behind the nearest "
                 "`passes`; right with k passes, and wherever a pass finds nothing missing",
+        exact_where="passes >= min(k, n)",
         params=(K16, PASSES, OCCUPANCY, STAGE), local="k",
         beside="2 words per pixel: depth and colour of the nearest fragment that was missing, which the hardware finds "
                "for certain",
@@ -91,6 +92,7 @@ METHODS = [
         failure="keeps the first k fragments to arrive, not the nearest (with occupancy, the first of those that are "
                 "not culled); right where f <= k or the scene is sorted "
                 "front to back",
+        exact_where="n <= k",
         params=(K32, MULTISAMPLING, OCCUPANCY, *RESOLVE_OPTIONS), local="k",
         beside="3 words for each sample that k leaves unused: samples come in powers of two from 4",
         targets=routed_targets(SAMPLES),

@@ -125,11 +125,17 @@ def resolve(*reads: str, select: bool = False, hazards: bool = False, defines: M
                 expand=partial(_resolve_passes, hazards=hazards), **more)
 
 
-def resolve_sorted(*reads: str, hazards: bool = False, **more) -> Pass:
-    """Pass that composites fragments which its `fetch` already reads nearest first. Its parameter is STAGE."""
-    return Pass("resolve", "fullscreen", "common/resolve.frag", reads=reads, into=(IMAGE,),
-                resolver="common/resolve_sorted.glsl", defines={"LISTS": 1},
-                expand=lambda step, scope: (held(step, hazards), *_staged(step, scope)), **more)
+def resolve_sorted(*reads: str, resolver: str = "common/resolve_sorted.glsl", hazards: bool = False,
+                   mixes: bool = False, **more) -> Pass:
+    """Pass that composites fragments which its `fetch` already reads nearest first. Its parameter is STAGE.
+
+    `hazards`: as for `held`. With `mixes` the slots hold more than single fragments, which nobody counts.
+    """
+    def expand(step: Pass, scope: Params) -> tuple[Pass, ...]:
+        return (*(() if mixes else (held(step, hazards),)), *_staged(step, scope))
+
+    return Pass("resolve", "fullscreen", "common/resolve.frag", reads=reads, into=(IMAGE,), resolver=resolver,
+                defines={"LISTS": 1}, expand=expand, **more)
 
 
 KTH_DEPTH = Target("kth_depth", "depth32f")

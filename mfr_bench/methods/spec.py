@@ -230,9 +230,9 @@ class Buffer:
         return ELEMENT_WORDS[self.type]
 
 
-Format = Literal["r32f", "rg32f", "rgba32f", "r32ui", "depth32f", "depth24_stencil8"]
-FORMAT_WORDS: Mapping[str, int] = {"r32f": 1, "rg32f": 2, "rgba32f": 4, "r32ui": 1, "depth32f": 1,
-                                   "depth24_stencil8": 1}
+Format = Literal["r8", "rgba16f", "r32f", "rg32f", "rgba32f", "r32ui", "depth32f", "depth24_stencil8"]
+FORMAT_WORDS: Mapping[str, float] = {"r8": 0.25, "rgba16f": 2, "r32f": 1, "rg32f": 2, "rgba32f": 4, "r32ui": 1,
+                                     "depth32f": 1, "depth24_stencil8": 1}
 
 
 @dataclass(frozen=True)
@@ -265,11 +265,15 @@ class Stencil:
     reference: int = 0
 
 
+Blend = tuple[str, str, str]  # equation, source factor, destination factor
+
+
 @dataclass(frozen=True)
 class State:
-    """Fixed-function state of a draw. `blend` is equation, source factor, destination factor."""
+    """Fixed-function state of a draw. `blends` holds one blend for each location, where they differ."""
 
-    blend: tuple[str, str, str] | None = None
+    blend: Blend | None = None
+    blends: tuple[Blend, ...] = ()
     depth_test: Literal["less", "lequal", "equal", "always"] | None = None
     depth_write: bool = True  # where a depth target is attached
     early: bool = False  # the tests come before the shader, whatever it writes
@@ -280,6 +284,8 @@ class State:
 UNDER = ("add", "one_minus_dst_alpha", "one")  # premultiplied, front to back
 OVER = ("add", "one", "one_minus_src_alpha")  # premultiplied, back to front
 MAX = ("max", "one", "one")
+ADD = ("add", "one", "one")
+REVEAL = ("add", "zero", "one_minus_src_alpha")  # the product of 1 - alpha
 
 IMAGE = "image"  # the frame's result: RGBA32F, premultiplied, shared by all methods, in no method's memory
 
@@ -374,6 +380,8 @@ class Method:
     beside: str | None = None
     cost: str | None = None
     deepest: int | None = None  # most fragments of a pixel that the method can hold
+    mixes: bool = False  # its image stands for every fragment, whatever its k; few or none are held as they were
+    exact_where: str | None = None  # where an approximate method is exact all the same: a formula, e.g. "n <= k"
 
     def param(self, name: str) -> Param | None:
         return next((p for p in self.params if p.name == name), None)
@@ -475,6 +483,13 @@ class Variant:
         """What the method promises with these parameters."""
         return "approximate" if self.weaknesses and self.method.guarantee != "none" else self.method.guarantee
 
+    def exact_in(self, sizes: Sizes) -> bool:
+        """Whether the image of a scene of these sizes has to be the promised one."""
+        if self.guarantee.startswith("exact"):
+            return True
+        condition = None if self.weaknesses else self.method.exact_where
+        return condition is not None and bool(evaluate(condition, sizes, self.scope))
+
     def kept(self, sizes: Sizes) -> int:
         """Fragments that the image is made of when the method does what it promises."""
         layers = self.promise(sizes).layers
@@ -483,8 +498,8 @@ class Variant:
     @property
     def layers(self) -> int | None:
         """Most fragments per pixel that the parameters let reach the image; None means all."""
-        bounded = self.method.guarantee not in ("exact all", "none") and "k" in self.scope
-        return int(self.scope["k"]) if bounded else None
+        bounded = self.method.guarantee not in ("exact all", "none") and not self.method.mixes
+        return int(self.scope["k"]) if bounded and "k" in self.scope else None
 
     def promise(self, sizes: Sizes) -> Promise:
         """The image that the method aims at in a scene, by which conformance is judged."""
@@ -542,7 +557,7 @@ class Variant:
     def memory_bytes(self, sizes: Sizes) -> dict[str, int]:
         """Bytes of each resource, by name. The image that all methods share is not counted."""
         buffers = {b.name: b.copies * self.block_bytes(b, sizes) for b in self.buffers}
-        targets = {t.name: 4 * FORMAT_WORDS[t.format] * t.copies * sizes.P * self.samples(t, sizes)
+        targets = {t.name: int(4 * FORMAT_WORDS[t.format]) * t.copies * sizes.P * self.samples(t, sizes)
                    * self.layer_count(t, sizes) for t in self.targets}
         return buffers | targets
 

@@ -7,7 +7,7 @@ void fetch_begin(uint p) {
     fetch_end = p + uint(K) * pixels;
 }
 
-bool fetch_next(out uvec2 fragment) {
+bool fetch_next(out FRAGMENT fragment) {
     if (fetch_at >= fetch_end) return false;
     fragment = slot_fragment(fetch_at);
     fetch_at += pixels;

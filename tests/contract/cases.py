@@ -9,7 +9,7 @@ import numpy as np
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Method, Promise, Value, Variant, When
+from mfr_bench.methods.spec import Method, Promise, Sizes, Value, Variant, When
 from mfr_bench.oracle import composite, sizes_of
 from mfr_bench.scene import Scene, generate
 
@@ -78,6 +78,11 @@ def scene(config: SceneConfig) -> Scene:
 
 
 @cache
+def sizes_in(config: SceneConfig) -> Sizes:
+    return sizes_of(scene(config))
+
+
+@cache
 def oracle(config: SceneConfig, promise: Promise) -> np.ndarray:
     return composite(scene(config), promise.layers, promise.criterion)
 
@@ -87,7 +92,7 @@ class Drawn:
 
     def __init__(self, device, variant: Variant, config: SceneConfig, frames: int = 1, probing: bool = False):
         made = scene(config)
-        sizes = sizes_of(made)
+        sizes = sizes_in(config)
         quads, canvas = SceneBuffer(device, made), Canvas(device, (sizes.W, sizes.H))
         frame = Frame(device, variant, sizes, quads, canvas)
         digests = set()

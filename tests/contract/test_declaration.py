@@ -38,6 +38,7 @@ def test_says_what_a_reader_needs(method):
     assert all([method.name, method.family, method.source, method.summary, method.ties])
     assert method.guarantee in ("exact all", "exact k nearest", "exact k best", "approximate", "none")
     assert (method.failure is not None) == (method.guarantee == "approximate")
+    assert not method.exact_where or method.guarantee == "approximate"
     assert all(p.doc for p in method.params)
 
 

@@ -2,7 +2,6 @@
 
 import pytest
 
-from mfr_bench import glsl
 from mfr_bench.errors import ShaderError
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Buffer, Method, Pass
@@ -41,16 +40,6 @@ FAULTS = [
     ("kb-ps", "common/insert_sorted.glsl", "fragment.x < held.x", "fragment.x > held.x"),
     ("kb-ll", "methods/ll/store.frag", "<= fragment.x", ">= fragment.x"),
 ]
-
-
-@pytest.fixture
-def plant(monkeypatch):
-    """Replaces one piece of a shader, which has to be there."""
-    def planted(path: str, right: str, wrong: str) -> None:
-        original = glsl.read
-        assert right in original(path), f"{path} no longer says {right!r}; plant the fault elsewhere"
-        monkeypatch.setattr(glsl, "read", lambda p: original(p).replace(right, wrong) if p == path else original(p))
-    return planted
 
 
 @pytest.mark.parametrize(("method", "path", "right", "wrong"), FAULTS, ids=lambda text: text.replace("/", "."))

@@ -1,5 +1,5 @@
 // Reads the sorted fragments of a pixel.
-uvec2 slot_fragment(uint at) {
+FRAGMENT slot_fragment(uint at) {
     return nodes[at];
 }
 

@@ -1,0 +1,39 @@
+"""Hybrid transparency: a k-buffer's core, and one average colour for all that lies behind it.
+
+Words: 2k for the core; colour, opacity and number of the tail's fragments, 5. `sync: spin` has a semaphore beside them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from .shared import STAGE, SYNC, K, clear, resolve_sorted
+from .spec import Buffer, Method, Pass, when
+
+ORDER = 8
+
+METHODS = [
+    Method(
+        id="hybrid", name="Hybrid transparency", family="hybrid",
+        source="Maule et al. 2013; the tail as in Bavoil & Myers 2008",
+        summary="the k nearest fragments exactly, sorted insertion; those behind as the weighted average of their "
+                "colours and opacities",
+        guarantee="approximate", words="2*k + 5",
+        ties="kept, in order of arrival; the first to arrive has the k-th place",
+        failure="the tail knows no order; its opacity is right where its alphas are equal, its colour where its "
+                "colours are",
+        mixes=True, exact_where="n <= k + 1",
+        params=(replace(K, doc="fragments of the core"), SYNC, STAGE), local="k",
+        buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
+                 Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True),
+                 Buffer("tail", "4*P", type="vec4", clear="0.0", coherent=True),
+                 Buffer("tail_count", "P", clear="0u", coherent=True)),
+        steps=(
+            clear("semaphore", "nodes", "tail", "tail_count"),
+            Pass("store", "geometry", "methods/hybrid/store.frag",
+                 writes=("semaphore", "nodes", "tail", "tail_count")),
+            resolve_sorted("nodes", "tail", "tail_count", fetch="methods/ps/fetch.glsl",
+                           resolver="methods/hybrid/resolve.glsl", mixes=True),
+        ),
+    ),
+]

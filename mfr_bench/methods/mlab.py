@@ -1,0 +1,35 @@
+"""Multi-layer alpha blending: a k-buffer that merges what it has no room for.
+
+The paper counts a depth and a colour for each layer, 2k words; `payload: rgba16f` takes a word more. `sync: spin` has a
+semaphore beside them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from .shared import PAYLOAD, STAGE, SYNC, K, clear, resolve_sorted
+from .spec import Buffer, Method, Pass, when
+
+ORDER = 8
+
+METHODS = [
+    Method(
+        id="mlab", name="MLAB", family="mlab",
+        source="Salvi & Vaidyanathan 2014",
+        summary="k layers per pixel in order of depth; where a fragment finds no room, the two furthest layers are "
+                "merged",
+        guarantee="approximate", words="2*k", ties="kept, in order of arrival",
+        failure="a fragment that comes late may belong in front of what was merged; each merge rounds to the payload",
+        mixes=True, exact_where="n <= k",
+        params=(replace(K, doc="layers per pixel"), SYNC, STAGE,
+                replace(PAYLOAD, choices=("rgba8", "rgba16f"))), local="k",
+        buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
+                 Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", coherent=True)),
+        steps=(
+            clear("semaphore", "nodes"),
+            Pass("store", "geometry", "methods/mlab/store.frag", writes=("semaphore", "nodes")),
+            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", mixes=True),
+        ),
+    ),
+]

@@ -1,0 +1,8 @@
+// Adaptive transparency, between the geometry passes: the image gets the opacity of all fragments, to which shading
+// adds colours.
+#include "common/pixel.glsl"
+#include "methods/adaptive/nodes.glsl"
+
+void main() {
+    out_image = vec4(0.0, 0.0, 0.0, 1.0 - visibility(pixel_index(), EMPTY));
+}

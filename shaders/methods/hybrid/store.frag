@@ -1,0 +1,23 @@
+// Hybrid transparency, store: the K nearest fragments stay in order, what falls out of them joins the tail's sums.
+// Invariant: every fragment so far is in the core or counted in the tail, and none of the tail is nearer than the core.
+// Source: Maule et al. 2013, §3.
+#include "scene/fragment.glsl"
+#include "common/colour.glsl"
+#include "common/lock.glsl"
+#include "methods/ps/slots.glsl"
+#include "common/insert_sorted.glsl"
+
+void insert(uint p, FRAGMENT fragment) {
+    FRAGMENT furthest = insert_sorted(p, fragment);
+    if (furthest.x == EMPTY) return;
+    tail[p] += colour_of(furthest);
+    tail_count[p] += 1u;
+}
+
+void main() {
+    uint p = pixel_index();
+    FRAGMENT fragment = incoming();
+    CRITICAL_BEGIN(p, !rejected())
+    insert(p, fragment);
+    CRITICAL_END(p)
+}

@@ -1,0 +1,8 @@
+// Moment-based OIT, resolve: the shaded colours, scaled so that they are as opaque as all fragments together.
+// Source: Muenstermann et al. 2018, §3.3.
+void main() {
+    ivec2 xy = ivec2(gl_FragCoord.xy);
+    vec4 sum = texelFetch(shaded, xy, 0);
+    float opacity = 1.0 - exp(-texelFetch(absorbance, xy, 0).x);
+    out_image = vec4(sum.a > 0.0 ? sum.rgb / sum.a * opacity : vec3(0.0), opacity);
+}

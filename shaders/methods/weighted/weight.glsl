@@ -1,0 +1,22 @@
+// Weight of a fragment in weighted blended OIT, by one of the paper's equations. Eq. 7 to 9 take a distance from the
+// eye and are fitted to 0.1 .. 500; window depth, which is linear in an orthographic view, is spread over that range.
+// Source: McGuire and Bavoil 2013, Eq. 7-10.
+const float NEAR = 0.1, FAR = 500.0;
+const float LEAST_WEIGHT = 1e-2, MOST_WEIGHT = 3e3;
+
+float falling(float rise, float distance_term) {
+    return clamp(rise / (1e-5 + distance_term), LEAST_WEIGHT, MOST_WEIGHT);
+}
+
+float weight(float depth, float alpha) {
+    float z = mix(NEAR, FAR, depth);
+#if WEIGHT_EQ7
+    return alpha * falling(10.0, pow(z / 5.0, 2.0) + pow(z / 200.0, 6.0));
+#elif WEIGHT_EQ8
+    return alpha * falling(10.0, pow(z / 10.0, 3.0) + pow(z / 200.0, 6.0));
+#elif WEIGHT_EQ9
+    return alpha * falling(0.03, pow(z / 200.0, 4.0));
+#else
+    return alpha * max(LEAST_WEIGHT, MOST_WEIGHT * pow(1.0 - depth, 3.0));
+#endif
+}
