@@ -77,7 +77,7 @@ COLUMNS = (
     Column("psnr_db", "float", "dB", "peak signal-to-noise ratio against the full list's image"),
     Column("flip", "float", "", "mean FLIP error against the full list's image"),
     Column("hit_ratio", "float", "", "fragments kept / generated, counted in what the method holds after an untimed "
-           "frame (zbuffer: as promised)"),
+           "frame (as promised, by a method that holds no fragments)"),
     Column("wrong_pixels", "int", "pixels", "pixels with a channel error above 1/512"),
     Column("label", "str", "", "name of the method in tables and figures", "cell"),
     Column("layout", "str", "", "how quads are placed", "scene"),
