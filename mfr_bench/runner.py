@@ -25,7 +25,7 @@ from .methods.spec import Method, Promise, Sizes, Variant
 from .oracle import composite, sizes_of
 from .plan import Cell, judge
 from .scene import Scene, generate
-from .stats import ratio_interval
+from .stats import interleaved_ratio
 from .store import ResultFolder, key
 
 ANIMATION_FRAMES = 8  # seeds that an animated scene cycles through
@@ -311,15 +311,13 @@ class Runner:
             methods[0].twin = Sampler(methods[0].job.cell.measure)
 
     def _batch(self, running: Running, work: SceneWork, sampler: Sampler) -> None:
-        for _ in range(sampler.wanted):
+        for _ in sampler.turn():
             self._stop_if_asked()
             scene = work.show(len(sampler.samples_ms))
             running.frame.show(scene)
             with self.split.work("measure" if sampler.warm else "warm-up"):
                 time_ms = self.timer.frame_ms(running.frame.draw)
             sampler.add(time_ms)
-            if not sampler.wanted:
-                break
         if sampler.warm:
             self._time_passes(running, work, frames=1)
 
@@ -331,7 +329,9 @@ class Runner:
             self._check_again(running, work)
             distinct = self._distinct_images(running)
         if running.twin:
-            low, _, high = ratio_interval(running.twin.samples_ms, sampler.samples_ms)
+            measure = job.cell.measure
+            low, _, high = interleaved_ratio(running.twin.samples_ms, sampler.samples_ms, measure.min_samples,
+                                             measure.max_samples)
             if low is not None and high is not None:
                 self.summary.noise_floor_rel = max(abs(low - 1), abs(high - 1))
         status, reason = verdict(job.variant, running.conformance, running.lost, distinct or 1)

@@ -1,30 +1,48 @@
-"""Medians and their order-statistic intervals. Nothing is assumed of the distribution of the samples."""
+"""Medians, ratios and their order-statistic intervals. Nothing is assumed of the distribution of the samples.
+
+docs/measurement.md states what each promises, and what was measured of it.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import cache
+from itertools import pairwise
+from statistics import median
 
 Interval = tuple[float | None, float | None, float | None]  # low, median, high
 
+GROWTH = 1.5  # of the number of samples from look to look
+LOOK_SHARE = 0.8  # of the error allowed: what one look may err, so that stopping at any of them stays within it
+CHANCE = 1.0  # standard errors of a correlation of 0 that count as chance
+
 
 @cache
-def interval_rank(count: int, confidence: float = 0.95) -> int | None:
-    """Largest rank r (1 is the least sample) for which [x_(r), x_(count+1-r)] holds the median.
+def interval_position(count: int, confidence: float = 0.95) -> float | None:
+    """Rank p (1 is the least sample, between two ranks interpolated) for which [x_(p), x_(count+1-p)] holds the median.
 
-    It does so with a probability of at least `confidence`: the number of samples below the median is
-    binomial with p = 1/2, and each tail, P(fewer than r), may weigh (1 - confidence)/2. None where even
-    the two extreme samples do not reach it (fewer than 6 samples for 0.95).
+    The number of samples below the median is binomial with p = 1/2. Between the last whole rank that reaches the
+    confidence and the next, which does not, the ends are interpolated as Hettmansperger & Sheather (1986, Eq. 2)
+    do, so that the coverage is close to `confidence` for any smooth distribution and not up to 3 % above it.
+    None where even the two extreme samples do not reach it (fewer than 6 samples for 0.95).
     """
-    tail = (1 - Fraction(str(confidence))) / 2 * 2**count
-    below, term, rank = 0, 1, 0
-    while 2 * rank < count and below + term <= tail:
+    wanted, whole = Fraction(str(confidence)), 2**count
+    below, term, rank, reached = 0, 1, 0, Fraction(1)  # samples in fewer than `rank` places below, of 2**count
+    while 2 * (rank + 1) <= count:
         below += term
         term = term * (count - rank) // (rank + 1)
-        rank += 1
-    return rank or None
+        covered = 1 - Fraction(2 * below, whole)
+        if covered < wanted:
+            break
+        rank, reached = rank + 1, covered
+    else:
+        return float(rank) or None
+    if not rank:
+        return None
+    share = (reached - wanted) / (reached - covered)
+    return rank + float((count - rank) * share / (rank + (count - 2 * rank) * share))
 
 
 def median_interval(samples: Sequence[float], confidence: float = 0.95) -> Interval:
@@ -33,31 +51,109 @@ def median_interval(samples: Sequence[float], confidence: float = 0.95) -> Inter
     The ends are None where there are too few samples for the confidence; all three are None without
     samples. Raises ValueError for a sample that is not finite.
     """
+    return _interval(samples, confidence, widened=1.0)
+
+
+def sampled_interval(samples: Sequence[float], confidence: float = 0.95) -> Interval:
+    """`median_interval` of samples in the order in which they were taken, until it was narrow enough.
+
+    Two things would make it hold the median too rarely, and are made good. Who stops when an interval is narrow stops
+    at lucky ones: each look errs in a share of LOOK_SHARE of what is allowed. And frames that follow one another are
+    alike: the interval is that of as many independent samples as these are worth.
+    """
+    return _interval(samples, 1 - LOOK_SHARE * (1 - confidence), math.sqrt(1 / _worth(samples)))
+
+
+def _interval(samples: Sequence[float], confidence: float, widened: float) -> Interval:
     ordered = sorted(float(s) for s in samples)
     if not all(map(math.isfinite, ordered)):
         raise ValueError("a sample is not finite")
     if not ordered:
         return None, None, None
-    count = len(ordered)
-    median = (ordered[(count - 1) // 2] + ordered[count // 2]) / 2
-    rank = interval_rank(count, confidence)
-    if rank is None:
-        return None, median, None
-    return ordered[rank - 1], median, ordered[count - rank]
+    position = interval_position(len(ordered), round(confidence, 6))
+    if position is None:
+        return None, median(ordered), None
+    middle = (len(ordered) + 1) / 2
+    position = max(1.0, middle - (middle - position) * widened)
+    return _at(ordered, position), median(ordered), _at(ordered, len(ordered) + 1 - position)
+
+
+def _at(ordered: Sequence[float], position: float) -> float:
+    """The value at a rank, from 1, of sorted samples; between two ranks interpolated, never outside of both."""
+    rank = math.floor(position)
+    low, high = ordered[rank - 1], ordered[min(rank, len(ordered) - 1)]
+    return low if low == high else min(high, max(low, low + (position - rank) * (high - low)))
+
+
+def _worth(samples: Sequence[float]) -> float:
+    """Independent samples that each of these is worth: (1 - r)/(1 + r), r the correlation of neighbours' signs.
+
+    A sample's sign is its side of the median. What is within CHANCE of no correlation counts as none, and so does a
+    negative one.
+    """
+    if len(samples) < 2:
+        return 1.0
+    middle = median(samples)
+    signs = [(s > middle) - (s < middle) for s in samples]
+    mean = (sum(a * b for a, b in pairwise(signs)) + 1) / len(signs)  # -1/n is what independent samples come to
+    r = min(0.9, max(0.0, mean - CHANCE / math.sqrt(len(signs))))
+    return (1 - r) / (1 + r)
 
 
 def ratio_interval(over: Sequence[float], under: Sequence[float], confidence: float = 0.95) -> Interval:
-    """Ratio of the medians of two sample sets, with an interval of at least the given confidence.
+    """Ratio of the medians of two sets of samples in the order in which they were taken, with its interval.
 
-    Two 97.5 % intervals hold both medians at once in at least 95 % of cases (Bonferroni), whether or
-    not the sets depend on each other. Samples are positive. The ends are None where either set has too
-    few samples (below 7 for 95 %), and all three are None where either is empty or the lower median is 0.
+    The distances of the ends from the medians are combined as those of independent estimates are (MOVER: Zou & Donner
+    2008), on a logarithmic scale; where both sets drift alike, the interval is wider than need be. Samples are
+    positive. The ends are None where either set has too few samples (below 6 for 95 %), and all three are None where
+    either is empty or has a median of 0.
     """
-    each = (1 + confidence) / 2
-    over_low, over_median, over_high = median_interval(over, each)
-    under_low, under_median, under_high = median_interval(under, each)
-    if over_median is None or not under_median:
+    above, below = sampled_interval(over, confidence), sampled_interval(under, confidence)
+    if not above[1] or not below[1]:
         return None, None, None
-    if over_low is None or not under_low or under_high is None:
-        return None, over_median / under_median, None
-    return over_low / under_high, over_median / under_median, over_high / under_low
+    ratio = above[1] / below[1]
+    if not (above[0] and below[0]):
+        return None, ratio, None
+    (down, up), (down_below, up_below) = _log_distances(above), _log_distances(below)
+    return ratio * math.exp(-math.hypot(down, up_below)), ratio, ratio * math.exp(math.hypot(up, down_below))
+
+
+def _log_distances(interval: Interval) -> tuple[float, float]:
+    low, middle, high = interval
+    return math.log(middle / low), math.log(high / middle)
+
+
+def goals(least: int, most: int) -> Iterator[int]:
+    """Numbers of samples after which a sampler looks at them: 10, 15, 22, 33, … up to `most`."""
+    goal = min(least, most)
+    while goal < most:
+        yield goal
+        goal = min(most, max(goal + 1, int(goal * GROWTH)))
+    yield most
+
+
+def interleaved_ratio(over: Sequence[float], under: Sequence[float], least: int, most: int,
+                      confidence: float = 0.95) -> Interval:
+    """`ratio_interval` of samples that were taken in turns, batch by batch as `goals(least, most)` has it.
+
+    Each batch of both is divided by what they have in common, the geometric mean of their medians: what slows both
+    down alike leaves the interval. Samples without a counterpart are left out, for they are of another time.
+    """
+    shared = min(len(over), len(under))
+    ends = [goal for goal in goals(least, most) if goal < shared] + [shared]
+    above: list[float] = []
+    below: list[float] = []
+    for start, end in pairwise([0, *ends] if shared else []):
+        common = math.sqrt(median(over[start:end]) * median(under[start:end]))
+        if not common:
+            return None, None, None
+        above += [sample / common for sample in over[start:end]]
+        below += [sample / common for sample in under[start:end]]
+    return ratio_interval(above, below, confidence)
+
+
+def real(ratio: Interval, noise: float) -> bool:
+    """Whether a ratio tells two things apart: its interval leaves out 1, by no less than one thing measured twice
+    differs from itself (`noise`, relative)."""
+    low, middle, high = ratio
+    return None not in ratio and not low <= 1 <= high and abs(middle - 1) > noise

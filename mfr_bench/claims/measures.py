@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ..report.data import Point
+from ..report.data import Point, time_ratio
 from ..stats import Interval, ratio_interval
 from .evidence import NOTHING
 
@@ -34,7 +34,8 @@ class Measure:
             scale = above / below
         if not self.samples:
             return scale, scale, scale
-        low, value, high = ratio_interval(self.samples(over), self.samples(under), confidence)
+        low, value, high = (time_ratio(over.cell, under.cell, confidence) if self.samples is frame_ms
+                            else ratio_interval(self.samples(over), self.samples(under), confidence))
         return tuple(None if end is None else end * scale for end in (low, value, high))
 
 

@@ -6,13 +6,13 @@ frames of several methods.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from statistics import median
 
 from ..config.model import Measure
-from ..stats import Interval, median_interval
+from ..stats import Interval, goals, sampled_interval
 
-GROWTH = 1.5  # of the number of samples from batch to batch
 WARMUP_FRAMES = (2, 4, 8, 16, 32)  # looked at after so many
 WARMUP_SHARE = 0.2  # of the time limit, at most
 HALVES_AGREE = 0.05  # relative difference of the medians of two halves
@@ -34,19 +34,16 @@ class Sampler:
     samples_ms: list[float] = field(default_factory=list)
     stop_reason: str | None = None
     warm: bool = False
-    _goal: int = 0
+    spent_s: float = 0.0  # in frames, warm-up included
 
     def __post_init__(self) -> None:
-        self._goal = min(self.measure.min_samples, self.measure.max_samples)
-
-    @property
-    def spent_s(self) -> float:
-        return (sum(self.warmup_ms) + sum(self.samples_ms)) / 1e3
+        self._goals = goals(self.measure.min_samples, self.measure.max_samples)
+        self._goal = next(self._goals)
 
     @property
     def interval(self) -> Interval:
         """Low, median, high of the frame time in ms."""
-        return median_interval(self.samples_ms)
+        return sampled_interval(self.samples_ms)
 
     @property
     def rel_half_width(self) -> float | None:
@@ -80,6 +77,17 @@ class Sampler:
             return next(n for n in WARMUP_FRAMES if n > len(self.warmup_ms)) - len(self.warmup_ms)
         return self._goal - len(self.samples_ms)
 
+    def turn(self) -> Iterator[None]:
+        """A frame at a time of one turn: all of the warm-up with the first batch, then a batch.
+
+        So the batches of methods that take turns stand beside each other, however long each took to warm up.
+        """
+        while not self.warm and not self.stop_reason:
+            yield
+        for _ in range(self.wanted):
+            if not self.stop_reason:
+                yield
+
     def interrupt(self) -> bool:
         """Stop here. Whether there are samples enough to keep."""
         self.stop_reason = self.stop_reason or "interrupted"
@@ -87,6 +95,7 @@ class Sampler:
 
     def add(self, time_ms: float) -> None:
         """Take one frame's time and decide what follows."""
+        self.spent_s += time_ms / 1e3
         if not self.warm:
             self.warmup_ms.append(time_ms)
             self.warm = self._warmed_up()
@@ -109,4 +118,4 @@ class Sampler:
         elif len(self.samples_ms) >= self.measure.max_samples:
             self.stop_reason = "most samples"
         else:
-            self._goal = min(self.measure.max_samples, int(self._goal * GROWTH))
+            self._goal = next(self._goals)

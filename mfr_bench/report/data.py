@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from ..errors import StoreError, nearest
-from ..stats import Interval, median_interval, ratio_interval
+from ..stats import Interval, interleaved_ratio, median_interval, ratio_interval
 from ..store import COLUMNS, FLOOR, Cell, Floors, ResultFolder, Row, device_name, result_rows
 
 EXACT_ERROR = 1e-4  # an image within it counts as exact: rounding of float32 payload math, n <= 1024
@@ -78,10 +78,10 @@ class Point:
 
     @cached_property
     def floor_ratio(self) -> Interval:
-        """Time over the floor's; from raw samples, so that the interval keeps its confidence."""
+        """Time over the floor's."""
         if self.floor is None or self.row["time_ms"] is None:
             return None, None, None
-        return ratio_interval(self.cell.get("samples_ms") or [], self.floor.get("samples_ms") or [])
+        return time_ratio(self.cell, self.floor)
 
     @cached_property
     def passes_ms(self) -> dict[str, Interval]:
@@ -192,6 +192,18 @@ def load(folder: ResultFolder) -> Result:
     points = tuple(Point(cell, row, label, floors.of(cell), parameters)
                    for cell, row, label in zip(cells, result_rows(cells), labels, strict=True))
     return Result(folder, manifest, points)
+
+
+def time_ratio(over: Cell, under: Cell, confidence: float = 0.95) -> Interval:
+    """The frame time of one cell over that of another; from raw samples, so that the interval keeps its confidence.
+
+    Cells of one scene and settings were sampled in turns: what slowed both down alike is left out of the interval.
+    """
+    above, below = (cell.get("samples_ms") or [] for cell in (over, under))
+    least, most = (over["measure"].get(name) for name in ("min_samples", "max_samples"))
+    in_turns = all(over[name] == under[name] for name in ("scene", "measure")) and least and most
+    return (interleaved_ratio(above, below, least, most, confidence) if in_turns
+            else ratio_interval(above, below, confidence))
 
 
 def series(result: Result, points: Sequence[Point], used: Iterable[str]) -> list[Point]:

@@ -82,9 +82,9 @@ def test_too_few_samples_decide_nothing(tmp_path, claim_id):
 
 
 def widened(samples):
-    """The same median, with samples from a twentieth of it to twenty times as much."""
+    """The same median, with samples from a thousandth of it to a thousand times as much."""
     middle = sorted(samples)[len(samples) // 2]
-    return [middle * 20 ** ((i % 21 - 10) / 10) for i in range(20)]
+    return [middle * 1000 ** ((i % 21 - 10) / 10) for i in range(20)]
 
 
 @pytest.mark.parametrize("claim_id", TIMED)

@@ -14,8 +14,9 @@ MEASURE = {"target_rel_ci": 0.01, "min_samples": 10, "max_samples": 1000, "time_
 
 
 def spread(middle, count=10, width=0.01):
-    """`count` samples around `middle`, evenly spread over ±`width` of it."""
-    return [middle * (1 + width * (2 * i / max(1, count - 1) - 1)) for i in range(count)]
+    """`count` samples around `middle`, evenly spread over ±`width` of it, in an order without a drift."""
+    shuffled = sorted(range(count), key=lambda i: i * 0.618 % 1)
+    return [middle * (1 + width * (2 * i / max(1, count - 1) - 1)) for i in shuffled]
 
 
 def cell(method="kplus-array", label=None, time_ms=5.0, passes=None, scene=None, params=None, point=None,
