@@ -250,11 +250,12 @@ def _outputs(variant: Variant, step: Pass, sizes: Sizes) -> list[str]:
     return lines
 
 
-VERTEX = {"geometry": "scene/quad.vert", "fullscreen": "screen/triangle.vert"}
+def _vertex(step: Pass, sizes: Sizes) -> str:
+    return step.vertex or (f"scene/{sizes.geometry}.vert" if step.kind == "geometry" else "screen/triangle.vert")
 
 
 def stages(variant: Variant, step: Pass, sizes: Sizes) -> tuple[Source, ...]:
     """All stages of a pass: vertex and fragment, or compute alone."""
     if step.kind == "compute":
         return (source(variant, step, sizes),)
-    return source(variant, step, sizes, step.vertex or VERTEX[step.kind]), source(variant, step, sizes)
+    return source(variant, step, sizes, _vertex(step, sizes)), source(variant, step, sizes)

@@ -4,17 +4,20 @@ Fragments are composited front to back from their 8-bit payloads (the `over` ope
 Duff 1984, premultiplied). The screen is cut along all edges of the quads: within a cell of that grid
 every pixel has the same list, so a scene without rejected fragments costs its number of cells, not of
 pixels.
+
+The depths of slanted primitives are what a device makes of them. `Fragments` holds a device's own, as
+`gpu.capture` reads them back; they are sorted by depth and composited in float64 as well.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from .methods.spec import Sizes
-from .scene import Scene
+from .scene import Geometry, Scene
 
 
 @dataclass(frozen=True)
@@ -67,9 +70,16 @@ def sizes_of(scene: Scene) -> Sizes:
     """What the scene asks of a method: its fragments, counted."""
     grid = _grid(scene)
     counts, areas = _cell_counts(scene, grid), grid.areas
-    histogram = np.bincount(counts.ravel(), weights=areas.ravel())  # float64 is exact below 2**53 pixels
+    return scene_sizes(scene, counts, areas)
+
+
+def scene_sizes(scene: Geometry, counts: np.ndarray, areas: np.ndarray | int = 1) -> Sizes:
+    """The sizes of a scene with these fragments in pixels, or in cells of these areas."""
+    weights = np.broadcast_to(areas, counts.shape).ravel()
+    histogram = np.bincount(counts.ravel(), weights=weights)  # float64 is exact below 2**53 pixels
     return Sizes(W=scene.viewport[0], H=scene.viewport[1], n=max(1, int(counts.max())), F=int((counts * areas).sum()),
-                 quads=len(scene), rejects=scene.keep_threshold < 2**32, histogram=tuple(int(h) for h in histogram))
+                 quads=len(scene), rejects=scene.keep_threshold < 2**32, histogram=tuple(int(h) for h in histogram),
+                 geometry=scene.geometry, aligned=scene.aligned)
 
 
 def _mask(scene: Scene, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray | bool:
@@ -126,3 +136,97 @@ def _last_taken(scene: Scene, grid: Grid, place: np.ndarray, layers: int) -> np.
         last[here][mask] = place[quad]
         taken[here] += mask
     return last
+
+
+CHUNK = 2**23  # fragments that are sorted or composited at once
+
+
+def in_chunks(counts: np.ndarray, room: int = CHUNK) -> Iterator[tuple[slice, slice]]:
+    """Ranges of pixels with at most `room` fragments, of one pixel more, and the ranges of their fragments."""
+    ends = np.cumsum(counts, dtype=np.int64)
+    start, before = 0, 0
+    while start < len(ends):
+        stop = max(start + 1, int(np.searchsorted(ends, before + room, side="right")))
+        yield slice(start, stop), slice(before, int(ends[stop - 1]))
+        start, before = stop, int(ends[stop - 1])
+
+
+@dataclass(frozen=True)
+class Fragments:
+    """Every fragment of a scene, pixel by pixel, in a pixel from the nearest to the furthest.
+
+    counts: int64 (H, W). depth: uint32 (F,), bits of the window depth. primitive: uint32 (F,). tied: bool (H, W),
+    pixels in which two fragments have one depth: which of them is in front is nobody's to say.
+    """
+
+    scene: Geometry
+    counts: np.ndarray
+    depth: np.ndarray
+    primitive: np.ndarray
+    tied: np.ndarray
+
+    @classmethod
+    def of(cls, scene: Geometry, counts: np.ndarray, depth: np.ndarray, primitive: np.ndarray) -> Fragments:
+        """From fragments pixel by pixel, in any order within a pixel; those of one depth end in order of submission.
+
+        Sorts `depth` and `primitive` in place.
+        """
+        flat, tied = counts.ravel(), np.zeros(counts.size, dtype=bool)
+        for pixels, part in in_chunks(flat):
+            depth[part], primitive[part], tied[pixels] = _in_order(flat[pixels], depth[part], primitive[part])
+        return cls(scene, counts, depth, primitive, tied.reshape(counts.shape))
+
+    def composite(self, layers: int | None = None, criterion: str = "nearest") -> np.ndarray:
+        """As `composite` of a scene of flat quads."""
+        flat, payload = self.counts.ravel(), self.scene.rgba / 255.0
+        image = np.empty((flat.size, 4))
+        for pixels, part in in_chunks(flat):
+            counts, primitive = flat[pixels], self.primitive[part]
+            if layers is not None:
+                primitive = primitive[_taken(counts, self.scene.rgba[primitive, 3], layers, criterion)]
+                counts = np.minimum(counts, layers)
+            image[pixels] = _over(payload, primitive, counts)
+        return image.reshape(*self.counts.shape, 4)
+
+
+def _in_order(counts: np.ndarray, depth: np.ndarray, primitive: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Depths and primitives with those of each pixel sorted by depth, then by primitive; which pixels have a tie."""
+    pixel = np.repeat(np.arange(counts.size, dtype=np.uint64), counts)
+    place = pixel << np.uint64(32) | depth
+    order = np.argsort(place)
+    place, primitive = place[order], primitive[order]
+    equal = np.flatnonzero(place[1:] == place[:-1])
+    runs = np.union1d(equal, equal + 1)
+    primitive[runs] = primitive[runs][np.lexsort((primitive[runs], place[runs]))]
+    tied = np.zeros(counts.size, dtype=bool)
+    tied[pixel[equal].astype(np.int64)] = True
+    return place.astype(np.uint32), primitive, tied
+
+
+def _taken(counts: np.ndarray, alpha: np.ndarray, layers: int, criterion: str) -> np.ndarray:
+    """bool (F,): the best `layers` fragments of each pixel, of fragments in order with these alphas of 8 bits."""
+    starts = np.repeat(np.cumsum(counts) - counts, counts)
+    rank = np.arange(len(alpha)) - starts  # in its pixel, from the nearest
+    if criterion == "furthest":
+        rank = np.repeat(counts, counts) - 1 - rank
+    elif criterion == "opaque":
+        best = np.lexsort((rank, -alpha.astype(np.int64), starts))
+        rank[best] = np.arange(len(alpha)) - starts
+    return rank < layers
+
+
+def _over(payload: np.ndarray, primitive: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """float64 (pixels, 4), premultiplied: the fragments of each pixel, nearest first, composited rank by rank."""
+    deepest_first = np.argsort(-counts, kind="stable")
+    starts, deep = (np.cumsum(counts) - counts)[deepest_first], -counts[deepest_first]
+    colour, transmittance = np.zeros((counts.size, 3)), np.ones(counts.size)
+    left = counts.size
+    for rank in range(int(counts.max(initial=0))):
+        left = int(np.searchsorted(deep[:left], -rank))  # pixels with more than `rank` fragments
+        here = payload[primitive[starts[:left] + rank]]
+        weight = transmittance[:left] * here[:, 3]
+        colour[:left] += weight[:, None] * here[:, :3]
+        transmittance[:left] *= 1.0 - here[:, 3]
+    found = np.empty((counts.size, 4))
+    found[deepest_first] = np.concatenate([colour, 1.0 - transmittance[:, None]], axis=-1)
+    return found

@@ -11,10 +11,19 @@ from itertools import accumulate, pairwise
 from typing import Any, Literal
 
 from .config.axes import measure_at, points, scene_at
-from .config.layout import block, covered_pixels, quad_count, quad_size
+from .config.layout import (
+    block,
+    covered_pixels,
+    has_mean_depth,
+    is_flat,
+    mean_depth,
+    quad_count,
+    quad_size,
+    shares,
+)
 from .config.model import Experiment, Measure, MethodEntry, Scene
 from .errors import UsageError, nearest
-from .methods.spec import Method, Sizes, Value
+from .methods.spec import SCENE_FACTS, Method, Sizes, Value
 
 FLOOR = "floor"  # measured for every scene: what the other times are compared with
 MIB = 2**20
@@ -92,6 +101,7 @@ def judge(cell: Cell, catalog: Mapping[str, Method], sizes: Sizes, limits: Limit
     """Why a cell is not measured, or None. Without limits only the budget is held against it."""
     variant = catalog[cell.method].variant(cell.params)
     missing = [f for f in variant.needs if limits and f not in limits.features]
+    missing += [SCENE_FACTS[f] for f in variant.asks if not getattr(sizes, f)]
     if missing:
         return "unsupported", f"needs {', '.join(missing)}"
     deepest = variant.method.deepest
@@ -130,16 +140,22 @@ def _row(cell: Cell, catalog: Mapping[str, Method], limits: Limits | None) -> di
 
 @lru_cache(maxsize=512)
 def expected_sizes(scene: Scene) -> Sizes:
-    """What a scene should come to, without making it: exact for block and tiles without rejected fragments."""
+    """What a scene should come to, without making it: exact for block and tiles without rejected fragments.
+
+    About right elsewhere: the fragments of slanted primitives are known when a device has drawn them.
+    """
     covered = covered_pixels(scene)
     counts = _whole_pixels(_expected_counts(scene), covered)
     histogram = (counts[0] + scene.size[0] * scene.size[1] - covered, *counts[1:])
     fragments = sum(f * pixels for f, pixels in enumerate(histogram))
-    return Sizes(*scene.size, n=max(1, len(histogram) - 1), F=fragments, quads=quad_count(scene), histogram=histogram)
+    return Sizes(*scene.size, n=max(1, len(histogram) - 1), F=fragments, quads=quad_count(scene), histogram=histogram,
+                 geometry="quad" if is_flat(scene) else "strip", aligned=scene.kind == "quads")
 
 
 def _expected_counts(scene: Scene) -> list[float]:
     """The covered pixels expected to have 0, 1, 2, … fragments."""
+    if has_mean_depth(scene):
+        return _layered_counts(scene)
     if scene.layout != "random":
         return _binomial_mix(scene.depth_complexity, {scene.fragment_probability: covered_pixels(scene)})
     chances: dict[float, float] = defaultdict(float)
@@ -149,6 +165,20 @@ def _expected_counts(scene: Scene) -> list[float]:
         for y in down:
             chances[x * y * scene.fragment_probability] += covered_pixels(scene) / (len(across) * len(down))
     return _binomial_mix(quad_count(scene), chances)
+
+
+def _layered_counts(scene: Scene) -> list[float]:
+    """As if each layer covered a part of what the one before it covers."""
+    covered, layers = covered_pixels(scene), scene.depth_complexity
+    ends = [*shares(layers, min(float(layers), mean_depth(scene))), 0.0]
+    counts = [covered * (1.0 - ends[0])] + [covered * (share - after) for share, after in pairwise(ends)]
+    if scene.fragment_probability == 1:
+        return counts
+    thinned = [0.0] * (layers + 1)
+    for deep, pixels in enumerate(counts):
+        for hits, probability in _binomial(deep, scene.fragment_probability):
+            thinned[hits] += pixels * probability
+    return thinned
 
 
 def _strips(length: int, quad: int, most: int = 16) -> list[float]:

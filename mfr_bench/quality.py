@@ -10,14 +10,18 @@ EXACT_ERROR = 1e-4  # largest channel error of an exact method: float32 payload 
 WRONG_PIXEL = 1 / 512  # a channel error above half a step of 8 bits shows
 
 
-def conformance(image: np.ndarray, promised: np.ndarray) -> dict[str, float | int]:
+def conformance(image: np.ndarray, promised: np.ndarray, tied: np.ndarray | None = None) -> dict[str, float | int]:
     """Errors against what the method promises.
 
-    max_abs_error: of any channel, colours in [0, 1]. wrong_pixels: pixels with a channel error above 1/512.
+    max_abs_error: of any channel, colours in [0, 1]. wrong_pixels: pixels with a channel error above 1/512. Pixels
+    that are `tied` (bool (H, W)) are left out of both, and counted.
     """
     error = _error(image, promised)
+    if tied is not None:
+        error[tied] = 0.0
     return {"max_abs_error": float(error.max()),
-            "wrong_pixels": int(np.count_nonzero(error.max(axis=-1) > WRONG_PIXEL))}
+            "wrong_pixels": int(np.count_nonzero(error.max(axis=-1) > WRONG_PIXEL)),
+            "tied_pixels": 0 if tied is None else int(np.count_nonzero(tied))}
 
 
 def quality(image: np.ndarray, full: np.ndarray) -> dict[str, float | None]:

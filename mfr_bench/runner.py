@@ -19,16 +19,16 @@ from .glsl import stages
 from .gpu.device import Device
 from .gpu.frame import Canvas, Frame, SceneBuffer
 from .gpu.timers import Timer
+from .gpu.truth import Truth, true_sizes
 from .measure.sampling import Sampler
 from .measure.split import Split
 from .methods.spec import Method, Promise, Sizes, Variant
-from .oracle import composite, sizes_of
-from .plan import Cell, judge
-from .scene import Scene, generate
+from .plan import Cell, expected_sizes, judge
+from .scene import Geometry, generate
 from .stats import interleaved_ratio
 from .store import ResultFolder, key
 
-ANIMATION_FRAMES = 8  # seeds that an animated scene cycles through
+ANIMATION_FRAMES = 8  # that an animated scene cycles through
 LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
 PASS_FRAMES = 7
 PASS_SHARE = 0.25  # of the time limit, at most, spent on frames whose passes are timed
@@ -49,11 +49,11 @@ class Job:
     glsl_hash: str
 
 
-def glsl_hash(variant: Variant) -> str:
-    """Hash of every stage of every pass, at sizes that stand for any scene's."""
+def glsl_hash(variant: Variant, geometry: str) -> str:
+    """Hash of every stage of every pass, at sizes that stand for those of any scene of this geometry."""
     digest = hashlib.sha256()
     for step in variant.passes:
-        for stage in stages(variant, step, NOMINAL) if step.kind != "clear" else ():
+        for stage in stages(variant, step, replace(NOMINAL, geometry=geometry)) if step.kind != "clear" else ():
             digest.update(stage.text.encode())
     return digest.hexdigest()[:16]
 
@@ -61,13 +61,15 @@ def glsl_hash(variant: Variant) -> str:
 def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[str, str], timer: str) -> list[Job]:
     """The cells with their keys, which cover the method with its GLSL and parameters, scene, settings and device."""
     variants = [catalog[cell.method].variant(cell.params) for cell in cells]
-    codes = {variant: glsl_hash(variant) for variant in set(variants)}
+    shaders = [(v, expected_sizes(c.scene).geometry) for v, c in zip(variants, cells, strict=True)]
+    codes = {key: glsl_hash(*key) for key in set(shaders)}
     found = []
-    for cell, variant in zip(cells, variants, strict=True):
-        name = key({"method": cell.method, "label": cell.label, "params": dict(cell.params), "glsl": codes[variant],
+    for cell, (variant, geometry) in zip(cells, shaders, strict=True):
+        code = codes[variant, geometry]
+        name = key({"method": cell.method, "label": cell.label, "params": dict(cell.params), "glsl": code,
                     "scene": cell.scene.as_dict(), "measure": cell.measure.as_dict(),
                     "renderer": device["renderer"], "version": device["version"], "timer": timer})
-        found.append(Job(cell, variant, name, codes[variant]))
+        found.append(Job(cell, variant, name, code))
     return found
 
 
@@ -76,33 +78,47 @@ class SceneWork:
 
     def __init__(self, device: Device, config, split: Split):
         self.split = split
+        self._device, self._oracles, self._qualities, self._truths = device, {}, {}, {}
         with split.work("scene"):
             frames = ANIMATION_FRAMES if config.animate else 1
             self.scenes = [generate(config, frame) for frame in range(frames)]
-            self._sizes = {id(scene): sizes_of(scene) for scene in self.scenes}
+            self._sizes = {id(self.show(i)): true_sizes(device, self.quads, self.canvas) for i in range(frames)}
             self.sizes = _largest(list(self._sizes.values()))
-        self._device, self._oracles, self._qualities = device, {}, {}
 
     @cached_property
     def quads(self) -> SceneBuffer:
-        with self.split.work("scene"):
-            return SceneBuffer(self._device, self.scenes[0])
+        return SceneBuffer(self._device, self.scenes[0])
 
     @cached_property
     def canvas(self) -> Canvas:
-        return Canvas(self._device, (self.sizes.W, self.sizes.H))
+        return Canvas(self._device, self.scenes[0].viewport)
+
+    @property
+    def frames(self) -> list[Sizes]:
+        """Of every frame of an animation."""
+        return list(self._sizes.values())
 
     @property
     def shown(self) -> Sizes:
         """Of the scene on the device now."""
         return self._sizes[id(self.quads.scene)]
 
-    def show(self, frame: int) -> Scene:
+    def show(self, frame: int) -> Geometry:
         """Bring the scene of an animation's frame to the device."""
         scene = self.scenes[frame % len(self.scenes)]
         if scene is not self.quads.scene:
             self.quads.replace(scene)
         return scene
+
+    @property
+    def truth(self) -> Truth:
+        """The oracle of the scene on the device now."""
+        scene = self.quads.scene
+        return self._truths.setdefault(id(scene), Truth(self._device, self.quads, self.canvas))
+
+    def conformance(self, variant: Variant, image: np.ndarray) -> dict[str, float | int]:
+        """Errors of an image of the scene on the device against what the variant aims at."""
+        return quality.conformance(image, self.promised(variant), self.truth.tied)
 
     def promised(self, variant: Variant) -> np.ndarray:
         """The float64 image that the variant aims at in the scene on the device now."""
@@ -115,8 +131,13 @@ class SceneWork:
         which = id(self.quads.scene), promise
         if which not in self._oracles:
             with self.split.work("oracle"):
-                self._oracles[which] = composite(self.quads.scene, promise.layers, promise.criterion)
+                self._oracles[which] = self.truth.image(promise)
         return self._oracles[which]
+
+    def untied(self, image: np.ndarray) -> np.ndarray:
+        """The image without the pixels in which the order of fragments is nobody's to say."""
+        tied = self.truth.tied
+        return image if tied is None else np.where(tied[..., None], np.float32(0), image)
 
     def quality(self, image: np.ndarray) -> dict[str, float | None]:
         """Errors against all fragments; equal images, as exact methods give them, are compared once."""
@@ -274,7 +295,7 @@ class Runner:
     def _checked(self, job: Job, frame: Frame, work: SceneWork) -> Running:
         image = frame.image()
         compared = job.variant.method.guarantee != "none"
-        conformance = quality.conformance(image, work.promised(job.variant)) if compared else {}
+        conformance = work.conformance(job.variant, image) if compared else {}
         against_all = work.quality(image) if compared else {}
         return Running(job, frame, Sampler(job.cell.measure), conformance, against_all, frame.lost_fragments())
 
@@ -327,7 +348,7 @@ class Runner:
         self._time_passes(running, work, PASS_FRAMES)
         with self.split.work("check"):
             self._check_again(running, work)
-            distinct = self._distinct_images(running)
+            distinct = self._distinct_images(running, work)
         if running.twin:
             measure = job.cell.measure
             low, _, high = interleaved_ratio(running.twin.samples_ms, sampler.samples_ms, measure.min_samples,
@@ -344,7 +365,7 @@ class Runner:
             "distinct_images": distinct, **_shares(running, work.shown),
         }
         self._write(job, status, reason, values=values, warmup_ms=sampler.warmup_ms, samples_ms=sampler.samples_ms,
-                    passes=running.passes, buffers=running.frame.memory_bytes)
+                    passes=running.passes, buffers=running.frame.memory_bytes, frames=_frames(job, work))
         running.done = True
 
     def _time_passes(self, running: Running, work: SceneWork, frames: int) -> None:
@@ -368,10 +389,10 @@ class Runner:
         running.lost += running.frame.lost_fragments()
         self.device.check(f"{running.job.cell.method}: sampling")
         if running.conformance:
-            again = quality.conformance(running.frame.image(), work.promised(running.job.variant))
+            again = work.conformance(running.job.variant, running.frame.image())
             running.conformance = {name: max(value, again[name]) for name, value in running.conformance.items()}
 
-    def _distinct_images(self, running: Running) -> int | None:
+    def _distinct_images(self, running: Running, work: SceneWork) -> int | None:
         """Different images of the scene on the device, where more than one frame is asked for and images compare."""
         wanted = running.job.cell.measure.repeat_images
         if wanted == 1 or not running.conformance:
@@ -380,7 +401,7 @@ class Runner:
         for _ in range(wanted):
             self._stop_if_asked()
             running.frame.draw()
-            images.add(hashlib.sha256(running.frame.image()).digest())
+            images.add(hashlib.sha256(work.untied(running.frame.image())).digest())
         running.lost += running.frame.lost_fragments()
         return len(images)
 
@@ -452,6 +473,17 @@ def _scene_values(job: Job, sizes: Sizes) -> dict[str, Any]:
     return {"fragments": sizes.F, "covered_pixels": sum(sizes.histogram[1:]),
             "max_fragments": len(sizes.histogram) - 1, "memory_model_bytes": job.variant.model_bytes(sizes),
             "chosen_k": decision.k if decision else None}
+
+
+def _frames(job: Job, work: SceneWork) -> list[dict[str, Any]]:
+    """What the cell met and chose in each frame, where frames differ or the method chooses."""
+    chosen = [job.variant.decision(sizes) for sizes in work.frames]
+    if len(chosen) == 1 and chosen[0] is None:
+        return []
+    return [{"frame": i, "fragments": sizes.F, "covered_pixels": sum(sizes.histogram[1:]),
+             "max_fragments": len(sizes.histogram) - 1, "chosen_k": choice.k if choice else None,
+             "kept": job.variant.kept(sizes), "histogram": list(sizes.histogram)}
+            for i, (sizes, choice) in enumerate(zip(work.frames, chosen, strict=True))]
 
 
 def _shares(running: Running, sizes: Sizes) -> dict[str, float | None]:

@@ -6,6 +6,10 @@
     DIR/results.csv         a row per cell           } derived, and may be deleted
     DIR/passes.csv          a row per cell and pass  }
 
+A cell whose scene moves, or whose method chooses k from the scene, has `frames`: for each of them frame (from 0),
+fragments, covered_pixels, max_fragments, chosen_k (null where nothing is chosen), kept (fragments that the method
+keeps of the frame) and histogram (pixels with 0, 1, 2, … fragments).
+
 Two folders merge by copying their cell files. A file that cannot be used never stops a reader: it is
 named in `ResultFolder.damaged`, and one that is damaged is set aside.
 """
@@ -79,6 +83,8 @@ COLUMNS = (
     Column("hit_ratio", "float", "", "fragments kept / generated, counted in what the method holds after an untimed "
            "frame (as promised, by a method that holds no fragments)"),
     Column("wrong_pixels", "int", "pixels", "pixels with a channel error above 1/512"),
+    Column("tied_pixels", "int", "pixels", "pixels with fragments of equal depth, left out of the errors against the "
+           "promised image"),
     Column("label", "str", "", "name of the method in tables and figures", "cell"),
     Column("layout", "str", "", "how quads are placed", "scene"),
     Column("point", "json", "", "values of the swept keys", "cell"),
@@ -243,11 +249,18 @@ def fault(cell: Any) -> str | None:
     wrong = [name for name, column in VALUES.items() if not _fits(column, cell["values"].get(name))]
     if wrong:
         return f"values.{wrong[0]}: not of type {VALUES[wrong[0]].type}"
+    return _wrong_lists(cell)
+
+
+def _wrong_lists(cell: Cell) -> str | None:
+    """What keeps a cell's measurements, passes and frames from being such, or None."""
     if not all(_is_samples(cell.get(name) or []) for name in ("warmup_ms", "samples_ms")):
         return "samples: not a list of numbers"
-    passes = cell.get("passes") or {}
+    passes, frames = cell.get("passes") or {}, cell.get("frames") or []
     if not (isinstance(passes, dict) and all(map(_is_samples, passes.values()))):
         return "passes: not lists of numbers"
+    if not (isinstance(frames, list) and all(isinstance(f, dict) and _is_samples(f.get("histogram")) for f in frames)):
+        return "frames: not a list of records with a histogram"
     return None
 
 

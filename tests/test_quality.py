@@ -20,7 +20,7 @@ def planted(*places, by):
 
 def test_the_same_image_has_no_error():
     image = ORACLE.astype(np.float32)
-    assert conformance(image, image.astype(np.float64)) == {"max_abs_error": 0, "wrong_pixels": 0}
+    assert conformance(image, image.astype(np.float64)) == {"max_abs_error": 0, "wrong_pixels": 0, "tied_pixels": 0}
     assert quality(image, image.astype(np.float64)) == {"rmse": 0, "psnr_db": math.inf, "flip": 0}
 
 
@@ -48,7 +48,7 @@ def test_a_wrong_pixel_is_off_by_more_than_half_a_step_of_8_bits(error, wrong):
 def test_a_value_that_is_no_number_is_an_error_of_1(value):
     image = ORACLE.copy()
     image[2, 3, 1] = value
-    assert conformance(image, ORACLE) == {"max_abs_error": 1, "wrong_pixels": 1}
+    assert conformance(image, ORACLE) == {"max_abs_error": 1, "wrong_pixels": 1, "tied_pixels": 0}
     found = quality(image, ORACLE)
     assert found["rmse"] == pytest.approx(math.sqrt(1 / ORACLE.size))
     assert all(map(math.isfinite, found.values()))
@@ -83,3 +83,11 @@ def test_what_is_compared_is_left_alone():
     quality(image, oracle)
     assert math.isnan(image[0, 0, 0])
     np.testing.assert_array_equal(oracle, ORACLE)
+
+
+def test_pixels_of_equal_depths_are_left_out_and_counted():
+    tied = np.zeros(ORACLE.shape[:2], dtype=bool)
+    tied[3, 5] = tied[1, 1] = True
+    found = conformance(planted((3, 5, 0), (2, 2, 1), by=0.5), ORACLE, tied)
+    assert found == {"max_abs_error": pytest.approx(0.5), "wrong_pixels": 1, "tied_pixels": 2}
+    assert conformance(planted((3, 5, 0), by=0.5), ORACLE, tied)["wrong_pixels"] == 0

@@ -8,6 +8,7 @@ import pytest
 from mfr_bench import glsl, runner
 from mfr_bench.config.model import Measure
 from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.gpu import truth
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.methods import catalog
 from mfr_bench.plan import Cell
@@ -91,7 +92,7 @@ def test_the_same_cell_twice_gives_the_noise_floor(run):
 def test_scenes_and_their_oracles_are_made_once(run, monkeypatch):
     made, composited = [], []
     monkeypatch.setattr(runner, "generate", lambda *a, real=runner.generate: (made.append(a), real(*a))[1])
-    monkeypatch.setattr(runner, "composite", lambda *a, real=runner.composite: (composited.append(a[1:]), real(*a))[1])
+    monkeypatch.setattr(truth, "composite", lambda *a, real=truth.composite: (composited.append(a[1:]), real(*a))[1])
     run([cell("ab-array"), cell("ab-ll"), cell("kplus-array", k=2), cell("kplus-heap", k=2), cell("kplus-array", k=99)])
     assert len(made) == 1
     assert len(composited) == len(set(composited)) == 2

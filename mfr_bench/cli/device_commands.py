@@ -146,7 +146,8 @@ def _doctor_text(record: dict) -> str:
 def scene(config: str, out: str, profile: str | None, overrides: tuple[str, ...]) -> None:
     """Write the scene of CONFIG's first cell as NumPy arrays.
 
-    viewport (W, H); and per quad, in submission order, rect, depth and rgba.
+    viewport (W, H); and per quad, in submission order, rect, depth and rgba; of slanted primitives the four corners
+    of each in clip space, position, in the order of a triangle strip, and rgba.
 
     \b
     Example: mfr-bench scene smoke --set scene.layout=tiles --out scene.npz
@@ -162,10 +163,10 @@ def scene(config: str, out: str, profile: str | None, overrides: tuple[str, ...]
 
     made = generate(expand(first_experiment(config, profile, overrides), catalog())[0].scene)
     data = io.BytesIO()
-    np.savez(data, viewport=np.array(made.viewport, dtype=np.int32), rect=made.rect, depth=made.depth, rgba=made.rgba,
+    np.savez(data, viewport=np.array(made.viewport, dtype=np.int32), **made.arrays(),
              fragment_probability=np.float64(made.fragment_probability), seed=np.uint32(made.seed))
     write_file(Path(out), data.getvalue())
-    say(f"{out}: {len(made)} quads for {made.viewport[0]} x {made.viewport[1]} pixels")
+    say(f"{out}: {len(made)} {made.geometry}s for {made.viewport[0]} x {made.viewport[1]} pixels")
 
 
 @click.command()
@@ -186,9 +187,7 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
     """
     from ..errors import DeviceError, UsageError
     from ..methods import catalog
-    from ..oracle import composite, sizes_of
     from ..plan import judge
-    from ..quality import conformance
     from ..scene import generate
     from ..store import write_file
 
@@ -196,25 +195,24 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
         raise UsageError(f"--out: {out!r} is neither; allowed: a file that ends in .npy or .png")
     cell, variant = _first_cell(config, method_id, profile, overrides)
     made = generate(cell.scene)
-    sizes = sizes_of(made)
 
     from ..gpu.device import open_device
-    from ..gpu.single import render as draw
+    from ..gpu.single import shown
     from ..runner import verdict
 
     with Interruption():
         opened = open_device(device)
-        decision = judge(cell, catalog(), sizes, opened.limits)
-        if decision:
-            raise DeviceError(f"{method_id}: {decision[0]}: {decision[1]}")
-        image = draw(opened, variant, made, sizes)
+        with shown(opened, made) as on:
+            sizes, decision = on.sizes, judge(cell, catalog(), on.sizes, opened.limits)
+            if decision:
+                raise DeviceError(f"{method_id}: {decision[0]}: {decision[1]}")
+            image = on.render(variant)
+            errors = on.errors(variant, image)
     write_file(Path(out), _npy(image) if out.endswith(".npy") else _png(image))
-    promise = variant.promise(sizes)
-    errors = (conformance(image, composite(made, promise.layers, promise.criterion))
-              if variant.guarantee != "none" else None)
     said = (f"max_abs_error {errors['max_abs_error']:.3g}, {errors['wrong_pixels']} wrong pixels" if errors
             else "no image to compare")
-    say(f"{out}: {sizes.W} x {sizes.H}, {sizes.F} fragments, {said}")
+    tied = f", {errors['tied_pixels']} of equal depths left out" if errors and errors["tied_pixels"] else ""
+    say(f"{out}: {sizes.W} x {sizes.H}, {sizes.F} fragments, {said}{tied}")
     if errors and verdict(variant, errors, lost=0)[0] == "wrong":
         click.get_current_context().exit(WRONG)
 

@@ -12,11 +12,12 @@ from ..methods.spec import Method, Value
 from .axes import K, R, measure_at, point_count, points, scene_at
 from .columns import IDENTITY, MEASURED, MEASURED_BY_KIND
 from .layers import AXES
-from .layout import clustered_depths, is_float32, quad_count
+from .layout import FULLEST, clustered_depths, has_mean_depth, is_flat, is_float32, quad_count
 from .model import KEPT, MAX_QUADS, Experiment, Measure, MethodEntry, Scene
 from .schema import ConfigFile, allowed, parse
 from .source import Document, Path, Problem, dotted, shown
 
+FLAT_KEYS = ("depth_at", "depth_copies", "odd_depth", "alpha_order", "overhang")  # of quads that have one depth each
 MAX_CELLS = 100_000
 EVERY_METHOD = "all"  # in `methods:`, stands for each method of the catalog at its defaults
 SWEPT_SECTIONS = {"scene": Scene, "measure": Measure}
@@ -266,9 +267,8 @@ class _Checker:
         along = list(along)
         scenes = {scene_at(scene, self.params, point) for point in along} or {scene} if scene else ()
         measures = {measure_at(measure, point) for point in along} or {measure} if measure else ()
-        faults = [*filter(None, map(_too_many_quads, scenes)), *filter(None, map(_quad_size_unused, scenes)),
-                  *filter(None, map(_no_such_depths, scenes)),
-                  *filter(None, map(_too_few_samples, measures))]
+        faults = [fault for rule in SCENE_RULES for fault in map(rule, scenes) if fault]
+        faults += [fault for fault in map(_too_few_samples, measures) if fault]
         for keys, what in dict(sorted(faults)).items():  # one point of each kind is enough
             self.problem(self._written(keys), what)
 
@@ -305,6 +305,44 @@ def _no_such_depths(scene: Scene) -> Fault | None:
     if not all(map(is_float32, depths)):
         return keys, f"{where} are finer than a float32 there; allowed: larger steps"
     return None
+
+
+def _layout_unused(scene: Scene) -> Fault | None:
+    unused = scene.kind != "quads" and scene.layout != "block"
+    what = f"no use of layout {scene.layout} in kind {scene.kind}; allowed: with kind quads"
+    return (("scene.layout", "scene.kind"), what) if unused else None
+
+
+def _slant_unused(scene: Scene) -> Fault | None:
+    unused = scene.slant and scene.kind != "quads"
+    what = f"no use in kind {scene.kind}, which is slanted by itself; allowed: with kind quads"
+    return (("scene.slant", "scene.kind"), what) if unused else None
+
+
+def _stress_unused(scene: Scene) -> Fault | None:
+    changed = [f.name for f in fields(Scene) if f.name in FLAT_KEYS and getattr(scene, f.name) != f.default]
+    if is_flat(scene) or not changed:
+        return None
+    return (f"scene.{changed[0]}",), "no use but for quads without slant; allowed: its default"
+
+
+def _mean_depth_unused(scene: Scene) -> Fault | None:
+    unused = scene.mean_depth is not None and not has_mean_depth(scene)
+    what = f"no use in layout {scene.layout}; allowed: with layout mixed, or with a kind other than quads"
+    return (("scene.mean_depth", "scene.layout"), what) if unused else None
+
+
+def _mean_depth_too_high(scene: Scene) -> Fault | None:
+    if scene.mean_depth is None or not has_mean_depth(scene):
+        return None
+    most = max(1.0, FULLEST[scene.kind] * scene.depth_complexity)
+    what = (f"a mean of {scene.mean_depth:g} under a maximum of {scene.depth_complexity}; "
+            f"allowed in kind {scene.kind}: up to {most:g}")
+    return (("scene.mean_depth", "r", "scene.depth_complexity"), what) if scene.mean_depth > most else None
+
+
+SCENE_RULES = (_too_many_quads, _quad_size_unused, _layout_unused, _slant_unused, _stress_unused, _mean_depth_unused,
+               _mean_depth_too_high, _no_such_depths)
 
 
 def _too_few_samples(measure: Measure) -> Fault | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -51,6 +52,8 @@ Share = Annotated[float, Interval(gt=0, le=1), Allowed("a number above 0, up to 
 Unit = Annotated[float, Interval(ge=0, le=1), Allowed("a number from 0 to 1")]
 Alpha = Annotated[tuple[Unit, Unit], Predicate(lambda pair: pair[0] <= pair[1]),
                   OneOrTwo("a number from 0 to 1, or two such numbers, the lower first")]
+Colours = Annotated[str, Predicate(re.compile(r"any|plane|hues-[1-9][0-9]?").fullmatch),
+                    Allowed("any | plane | hues-N with N from 1 to 99")]
 Samples = Annotated[int, Interval(ge=1, le=1_000_000), Allowed("a whole number from 1 to 1000000")]
 
 KEPT = ("image", "error", "loss", "fragments", "discarded", "histogram")  # arrays, see `arrays`
@@ -72,12 +75,14 @@ class _Plain:
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(_Plain):
-    """A synthetic scene.
+    """A synthetic scene; docs/scenes.md describes every kind and layout.
 
-    size: viewport, pixels. pixel_density: share of the pixels that the block or the tiles cover.
-    depth_complexity: quads over every covered pixel; with layout `random`, their mean over the block's
-    pixels. alpha: lowest and highest opacity. quad_size: pixels, layout `random` only; None means a
-    quarter of each side of the viewport.
+    size: viewport, pixels. pixel_density: share of the pixels that the block or the tiles cover, or the block around
+    a hairball, needle tree or temple. depth_complexity: quads over every covered pixel; with layout `random`, their
+    mean over the block's pixels; with layout `mixed` and the other kinds the maximum over the pixels, whose mean is
+    mean_depth (None: two fifths of it). slant: most change of depth across a quad, share of the depth range.
+    alpha: lowest and highest opacity. quad_size: pixels, layout `random` only; None means a quarter of each side of
+    the viewport.
 
     What puts methods under stress: depth_at: depths lie about this one in steps of 2**depth_gap_log2, instead of all
     over the range. depth_copies: quads that share a depth; copies: whether they share their colour as well.
@@ -87,13 +92,16 @@ class Scene(_Plain):
 
     __pydantic_config__: ClassVar[dict] = STRICT
 
-    kind: Literal["quads"] = "quads"
+    kind: Literal["quads", "hairball", "needles", "temple"] = "quads"
     size: Size
     pixel_density: Share = 1.0
     depth_complexity: Annotated[int, Interval(ge=0, le=MAX_QUADS), Allowed(f"a whole number from 0 to {MAX_QUADS}")]
-    layout: Literal["block", "tiles", "random"] = "block"
+    mean_depth: Annotated[float, Interval(ge=1, le=MAX_QUADS), Allowed(f"a number from 1 to {MAX_QUADS}")] | None = None
+    layout: Literal["block", "tiles", "random", "mixed"] = "block"
     order: Literal["random", "front_to_back", "back_to_front"] = "random"
+    slant: Annotated[float, Interval(ge=0, le=1), Allowed("a number from 0 to 1")] = 0.0
     alpha: Alpha = (0.1, 0.6)
+    colours: Colours = "any"
     fragment_probability: Share = 1.0
     seed: Annotated[int, Interval(ge=0, lt=2**32), Allowed("a whole number from 0 to 4294967295")] = 1
     animate: bool = False

@@ -19,35 +19,40 @@ from ..glsl import (
     texture_bindings,
 )
 from ..methods.spec import IMAGE, Counted, Grown, Loop, Pass, Sizes, State, Target, Variant, evaluate
-from ..scene import Scene
+from ..scene import Geometry
 from . import rawgl
 from .device import Device
 from .targets import Framebuffer, Texture
 
 Mark = Callable[[str], None]
 
-# Attribute, its moderngl format, and the padding in its place where a program does not use it.
-QUAD_LAYOUT = (("in_rect", "4i", "16x"), ("in_depth", "1f", "4x"), ("in_rgba", "4f1", "4x"))
-QUAD_BYTES = 24
+# By the geometry of a scene: each attribute, its moderngl format, the padding in its place where a program does not
+# use it, and its field of the packed primitive.
+COLOUR = ("in_rgba", "4f1", "4x", ("rgba", "u1", 4))
+LAYOUTS = {
+    "quad": (("in_rect", "4i", "16x", ("rect", "<i4", 4)), ("in_depth", "1f", "4x", ("depth", "<f4")), COLOUR),
+    "strip": (*((f"in_corner{i}", "4f", "16x", (f"corner{i}", "<f4", 4)) for i in range(4)), COLOUR),
+}
 
 
 class SceneBuffer:
-    """A scene's quads in device memory. Uploads stay outside every timed region."""
+    """A scene's primitives in device memory. Uploads stay outside every timed region."""
 
-    def __init__(self, device: Device, scene: Scene):
+    def __init__(self, device: Device, scene: Geometry):
         self.device, self.scene = device, scene
-        self.buffer = device.ctx.buffer(_packed(scene) or bytes(QUAD_BYTES))
+        self.buffer = device.ctx.buffer(_packed(scene))
 
     def attributes(self, program) -> tuple:
         """The per-instance attributes that the program uses, as moderngl's vertex_array takes them."""
-        used = [name for name, _, _ in QUAD_LAYOUT if name in program]
-        layout = " ".join(form if name in used else padding for name, form, padding in QUAD_LAYOUT)
-        return self.buffer, f"{layout} /i", *used
+        layout = LAYOUTS[self.scene.geometry]
+        used = [name for name, *_ in layout if name in program]
+        formats = " ".join(form if name in used else padding for name, form, padding, _ in layout)
+        return self.buffer, f"{formats} /i", *used
 
-    def replace(self, scene: Scene) -> None:
+    def replace(self, scene: Geometry) -> None:
         """The next frame of an animation."""
         self.scene = scene
-        data = _packed(scene) or bytes(QUAD_BYTES)
+        data = _packed(scene)
         if len(data) > self.buffer.size:
             self.buffer.orphan(len(data))
         self.buffer.write(data)
@@ -56,10 +61,15 @@ class SceneBuffer:
         self.buffer.release()
 
 
-def _packed(scene: Scene) -> bytes:
-    quads = np.empty(len(scene), dtype=[("rect", "<i4", 4), ("depth", "<f4"), ("rgba", "u1", 4)])
-    quads["rect"], quads["depth"], quads["rgba"] = scene.rect, scene.depth, scene.rgba
-    return quads.tobytes()
+def _packed(scene: Geometry) -> bytes:
+    """Primitives one after the other; room for one where there is none."""
+    primitives = np.zeros(len(scene), dtype=[field for *_, field in LAYOUTS[scene.geometry]])
+    arrays = scene.arrays()
+    if "position" in arrays:
+        arrays |= {f"corner{i}": scene.position[:, i] for i in range(4)}
+    for name in primitives.dtype.names:
+        primitives[name] = arrays[name]
+    return primitives.tobytes() or bytes(primitives.itemsize)
 
 
 class Canvas:
@@ -132,7 +142,7 @@ class Frame:
         textures = {name: sum(t.bytes for t in copies) for name, copies in self._textures.items()}
         return buffers | textures
 
-    def show(self, scene: Scene) -> None:
+    def show(self, scene: Geometry) -> None:
         """Take the scene that `quads` now holds: its seed reaches the shaders."""
         if scene is not self._shown:
             self._shown = scene
@@ -238,6 +248,10 @@ class Frame:
         """uint32 contents of a buffer."""
         self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
         return np.frombuffer(self._buffers[name][0].read(), dtype=np.uint32)
+
+    def fill(self, name: str, words: np.ndarray) -> None:
+        """Give a buffer uint32 contents."""
+        self._buffers[name][0].write(np.ascontiguousarray(words, dtype=np.uint32).tobytes())
 
     def lost_fragments(self) -> int:
         """Fragments that found no room or never got the lock, since the last call."""

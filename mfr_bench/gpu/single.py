@@ -2,22 +2,50 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 
 from ..methods.spec import Sizes, Variant
-from ..scene import Scene
+from ..quality import conformance
+from ..scene import Geometry
 from .device import Device
 from .frame import Canvas, Frame, SceneBuffer
+from .truth import Truth, true_sizes
 
 
-def render(device: Device, variant: Variant, scene: Scene, sizes: Sizes) -> np.ndarray:
-    """float32 (H, W, 4), premultiplied over transparent black, row 0 at the bottom."""
-    quads, canvas = SceneBuffer(device, scene), Canvas(device, (sizes.W, sizes.H))
-    frame = Frame(device, variant, sizes, quads, canvas)
+class Shown:
+    """A scene on the device, for one method at a time. `sizes` are its true ones."""
+
+    def __init__(self, device: Device, scene: Geometry):
+        self.device = device
+        self.quads, self.canvas = SceneBuffer(device, scene), Canvas(device, scene.viewport)
+        self.sizes: Sizes = true_sizes(device, self.quads, self.canvas)
+        self.truth = Truth(device, self.quads, self.canvas)
+
+    def render(self, variant: Variant) -> np.ndarray:
+        """float32 (H, W, 4), premultiplied over transparent black, row 0 at the bottom."""
+        frame = Frame(self.device, variant, self.sizes, self.quads, self.canvas)
+        try:
+            frame.draw_fitting()
+            return frame.image()
+        finally:
+            frame.release()
+
+    def errors(self, variant: Variant, image: np.ndarray) -> dict[str, float | int] | None:
+        """Against what the variant promises; None where nothing can be compared."""
+        if variant.guarantee == "none":
+            return None
+        return conformance(image, self.truth.image(variant.promise(self.sizes)), self.truth.tied)
+
+
+@contextmanager
+def shown(device: Device, scene: Geometry) -> Iterator[Shown]:
+    """The scene on the device while the context lasts."""
+    on = Shown(device, scene)
     try:
-        frame.draw_fitting()
-        return frame.image()
+        yield on
     finally:
-        frame.release()
-        canvas.release()
-        quads.release()
+        on.canvas.release()
+        on.quads.release()

@@ -37,6 +37,8 @@ class Sizes:
     quads: int  # rectangles submitted
     rejects: bool = False  # some generated fragments are discarded (f_p < 1)
     histogram: tuple[int, ...] = ()  # histogram[i] = pixels with i fragments
+    geometry: str = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
+    aligned: bool = True  # primitives meet no pixel but at its edges
 
     @property
     def P(self) -> int:
@@ -53,6 +55,10 @@ class Sizes:
 
     def names(self) -> dict[str, float]:
         return {"W": self.W, "H": self.H, "P": self.P, "n": self.n, "F": self.F, "f": self.F / self.P}
+
+
+# What a parameter may ask of a scene: facts of Sizes, in words.
+SCENE_FACTS: Mapping[str, str] = {"aligned": "primitives that meet no pixel but at its edges"}
 
 
 def doubled(start: int, needed: int) -> int:
@@ -94,6 +100,7 @@ class Param:
     real: bool = False
     of: tuple[int, ...] = ()
     needs: Mapping[str, str] = field(default_factory=dict)  # choice, or a range "5-8" -> feature the device must have
+    asks: Mapping[str, str] = field(default_factory=dict)  # choice -> what it asks of a scene, a key of SCENE_FACTS
     weakens: Mapping[str, str] = field(default_factory=dict)  # choice -> the known failure that it brings
     acts: When | None = None  # where it has an effect; elsewhere it stands at its default
 
@@ -466,6 +473,11 @@ class Variant:
         """Device features that these parameters need."""
         chosen = (p.need(self.params[p.name]) for p in self.acting)
         return self.method.needs + tuple(f for f in chosen if f)
+
+    @property
+    def asks(self) -> tuple[str, ...]:
+        """Facts of a scene without which these parameters do not work."""
+        return tuple(p.asks[str(self.params[p.name])] for p in self.acting if str(self.params[p.name]) in p.asks)
 
     @property
     def acting(self) -> tuple[Param, ...]:

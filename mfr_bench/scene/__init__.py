@@ -1,5 +1,25 @@
 """Scene generation in numpy; no GL."""
 
-from .quads import Scene, generate
+from __future__ import annotations
 
-__all__ = ["Scene", "generate"]
+from ..config.layout import is_flat
+from ..config.model import Scene as SceneConfig
+from .objects import hairball, needles, temple
+from .quads import Scene, flat_quads
+from .slanted import slanted
+from .strips import Strips
+
+Geometry = Scene | Strips
+
+OBJECTS = {"hairball": hairball, "needles": needles, "temple": temple}
+
+
+def generate(config: SceneConfig, frame: int = 0) -> Geometry:
+    """The scene of a config. In an animation's `frame` quads have another seed; an object is seen from nearer."""
+    if config.kind in OBJECTS:
+        return OBJECTS[config.kind](config, frame)
+    seed = (config.seed + frame) % 2**32
+    return flat_quads(config, seed) if is_flat(config) else slanted(config, seed)
+
+
+__all__ = ["Geometry", "Scene", "Strips", "generate"]

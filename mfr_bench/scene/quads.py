@@ -8,18 +8,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
-from ..config.layout import TILE, TILES_STREAM, block, quad_count, quad_size, tiles
+from ..config.layout import TILE, TILES_STREAM, block, mean_depth, quad_count, quad_size, shares, tiles
 from ..config.model import Scene as SceneConfig
-from ..hashing import hash3
+from ..hashing import WORD, hash3
 from . import stress
+from .colours import rgba
+from .streams import DEPTH, DEPTH_ORDER, ORDER, PLACE_X, PLACE_Y, SIDE
 
 DEPTH_GRID = 2**23
-
-# Streams of the hash: one per random decision, so that none repeats another (6 is the tiles').
-ORDER, DEPTH, COLOUR, ALPHA, PLACE_X, _, PLACE_Y, DEPTH_ORDER = range(1, 9)
 
 
 @dataclass(frozen=True)
@@ -30,6 +30,9 @@ class Scene:
     depth: float32 (n,); outside [0, 1] there is nothing to see.
     rgba: uint8 (n, 4), straight alpha. seed decides which fragments are rejected.
     """
+
+    geometry: ClassVar[str] = "quad"
+    aligned: ClassVar[bool] = True
 
     viewport: tuple[int, int]
     rect: np.ndarray
@@ -58,6 +61,10 @@ class Scene:
         """A fragment is generated where its hash is below this; 2**32 means always."""
         return min(2**32, round(self.fragment_probability * 2**32))
 
+    def arrays(self) -> dict[str, np.ndarray]:
+        """What `mfr-bench scene` writes."""
+        return {"rect": self.rect, "depth": self.depth, "rgba": self.rgba}
+
     def kept(self, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray:
         """bool (y1-y0, x1-x0): which pixels of the rectangle receive the quad's fragment."""
         if self.keep_threshold >= 2**32:
@@ -67,24 +74,22 @@ class Scene:
         return hash3(pixel, int(quad), self.seed) < self.keep_threshold
 
 
-def generate(config: SceneConfig, frame: int = 0) -> Scene:
-    """The scene of a config; `frame` moves the seed on for animated scenes."""
-    seed = (config.seed + frame) % 2**32
-    rect = _LAYOUTS[config.layout](config, seed)
+def flat_quads(config: SceneConfig, seed: int) -> Scene:
+    """The quads of a layout, each of one depth."""
+    rect = rectangles(config, seed)
     index = np.arange(len(rect), dtype=np.uint64)
-    depth = _depths(index, seed)
-    rgba = np.empty((len(rect), 4), dtype=np.uint8)
-    colour = hash3(index, COLOUR, seed)
-    for channel in range(3):
-        rgba[:, channel] = colour >> (8 * channel) & 0xFF
-    rgba[:, 3] = _alphas(config.alpha, hash3(index, ALPHA, seed))
-    depth, rgba = stress.values(config, depth, rgba)
+    depth, colours = stress.values(config, depths(index, seed), rgba(config, index, seed))
     order = _submission(config.order, depth, index, seed)
     rect, depth = stress.reaching(config, rect[order]), stress.odd(config, depth[order])
-    return Scene(tuple(config.size), rect, depth, rgba[order], config.fragment_probability, seed)
+    return Scene(tuple(config.size), rect, depth, colours[order], config.fragment_probability, seed)
 
 
-def _depths(index: np.ndarray, seed: int) -> np.ndarray:
+def rectangles(config: SceneConfig, seed: int) -> np.ndarray:
+    """int32 (n, 4): where the quads of a layout go, in no order that matters."""
+    return _LAYOUTS[config.layout](config, seed)
+
+
+def depths(index: np.ndarray, seed: int) -> np.ndarray:
     """Distinct depths: one per equal slice of (0, 1), at a hashed place within its slice."""
     count = max(1, len(index))
     start = index * (DEPTH_GRID - 1) // count + 1
@@ -92,11 +97,6 @@ def _depths(index: np.ndarray, seed: int) -> np.ndarray:
     grid = start + hash3(index, DEPTH, seed) % room
     scattered = np.argsort(hash3(index, DEPTH_ORDER, seed), kind="stable")
     return (grid[scattered] / DEPTH_GRID).astype(np.float32)
-
-
-def _alphas(bounds: tuple[float, float], noise: np.ndarray) -> np.ndarray:
-    low, high = (round(a * 255) for a in bounds)
-    return (low + noise % (high - low + 1)).astype(np.uint8)
 
 
 def _submission(order: str, depth: np.ndarray, index: np.ndarray, seed: int) -> np.ndarray:
@@ -139,4 +139,31 @@ def _random_layout(config: SceneConfig, seed: int) -> np.ndarray:
     return np.stack([x, y, x + w, y + h], axis=-1).astype(np.int32)
 
 
-_LAYOUTS = {"block": _block_layout, "tiles": _tiles_layout, "random": _random_layout}
+def _mixed_layout(config: SceneConfig, seed: int) -> np.ndarray:
+    """Rectangles within the block, all over its middle: the first is the block, the areas add up to the mean depth.
+
+    What rounding to whole pixels takes from one, the next gets.
+    """
+    x0, y0, x1, y1 = _block_rect(config)
+    w, h = x1 - x0, y1 - y0
+    made, owed = [], 0.0
+    for layer, share in enumerate(shares(config.depth_complexity, mean_depth(config))):
+        wanted = share * w * h + owed
+        longest = min(1.0, wanted / (w * h))
+        side = longest + (1.0 - longest) * (hash3(layer, SIDE, seed) / WORD)  # of the block's width
+        width = min(w, max(1, round(side * w), -(-int(wanted) // h)))
+        height = min(h, max(1, round(wanted / width)))
+        owed = wanted - width * height
+        x, y = (_over_middle(length, whole, hash3(layer, stream, seed))
+                for length, whole, stream in ((width, w, PLACE_X), (height, h, PLACE_Y)))
+        made.append((x0 + x, y0 + y, x0 + x + width, y0 + y + height))
+    return np.array(made, dtype=np.int32).reshape(-1, 4)
+
+
+def _over_middle(length: int, whole: int, noise: int) -> int:
+    """A hashed start at which so many pixels of a row hold the one in the middle."""
+    first, last = max(0, whole // 2 - length + 1), min(whole // 2, whole - length)
+    return first + noise % (last - first + 1)
+
+
+_LAYOUTS = {"block": _block_layout, "tiles": _tiles_layout, "random": _random_layout, "mixed": _mixed_layout}

@@ -57,12 +57,12 @@ def test_any_override_is_loaded_or_refused(tmp_path, override):
 
 @SLOW
 @given(width=st.integers(1, 16384), height=st.integers(1, 16384), density=st.floats(1e-3, 1), n=st.integers(0, 1024),
-       layout=st.sampled_from(["block", "tiles", "random"]), seed=st.integers(0, 2**32 - 1),
+       layout=st.sampled_from(["block", "tiles", "random", "mixed"]), seed=st.integers(0, 2**32 - 1),
        alpha=st.tuples(st.floats(0.01, 0.5), st.floats(0.5, 1)))
 def test_what_is_written_is_what_is_read(tmp_path, width, height, density, n, layout, seed, alpha):
     scene = {"kind": "quads", "size": [width, height], "pixel_density": density, "depth_complexity": n,
              "layout": layout, "order": "random", "alpha": list(alpha), "fragment_probability": 1.0, "seed": seed,
-             "animate": False, "quad_size": None}
+             "animate": False, "quad_size": None, "mean_depth": None, "slant": 0.25, "colours": "hues-4"}
     text = yaml.safe_dump({"name": "a", "scene": scene, "methods": ["floor"]})
     loaded = outcome(tmp_path / "a.yaml", text)
     if loaded:

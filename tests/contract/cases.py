@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from functools import cache
 
-import numpy as np
-
 from mfr_bench.config import Scene as SceneConfig
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.single import Shown
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Method, Promise, Sizes, Value, Variant, When
-from mfr_bench.oracle import composite, sizes_of
-from mfr_bench.scene import Scene, generate
+from mfr_bench.methods.spec import Method, Sizes, Value, Variant, When
+from mfr_bench.quality import conformance
+from mfr_bench.scene import Geometry, generate
 
 N = 9  # most scenes share a depth complexity, so that their programs are shared too
 
@@ -30,6 +29,11 @@ SCENES = {
 DEEP = {f"{layout} {order}": SceneConfig(size=(31, 13), depth_complexity=128, layout=layout, order=order, seed=8,
                                          pixel_density=0.6, quad_size=(9, 5) if layout == "random" else None)
         for layout in ("block", "tiles", "random") for order in ("random", "front_to_back", "back_to_front")}
+SLANTED = {
+    "hairball": SceneConfig(kind="hairball", size=(48, 40), depth_complexity=N, mean_depth=4, seed=9),
+    "crossing": SceneConfig(size=(48, 40), depth_complexity=N, slant=0.7, layout="mixed", mean_depth=5, seed=10),
+    "rejecting needles": SceneConfig(kind="needles", size=(48, 40), depth_complexity=N, fragment_probability=0.5),
+}
 ALIKE = ("reverse-sorted", "tiles")  # of one depth complexity: what options are tested on
 KS = (1, 4, 32)  # the Z-buffer's, fewer than the fragments, more than the fragments
 
@@ -73,28 +77,37 @@ def label(variant: Variant) -> str:
 
 
 @cache
-def scene(config: SceneConfig) -> Scene:
+def scene(config: SceneConfig) -> Geometry:
     return generate(config)
 
 
-@cache
-def sizes_in(config: SceneConfig) -> Sizes:
-    return sizes_of(scene(config))
+class Stage(Shown):
+    """A scene on the device, with its sizes and its oracle's images."""
+
+    def __init__(self, device, config: SceneConfig):
+        super().__init__(device, scene(config))
+        self.image = cache(self.truth.image)
 
 
-@cache
-def oracle(config: SceneConfig, promise: Promise) -> np.ndarray:
-    return composite(scene(config), promise.layers, promise.criterion)
+STAGES: dict[SceneConfig, Stage] = {}  # kept: captures and images are the same for every method
+
+
+def stage(device, config: SceneConfig) -> Stage:
+    if config not in STAGES:
+        STAGES[config] = Stage(device, config)
+    return STAGES[config]
+
+
+def sizes_in(device, config: SceneConfig) -> Sizes:
+    return stage(device, config).sizes
 
 
 class Drawn:
     """Frames of a variant: the last image, the number of distinct ones, losses, memory declared and allocated."""
 
     def __init__(self, device, variant: Variant, config: SceneConfig, frames: int = 1, probing: bool = False):
-        made = scene(config)
-        sizes = sizes_in(config)
-        quads, canvas = SceneBuffer(device, made), Canvas(device, (sizes.W, sizes.H))
-        frame = Frame(device, variant, sizes, quads, canvas)
+        on = stage(device, config)
+        frame = Frame(device, variant, on.sizes, on.quads, on.canvas)
         digests = set()
         for _ in range(frames):
             frame.draw_fitting()
@@ -102,14 +115,14 @@ class Drawn:
             digests.add(self.image.tobytes())
         self.distinct_images = len(digests)
         self.lost = frame.lost_fragments()
-        self.passes, self.kept = frame.geometry_passes, variant.kept(sizes)
+        self.passes, self.kept = frame.geometry_passes, variant.kept(on.sizes)
         self.probed = frame.probe() if probing else {}
         self.passes_probing, self.image_probing = frame.geometry_passes, frame.image()
-        self.allocated, self.declared = frame.memory_bytes, variant.memory_bytes(sizes)
-        self.error = float(np.abs(self.image - oracle(config, variant.promise(sizes))).max())
+        self.allocated, self.declared = frame.memory_bytes, variant.memory_bytes(on.sizes)
+        promised = on.image(variant.promise(on.sizes))
+        self.error = conformance(self.image, promised, on.truth.tied)["max_abs_error"]
         self.fits = all(size <= self.declared[name] for name, size in self.allocated.items())
-        for thing in (frame, canvas, quads):
-            thing.release()
+        frame.release()
         device.check(label(variant))
 
 

@@ -95,7 +95,7 @@ def test_entry_points_have_one_main_and_includes_none(path):
 
 
 def test_every_shader_is_used():
-    used = {"scene/quad.vert", "screen/triangle.vert"}
+    used = {"scene/quad.vert", "scene/strip.vert", "screen/triangle.vert"}
     for method in every_method():
         for variant in variants(method):
             for step in variant.passes:

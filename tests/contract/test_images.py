@@ -5,7 +5,7 @@ import pytest
 
 from mfr_bench.quality import EXACT_ERROR
 
-from .cases import ALIKE, DEEP, KS, SCENES, Drawn, every_method, label, options, runs_here, sizes_in, with_k
+from .cases import ALIKE, DEEP, KS, SCENES, SLANTED, Drawn, every_method, label, options, runs_here, sizes_in, with_k
 
 METHODS = pytest.mark.parametrize("method", every_method(), ids=lambda m: m.id)
 OPTIONS = pytest.mark.parametrize("variant", [v for m in every_method() for v in options(m)], ids=label)
@@ -24,10 +24,12 @@ def check(device, variant, scenes):
     """
     promised = []
     for name, config in scenes.items():
+        if not all(getattr(sizes_in(device, config), fact) for fact in variant.asks):
+            continue
         drawn = Drawn(device, variant, config)
         assert drawn.allocated == drawn.declared or (variant.stores_fewer and drawn.fits), name
         assert np.isfinite(drawn.image).all(), name
-        if variant.exact_in(sizes_in(config)):
+        if variant.exact_in(sizes_in(device, config)):
             promised.append(name)
             assert drawn.lost == 0, name
             assert drawn.error <= EXACT_ERROR, name
@@ -40,6 +42,14 @@ def test_every_scene(device, method):
     variant = with_k(method.variant({}), 4)
     skip_unless_it_runs(device, variant)
     check(device, variant, SCENES)
+
+
+@METHODS
+def test_slanted_primitives(device, method):
+    """Depths that no grid of the scene's holds, and primitives that cross: the device's own fragments, sorted."""
+    variant = with_k(method.variant({}), 4)
+    skip_unless_it_runs(device, variant)
+    check(device, variant, SLANTED)
 
 
 @OPTIONS

@@ -1,0 +1,84 @@
+"""Reads back every fragment that a device makes of a scene, by passes of its own, for the oracle of slanted scenes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import DeviceError
+from ..methods.shared import clear
+from ..methods.spec import EMPTY, Buffer, Method, Pass, Sizes
+from ..oracle import Fragments, in_chunks, scene_sizes
+from ..scene import Geometry
+from .device import Device
+from .frame import Canvas, Frame, SceneBuffer
+
+CHUNK_BYTES = 64 * 2**20  # of one storage block and read-back
+NODE_BYTES = 8
+
+FOUND = Buffer("found", "P", clear="0u", coherent=True)
+
+
+def _capture(name: str, *steps: Pass, buffers: tuple[Buffer, ...]) -> Method:
+    return Method(id=f"capture-{name}", name=name, family="probe", source="oracle", summary="", guarantee="none",
+                  words="0", ties="", steps=steps, buffers=buffers)
+
+
+COUNT = _capture("count", clear("found"), Pass("count", "geometry", "probe/capture_count.frag", writes=("found",)),
+                 buffers=(FOUND,))
+STORE = _capture("store", clear("found"),
+                 Pass("store", "geometry", "probe/capture_store.frag", reads=("first",), writes=("found", "nodes")),
+                 buffers=(FOUND, Buffer("first", "P"), Buffer("nodes", "2*F", type="uvec2")))
+
+
+def capture(device: Device, quads: SceneBuffer, canvas: Canvas) -> Fragments:
+    """The fragments of the scene on the device.
+
+    Raises DeviceError where a pass does not see what the other saw: nothing is lost without notice. MemoryError where
+    there is no room.
+    """
+    sizes = _uncounted(quads.scene)
+    counts = count(device, quads, canvas)
+    depth, primitive = (np.empty(int(counts.sum()), dtype=np.uint32) for _ in range(2))
+    room = min(CHUNK_BYTES, device.limits.max_block_bytes) // NODE_BYTES
+    for pixels, part in in_chunks(counts.ravel(), room):
+        if part.stop > part.start:
+            nodes = _stored(device, sizes, quads, canvas, counts.ravel(), pixels)
+            depth[part], primitive[part] = nodes[:, 0], nodes[:, 1]
+    return Fragments.of(quads.scene, counts, depth, primitive)
+
+
+def _uncounted(scene: Geometry) -> Sizes:
+    """The sizes that are known before any fragment is."""
+    return scene_sizes(scene, np.zeros(1, dtype=np.int64))
+
+
+def count(device: Device, quads: SceneBuffer, canvas: Canvas) -> np.ndarray:
+    """int64 (H, W): the fragments of each pixel, of the scene on the device."""
+    sizes = _uncounted(quads.scene)
+    frame = Frame(device, COUNT.variant({}), sizes, quads, canvas)
+    try:
+        frame.draw()
+        return frame.words("found").astype(np.int64).reshape(sizes.H, sizes.W)
+    finally:
+        frame.release()
+
+
+def _stored(device: Device, sizes: Sizes, quads: SceneBuffer, canvas: Canvas, counts: np.ndarray,
+            pixels: slice) -> np.ndarray:
+    """uint32 (fragments, 2): depth bits and primitive, pixel by pixel in the range."""
+    here = counts[pixels]
+    first = np.full(len(counts), EMPTY, dtype=np.uint32)
+    first[pixels] = np.cumsum(here) - here
+    frame = Frame(device, STORE.variant({}), replace(sizes, F=int(here.sum())), quads, canvas)
+    try:
+        frame.fill("first", first)
+        frame.draw()
+        found, lost = frame.words("found")[pixels].astype(np.int64), frame.lost_fragments()
+        if lost or (found != here).any():
+            raise DeviceError(f"capture: {int(found.sum())} fragments where {int(here.sum())} were counted, "
+                              f"{lost} without room; the device draws one scene in two ways")
+        return frame.words("nodes").reshape(-1, 2)
+    finally:
+        frame.release()

@@ -1,0 +1,47 @@
+"""What the methods are held to: the oracle of the scene on the device, whichever kind it is."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from ..methods.spec import Promise, Sizes
+from ..oracle import Fragments, composite, scene_sizes, sizes_of
+from ..scene import Scene
+from .capture import capture, count
+from .device import Device
+from .frame import Canvas, SceneBuffer
+
+
+def true_sizes(device: Device, quads: SceneBuffer, canvas: Canvas) -> Sizes:
+    """The sizes of the scene on the device: of flat quads by the oracle, else as the device counts."""
+    scene = quads.scene
+    return sizes_of(scene) if isinstance(scene, Scene) else scene_sizes(scene, count(device, quads, canvas))
+
+
+class Truth:
+    """The images of one scene in float64. It must be the scene on the device when they are first asked for."""
+
+    def __init__(self, device: Device, quads: SceneBuffer, canvas: Canvas):
+        self._device, self._quads, self._canvas, self.scene = device, quads, canvas, quads.scene
+
+    @cached_property
+    def _fragments(self) -> Fragments | None:
+        """None for flat quads, whose oracle needs no device."""
+        if isinstance(self.scene, Scene):
+            return None
+        if self._quads.scene is not self.scene:
+            raise ValueError("another scene is on the device")
+        return capture(self._device, self._quads, self._canvas)
+
+    @property
+    def tied(self) -> np.ndarray | None:
+        """bool (H, W): pixels with fragments of equal depth; None where the scene has none by its making."""
+        return self._fragments.tied if self._fragments else None
+
+    def image(self, promise: Promise) -> np.ndarray:
+        """float64 (H, W, 4), premultiplied: the promised fragments."""
+        if self._fragments:
+            return self._fragments.composite(promise.layers, promise.criterion)
+        return composite(self.scene, promise.layers, promise.criterion)

@@ -1,0 +1,5 @@
+"""Streams of the hash: one per random decision of a scene, so that none repeats another (6 is the tiles')."""
+
+ORDER, DEPTH, COLOUR, ALPHA, PLACE_X, _, PLACE_Y, DEPTH_ORDER = range(1, 9)
+BLEND, LUMINANCE, SIDE, SLANT, TILT = range(9, 14)
+TURN, WIGGLE, LENGTH, CUT, ROOT, TIP, SHIFT, PLACE = range(14, 22)
