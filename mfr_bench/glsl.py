@@ -11,8 +11,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
+from . import instrument
 from .errors import ShaderError
-from .methods.spec import EMPTY, Buffer, Decided, Pass, Sizes, Target, Variant
+from .methods.spec import ELEMENT_WORDS, EMPTY, FORMAT_WORDS, Buffer, Decided, Pass, Sizes, Target, Variant
 from .resources import shaders_dir
 
 VERSION = "#version 430 core"
@@ -49,13 +50,22 @@ class Source:
     entry: str
     text: str
     files: tuple[str, ...]
+    counted: bool = False
 
     def located(self, log: str) -> str:
         """A driver's log with encoded lines as file:line. Mesa writes `0:300014(3):`, NVIDIA `0(300014) :`."""
         def name(match: re.Match[str]) -> str:
             number, line = divmod(int(match["mesa"] or match["nvidia"]), LINE_STRIDE)
-            return f"{self.files[number]}:{line}" if number < len(self.files) else match[0]
+            return f"{self.files[number]}:{self._line(number, line)}" if number < len(self.files) else match[0]
         return re.sub(r"^\d+(?::(?P<mesa>\d+)\(\d+\)|\((?P<nvidia>\d+)\)\s?)", name, log, flags=re.MULTILINE)
+
+    def _line(self, number: int, line: int) -> int:
+        """The line of a file for a line of its text here, where those that count may be left out."""
+        if number == 0 or self.counted:
+            return line
+        lines = read(self.files[number]).splitlines()
+        kept = [at for at, text in enumerate(lines, start=1) if not instrument.is_counter(text)]
+        return kept[line - 1] if 0 < line <= len(kept) else line
 
 
 @cache
@@ -68,7 +78,12 @@ def read(path: str) -> str:
         raise ShaderError(f"{path}: cannot be read: {error.strerror}") from None
 
 
-def expand(entry: str, slots: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:
+def _lines(path: str, counted: bool) -> list[str]:
+    """The lines of a file, without those that count where nothing is counted."""
+    return [line for line in read(path).splitlines() if counted or not instrument.is_counter(line)]
+
+
+def expand(entry: str, slots: Mapping[str, str], counted: bool = False) -> tuple[str, tuple[str, ...]]:
     """Text of `entry` with every include in place, each file once; `#include <slot>` is the method's choice."""
     files: list[str] = ["prelude"]
     lines: list[str] = []
@@ -79,7 +94,7 @@ def expand(entry: str, slots: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:
         files.append(path)
         number = len(files) - 1
         lines.append(f"#line {number * LINE_STRIDE + 1}")
-        for at, line in enumerate(read(path).splitlines(), start=1):
+        for at, line in enumerate(_lines(path, counted), start=1):
             match = _INCLUDE.match(line)
             if not match:
                 lines.append(line)
@@ -196,11 +211,33 @@ def _version(variant: Variant, words: set[str]) -> list[str]:
     return [version, *(f"#extension {name} : enable" for name in extensions)]
 
 
-def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None) -> Source:
-    """The stage `entry` (default: the pass's own shader) of one pass, ready to compile."""
+def _diagnostics(words: set[str], counted: bool) -> list[str]:
+    """The block of counters, as far as the shader needs it."""
+    if not (counted or words.intersection(DIAGNOSTICS)):
+        return []
+    return [f"layout(std430, binding = {DIAGNOSTICS_BINDING}) buffer Diagnostics {{ "
+            + " ".join(f"uint {name};" for name in DIAGNOSTICS) + (" uint work[];" if counted else "") + " };"]
+
+
+def _storage(variant: Variant) -> dict[str, instrument.Stored]:
+    """What the variant's shaders may access, by the names that they have there."""
+    found: dict[str, instrument.Stored] = {}
+    for buffer in variant.buffers:
+        wider = variant.payload_words - 1 if buffer.type in ("FRAGMENT", "PAYLOAD") else 0
+        found[buffer.name] = instrument.Stored(ELEMENT_WORDS[buffer.type] + wider, buffer.type != "uint")
+    for target in variant.targets:
+        found[target.name] = instrument.Stored(FORMAT_WORDS[target.format])
+    roles = {f"{name}_{role}": stored for name, stored in found.items() for role in ("current", "previous")}
+    return found | roles
+
+
+def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None, counted: bool = False) -> Source:
+    """The stage `entry` (default: the pass's own shader) of one pass, ready to compile; `counted`: counting its work.
+    """
     entry = entry or step.shader
     slots = {name: path for name, path in (("fetch", step.fetch), ("resolver", step.resolver)) if path}
-    body, files = expand(entry, slots)
+    counted = counted and not entry.endswith(".vert")
+    body, files = expand(entry, slots, counted)
     macro = _clear_macro(variant, step)
     words = set(re.findall(r"[A-Za-z_]\w*", body))
     words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()
@@ -221,10 +258,10 @@ def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None)
         prelude += [macro] if "CLEAR" in words else []
         prelude += _outputs(variant, step, sizes)
         prelude += ["layout(early_fragment_tests) in;"] if step.state.early else []
-        if words.intersection(DIAGNOSTICS):
-            prelude.append(f"layout(std430, binding = {DIAGNOSTICS_BINDING}) buffer Diagnostics {{ "
-                           + " ".join(f"uint {name};" for name in DIAGNOSTICS) + " };")
-    return Source(entry, "\n".join(prelude) + "\n" + body, files)
+        prelude += _diagnostics(words, counted)
+    if counted:
+        return Source(entry, instrument.counting("\n".join(prelude), body, _storage(variant)), files, counted)
+    return Source(entry, "\n".join(prelude) + "\n" + body, files, counted)
 
 
 def colour_refs(variant: Variant, step: Pass) -> list[str]:
@@ -254,8 +291,9 @@ def _vertex(step: Pass, sizes: Sizes) -> str:
     return step.vertex or (f"scene/{sizes.geometry}.vert" if step.kind == "geometry" else "screen/triangle.vert")
 
 
-def stages(variant: Variant, step: Pass, sizes: Sizes) -> tuple[Source, ...]:
-    """All stages of a pass: vertex and fragment, or compute alone."""
+def stages(variant: Variant, step: Pass, sizes: Sizes, counted: bool = False) -> tuple[Source, ...]:
+    """All stages of a pass: vertex and fragment, or compute alone; with `counted` they count their work."""
+    own = source(variant, step, sizes, counted=counted)
     if step.kind == "compute":
-        return (source(variant, step, sizes),)
-    return source(variant, step, sizes, _vertex(step, sizes)), source(variant, step, sizes)
+        return (own,)
+    return source(variant, step, sizes, _vertex(step, sizes)), own

@@ -18,11 +18,11 @@ PACKAGE = Path(mfr_bench.__file__).parent
 LAYERS = (
     "errors", "resources", "hashing", "stats",
     "methods.spec", "prediction", "methods.shared", "methods",
-    "config", "plan", "scene", "oracle", "quality", "glsl", "gpu", "measure",
+    "config", "plan", "scene", "oracle", "quality", "instrument", "glsl", "gpu", "measure",
     "store", "arrays", "reference", "report", "claims", "runner", "cli", "__main__",
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "prediction", "methods", "config", "plan", "scene", "oracle",
-              "quality", "glsl", "store", "arrays", "reference", "report", "claims")
+              "quality", "instrument", "glsl", "store", "arrays", "reference", "report", "claims")
 GL_PACKAGES = {"moderngl", "glcontext", "OpenGL"}
 SPEAKING = ("methods", "claims", "cli")  # what a paper claims is about its methods; for the commands see below
 HEAVY = {"numpy", "pandas", "matplotlib", "moderngl", "glcontext", "pydantic", "yaml", "rich"}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -13,11 +14,13 @@ from ..glsl import (
     FRAME_BINDING,
     FRAME_FIELDS,
     Binding,
+    Source,
     buffer_bindings,
     split_ref,
     stages,
     texture_bindings,
 )
+from ..instrument import WORK
 from ..methods.spec import IMAGE, Counted, Grown, Loop, Pass, Sizes, State, Target, Variant, evaluate
 from ..scene import Geometry
 from . import rawgl
@@ -101,7 +104,7 @@ class Frame:
         self._chosen_k = 0  # of a method whose k the host decides
         self._shown = quads.scene
         self._uniforms = device.ctx.buffer(reserve=32)
-        self._diagnostics = device.ctx.buffer(np.zeros(4, dtype=np.uint32).tobytes())
+        self._diagnostics = device.ctx.buffer(bytes(4 * len(DIAGNOSTICS) + 8 * len(WORK)))
         self._query = device.gl.generate("Queries")
         self._probing = False
         self._textures = {t.name: [self._texture(t) for _ in range(t.copies)] for t in variant.targets}
@@ -271,6 +274,24 @@ class Frame:
         self.geometry_passes, self._probing = passes, False
         return {name: self._diagnostic(name) for name in counters}
 
+    def draw_by(self, runners: Mapping[int, PassRunner]) -> None:
+        """Draw a frame in which other runners do the work of its passes, by the identity of the pass."""
+        own, self._passes = self._passes, dict(runners)
+        try:
+            self.draw()
+        finally:
+            self._passes = own
+
+    def work(self) -> Counter[str]:
+        """What counting programs have counted since `reset_work`, by the names of `instrument.WORK`."""
+        self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
+        counted = np.frombuffer(self._diagnostics.read(8 * len(WORK), offset=4 * len(DIAGNOSTICS)), dtype=np.uint32)
+        low, high = counted[::2].astype(object), counted[1::2].astype(object)
+        return Counter(dict(zip(WORK, low + 2**32 * high, strict=True)))
+
+    def reset_work(self) -> None:
+        self._diagnostics.write(bytes(8 * len(WORK)), offset=4 * len(DIAGNOSTICS))
+
     def _diagnostic(self, name: str) -> int:
         """A counter's value, which starts anew."""
         self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
@@ -326,14 +347,16 @@ class PassRunner:
         self.framebuffers: dict[int, Framebuffer] = {}
         self.program = self.vao = None
         if step.kind != "clear":
-            self.program = frame.device.program(stages(variant, step, sizes),
-                                                f"method {variant.method.id}, pass {step.name}")
+            self.program = frame.device.program(self._stages(), f"method {variant.method.id}, pass {step.name}")
         if step.kind in ("geometry", "fullscreen"):
             content = [frame.quads.attributes(self.program)] if step.kind == "geometry" else []
             self.vao = frame.device.ctx.vertex_array(self.program, content)
         self.groups = int(evaluate(step.groups, sizes, variant.scope)) if step.groups else 0
         self.instances = variant.value(step.instances, sizes)
         self.writes_depth = step.state.depth_write and any(frame.texture(r, 0).is_depth for r in step.into)
+
+    def _stages(self) -> tuple[Source, ...]:
+        return stages(self.frame.variant, self.step, self.frame.sizes)
 
     @cached_property
     def takes_iteration(self) -> bool:

@@ -9,6 +9,7 @@
 // taking it keeps reads from moving before it, the one before releasing it publishes what was written.
 #define CRITICAL_BEGIN(p, wanted) \
     bool waiting = (wanted) && !IS_HELPER; \
+    COUNT(refused, !waiting && !IS_HELPER) \
     for (uint tries = 0u; waiting && tries < uint(LOCK_TRIES); ++tries) { \
         if (atomicExchange(semaphore[p], 1u) == 0u) { \
             memoryBarrierBuffer();
@@ -16,6 +17,8 @@
             memoryBarrierBuffer(); \
             atomicExchange(semaphore[p], 0u); \
             waiting = false; \
+            COUNT(spins, tries) \
+            COUNT_MOST(longest_wait, tries) \
         } \
     } \
     if (waiting) atomicAdd(lost_fragments, 1u);
@@ -39,6 +42,7 @@ layout(pixel_interlock_unordered) in;
 
 // The interlock orders accesses; the barrier publishes them.
 #define CRITICAL_BEGIN(p, wanted) \
+    COUNT(refused, !(wanted)) \
     INTERLOCK_BEGIN; \
     if (wanted) {
 #define CRITICAL_END(p) \

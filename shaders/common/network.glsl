@@ -6,6 +6,7 @@ FRAGMENT block[NETWORK];
 #define COMPARE(a, b) { \
     FRAGMENT low = block[a], high = block[b]; \
     bool swapped = high.x < low.x; \
+    COUNT(moved, swapped ? 2u : 0u) \
     block[a] = swapped ? high : low; \
     block[b] = swapped ? low : high; }
 

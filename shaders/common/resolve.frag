@@ -7,4 +7,5 @@
 
 void main() {
     out_image = resolve_lists(pixel_index());
+    COUNT(empty, out_image.a == 0.0)
 }

@@ -19,6 +19,7 @@ void main() {
             at = pixels + following;
 #if EARLY_CULLING_ON
             opacity = covered(opacity, payload_of(cells[following]));
+            COUNT(hidden, opacity >= OPAQUE)
             if (opacity >= OPAQUE) return;
 #endif
         } else {

@@ -19,6 +19,7 @@ bool hidden(uint depth, inout uint at) {
             opacity = covered(opacity, payload[at - pixels]);
         }
     }
+    COUNT(hidden, opacity >= OPAQUE)
     return opacity >= OPAQUE;
 }
 

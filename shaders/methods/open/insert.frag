@@ -59,6 +59,7 @@ void main() {
 #endif
         }
     }
+    COUNT(hidden, hidden)
     if (placed) atomicAdd(cell_counter[0], 1u);
     else if (blocked) atomicAdd(lost_fragments, 1u);
     else if (!hidden) interrupt();

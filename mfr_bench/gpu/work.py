@@ -1,0 +1,107 @@
+"""What a frame's passes do, counted by programs of their own in a frame that is not timed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
+
+from ..glsl import stages
+from ..instrument import MOST
+from ..methods.spec import Pass
+from . import rawgl
+from .frame import Frame, PassRunner
+
+RASTERIZED = Pass("rasterized", "geometry", "probe/rasterized.frag")
+
+Work = Counter[str]
+
+
+def work_of(frame: Frame) -> dict[str, dict[str, int]]:
+    """Work of each pass of a frame, by its name, summed over its draws; draws a frame.
+
+    Beside the counters of `instrument.WORK` stand `rasterized`, the fragments of a pass's geometry; `passed`, the
+    fragments or pixels that reach its targets; and `cleared`, texels that clears set. `words_read` and `words_written`
+    take in the targets: what is written to them, blended with and tested against.
+    """
+    rasterized = _rasterized(frame)
+    runners = {id(step): CountingRunner(frame, step, rasterized) for step in frame.variant.passes
+               if frame.variant.runs(step, frame.sizes) and not step.probes}
+    try:
+        frame.draw_by(runners)
+        return _by_name(runners)
+    finally:
+        for runner in runners.values():
+            runner.release()
+
+
+def _by_name(runners: dict[int, CountingRunner]) -> dict[str, dict[str, int]]:
+    found: dict[str, Work] = {}
+    for runner in runners.values():
+        total = found.setdefault(runner.step.name, Counter())
+        for name, value in runner.work.items():
+            total[name] = max(total[name], value) if name in MOST else total[name] + value
+    return {name: dict(work) for name, work in found.items()}
+
+
+def _rasterized(frame: Frame) -> int:
+    """Fragments of the geometry before any test."""
+    runner = PassRunner(frame, RASTERIZED)
+    try:
+        return _passed(frame, lambda: runner.run(0))
+    finally:
+        runner.release()
+
+
+def _passed(frame: Frame, draw: Callable[[], None]) -> int:
+    """Samples that pass all tests while `draw` draws."""
+    query = frame.gl.generate("Queries")
+    frame.gl.glBeginQuery(rawgl.SAMPLES_PASSED, query)
+    draw()
+    frame.gl.glEndQuery(rawgl.SAMPLES_PASSED)
+    samples = frame.gl.query_result(query)
+    frame.gl.delete("Queries", query)
+    return samples
+
+
+class CountingRunner(PassRunner):
+    """A pass whose programs count; what they counted is added to `work` after each run."""
+
+    def __init__(self, frame: Frame, step: Pass, rasterized: int):
+        super().__init__(frame, step)
+        self.rasterized = rasterized
+        self.work: Work = Counter()
+
+    def _stages(self):
+        return stages(self.frame.variant, self.step, self.frame.sizes, counted=True)
+
+    def run(self, iteration: int) -> None:
+        self.frame.reset_work()
+        drawn = self.step.kind in ("geometry", "fullscreen")
+        if drawn and not self.step.counts:
+            self._add_targets(_passed(self.frame, partial(super().run, iteration)))
+        else:
+            super().run(iteration)
+        self._add_clears()
+        counted = self.frame.work()
+        for name in MOST:
+            counted[name] = max(counted[name], self.work[name]) - self.work[name]
+        self.work.update(counted)
+
+    def _add_targets(self, passed: int) -> None:
+        geometry = self.step.kind == "geometry"
+        texels = {ref: self.frame.texture(ref, 0) for ref in self.step.into}
+        words = {ref: texture.bytes // (4 * self.frame.sizes.P) for ref, texture in texels.items()}
+        colour = sum(count for ref, count in words.items() if not texels[ref].is_depth)
+        depth = sum(count for ref, count in words.items() if texels[ref].is_depth)
+        written = colour + depth * self.writes_depth
+        tested = bool(self.step.state.depth_test or self.step.state.stencil)
+        self.work.update({
+            "rasterized": self.rasterized * geometry, "passed": passed, "words_written": passed * written,
+            "words_read": (passed * colour if self.step.state.blend else 0)
+            + depth * tested * (self.rasterized if geometry else self.frame.sizes.P)})
+
+    def _add_clears(self) -> None:
+        for ref in self.step.clears:
+            texture = self.frame.texture(ref, 0)
+            self.work.update({"cleared": self.frame.sizes.P, "words_written": texture.bytes // 4})

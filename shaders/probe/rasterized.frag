@@ -1,0 +1,3 @@
+// Nothing: what the rasterizer makes of the geometry is counted by an occlusion query.
+void main() {
+}
