@@ -30,6 +30,10 @@ class ShaderError(MfrError):
     """A shader that does not expand, compile or link; the message names file and line."""
 
 
+class CapacityError(MfrError):
+    """The fragments of a frame do not fit the largest buffer that the device gives; the message has their number."""
+
+
 class StoreError(MfrError):
     """A result folder that cannot be written or read."""
 

@@ -119,6 +119,51 @@ def judge(cell: Cell, catalog: Mapping[str, Method], sizes: Sizes, limits: Limit
     return ("over_budget", f"needs {_mib(total)}, the budget is {_mib(budget)}") if total > budget else None
 
 
+@dataclass(frozen=True)
+class Known:
+    """How a cell has ended: its status and its median frame, where it has one."""
+
+    cell: Cell
+    status: str
+    time_ms: float | None
+
+    def over_limit(self, measure: Measure) -> bool:
+        """Whether one frame already takes longer than all frames may by these settings."""
+        if self.time_ms is not None:
+            return self.time_ms / 1e3 > measure.time_limit_s
+        return self.status == "timeout" and self.cell.measure.longest_s >= measure.longest_s
+
+    def __str__(self) -> str:
+        scene = self.cell.scene
+        where = f"{scene.size[0]} x {scene.size[1]} pixels, n = {scene.depth_complexity}"
+        where += f", k = {self.cell.params['k']}" if "k" in self.cell.params else ""
+        took = "timed out" if self.time_ms is None else f"took {self.time_ms / 1e3:.3g} s a frame"
+        return f"{self.cell.label} at {where} {took}"
+
+
+GROWING = ("pixel_density", "depth_complexity", "fragment_probability")  # more of it is more work
+
+
+def hopeless(cell: Cell, known: Iterable[Known]) -> str | None:
+    """Why a cell cannot be measured within its limits, by a smaller one that could not; None where none tells."""
+    smaller = [k for k in known if k.over_limit(cell.measure) and _no_smaller(cell, k.cell)]
+    found = min(smaller, key=lambda k: k.time_ms is None, default=None)
+    return None if found is None else (f"{found}, where time_limit_s allows {cell.measure.time_limit_s:g} s for all "
+                                       "frames; --try-hopeless measures it all the same")
+
+
+def _no_smaller(cell: Cell, other: Cell) -> bool:
+    """Whether a cell is another one with more of what makes work, and otherwise the same."""
+    (kind, size), (other_kind, other_size) = _kind_and_size(cell), _kind_and_size(other)
+    return kind == other_kind and all(a >= b for a, b in zip(size, other_size, strict=True))
+
+
+def _kind_and_size(cell: Cell) -> tuple[tuple, tuple]:
+    scene, params = cell.scene.as_dict(), dict(cell.params)
+    size = (*scene.pop("size"), *(scene.pop(name) for name in GROWING), params.pop("k", 0))
+    return (cell.method, repr(sorted(params.items())), repr(sorted(scene.items()))), size
+
+
 def _mib(count: float) -> str:
     return f"{count / MIB:,.1f} MiB" if count >= 10 * MIB else f"{count / MIB:.3g} MiB"
 

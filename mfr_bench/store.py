@@ -3,6 +3,7 @@
     DIR/manifest.json       what was run, where, in which order
     DIR/cells/<key>.json    one measured cell, raw samples included; written whole, renamed into place
     DIR/cells/<key>.npz     arrays that it keeps, where its config asks for them
+    DIR/unfinished.jsonl    samples of cells that are not done, while there are any (see journal)
     DIR/results.csv         a row per cell           } derived, and may be deleted
     DIR/passes.csv          a row per cell and pass  }
 
@@ -18,6 +19,7 @@ from __future__ import annotations
 
 import csv
 import errno
+import fcntl
 import hashlib
 import io
 import json
@@ -25,6 +27,7 @@ import math
 import os
 import re
 from collections.abc import Iterable, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -92,6 +95,7 @@ COLUMNS = (
     Column("max_fragments", "int", "fragments", "most fragments in any pixel"),
     Column("noisy", "bool", "", "the interval was still wider than asked for when time or samples ran out"),
     Column("stop_reason", "str", "", "why sampling stopped"),
+    Column("sessions", "int", "", "processes that took the samples: more than 1 where a run was resumed"),
     Column("lost_fragments", "int", "fragments", "fragments that the method counted as dropped"),
     Column("discarded_share", "float", "", "share of the fragments discarded before the store (occupancy)"),
     Column("distinct_images", "int", "", "different images among those of measure.repeat_images untimed frames"),
@@ -157,7 +161,7 @@ def write_file(path: Path, content: bytes, durable: bool = False) -> None:
         if durable:
             _sync_folder(path.parent)
     except OSError as error:
-        raise StoreError(_unwritable(path, error)) from error
+        raise StoreError(unwritable(path, error)) from error
 
 
 def _make_folder(folder: Path) -> None:
@@ -178,12 +182,24 @@ def _sync_folder(folder: Path) -> None:
         os.close(handle)
 
 
-def _unwritable(path: Path, error: OSError) -> str:
+def unwritable(path: Path, error: OSError) -> str:
+    """One line: which file, why not, and what to do."""
     full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
     locked = error.errno in (errno.EACCES, errno.EPERM, errno.EROFS)
     what = "free some space or " if full else "make the folder writable or " if locked else ""
     return (f"{path}: cannot be written: {error.strerror or error}; {what}choose another folder, "
             "then run the same command again: what is written stays")
+
+
+def _holder(handle: int) -> str:
+    """Who has the lock on an open folder, as far as the kernel tells."""
+    inode = os.fstat(handle).st_ino
+    with suppress(OSError):
+        for line in Path("/proc/locks").read_text().splitlines():
+            _, kind, _, _, pid, where, *_ = line.split()
+            if kind == "FLOCK" and where.rpartition(":")[2] == str(inode) and int(pid) > 0:
+                return f"process {pid}"
+    return "another process"
 
 
 def _plain(value: Any) -> Any:
@@ -222,7 +238,8 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _is_samples(value: Any) -> bool:
+def is_samples(value: Any) -> bool:
+    """Whether it is a list of finite numbers."""
     return isinstance(value, list) and all(map(_is_number, value))
 
 
@@ -254,12 +271,12 @@ def fault(cell: Any) -> str | None:
 
 def _wrong_lists(cell: Cell) -> str | None:
     """What keeps a cell's measurements, passes and frames from being such, or None."""
-    if not all(_is_samples(cell.get(name) or []) for name in ("warmup_ms", "samples_ms")):
+    if not all(is_samples(cell.get(name) or []) for name in ("warmup_ms", "samples_ms")):
         return "samples: not a list of numbers"
     passes, frames = cell.get("passes") or {}, cell.get("frames") or []
-    if not (isinstance(passes, dict) and all(map(_is_samples, passes.values()))):
+    if not (isinstance(passes, dict) and all(map(is_samples, passes.values()))):
         return "passes: not lists of numbers"
-    if not (isinstance(frames, list) and all(isinstance(f, dict) and _is_samples(f.get("histogram")) for f in frames)):
+    if not (isinstance(frames, list) and all(isinstance(f, dict) and is_samples(f.get("histogram")) for f in frames)):
         return "frames: not a list of records with a histogram"
     return None
 
@@ -288,6 +305,38 @@ class ResultFolder:
     def damaged(self) -> list[str]:
         """One line for each file met so far that could not be used, and what became of it."""
         return list(self._damaged.values())
+
+    @property
+    def journal_path(self) -> Path:
+        """Samples of the cells that are not done."""
+        return self.path / "unfinished.jsonl"
+
+    @contextmanager
+    def lock(self):
+        """Within this no other process measures into the folder, which is made where it is missing.
+
+        The kernel ends the lock with the process. Gives None, or a line on why the file system has no locks.
+        Raises StoreError where another process has the lock.
+        """
+        try:
+            _make_folder(self.path)
+            handle = os.open(self.path, os.O_RDONLY)
+        except OSError as error:
+            raise StoreError(unwritable(self.path / "manifest.json", error)) from error
+        try:
+            yield self._locked(handle)
+        finally:
+            os.close(handle)
+
+    def _locked(self, handle: int) -> str | None:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise StoreError(f"{self.path}: {_holder(handle)} measures into this folder; wait for its end, "
+                             "or choose another folder") from None
+        except OSError as error:
+            return f"{self.path}: cannot be locked ({error.strerror}): let no other run write to it"
+        return None
 
     def write_cell(self, cell: Mapping[str, Any]) -> None:
         """Store a cell durably. Raises StoreError (disk), ValueError (a record that no reader would take)."""

@@ -19,10 +19,12 @@ LAYERS = (
     "errors", "resources", "hashing", "stats",
     "methods.spec", "prediction", "methods.shared", "methods",
     "config", "plan", "scene", "oracle", "quality", "instrument", "glsl", "gpu", "measure",
-    "store", "arrays", "reference", "report", "claims", "runner", "cli", "__main__",
+    "store", "arrays", "journal", "reference", "report", "claims", "run", "cli", "__main__",
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "prediction", "methods", "config", "plan", "scene", "oracle",
-              "quality", "instrument", "glsl", "store", "arrays", "reference", "report", "claims")
+              "quality", "instrument", "glsl", "store", "arrays", "journal", "reference", "report", "claims")
+PARENT = ("run.supervisor", "run.ledger", "run.process")  # of a run: another process has the device
+OF_THE_DEVICE = ("gpu", "run.cell", "run.measuring", "run.scene_work", "run.worker")
 GL_PACKAGES = {"moderngl", "glcontext", "OpenGL"}
 SPEAKING = ("methods", "claims", "cli")  # what a paper claims is about its methods; for the commands see below
 HEAVY = {"numpy", "pandas", "matplotlib", "moderngl", "glcontext", "pydantic", "yaml", "rich"}
@@ -89,7 +91,12 @@ def reached(name: str) -> set[str]:
 
 @pytest.mark.parametrize("name", [n for n in MODULES if n.partition(".")[0] in WITHOUT_GL])
 def test_what_needs_no_gl_reaches_none(name):
-    assert not {m for m in reached(name) if m.partition(".")[0] in ("gpu", "measure", "runner")}
+    assert not {m for m in reached(name) if m.partition(".")[0] in ("gpu", "measure", "run")}
+
+
+@pytest.mark.parametrize("name", PARENT)
+def test_the_parent_of_a_run_reaches_no_gl(name):
+    assert not {m for m in reached(name) if m.startswith(OF_THE_DEVICE)}
 
 
 @pytest.mark.parametrize("name", [n for n in MODULES if n and n.partition(".")[0] not in SPEAKING])

@@ -198,7 +198,7 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
 
     from ..gpu.device import open_device
     from ..gpu.single import shown
-    from ..runner import verdict
+    from ..run.cell import verdict
 
     with Interruption():
         opened = open_device(device)

@@ -268,7 +268,7 @@ class _Checker:
         scenes = {scene_at(scene, self.params, point) for point in along} or {scene} if scene else ()
         measures = {measure_at(measure, point) for point in along} or {measure} if measure else ()
         faults = [fault for rule in SCENE_RULES for fault in map(rule, scenes) if fault]
-        faults += [fault for fault in map(_too_few_samples, measures) if fault]
+        faults += [fault for rule in MEASURE_RULES for fault in map(rule, measures) if fault]
         for keys, what in dict(sorted(faults)).items():  # one point of each kind is enough
             self.problem(self._written(keys), what)
 
@@ -348,3 +348,13 @@ SCENE_RULES = (_too_many_quads, _quad_size_unused, _layout_unused, _slant_unused
 def _too_few_samples(measure: Measure) -> Fault | None:
     what = f"{measure.min_samples} to {measure.max_samples} samples; allowed: min_samples up to max_samples"
     return (("measure.max_samples", "measure.min_samples"), what) if measure.min_samples > measure.max_samples else None
+
+
+def _ended_early(measure: Measure) -> Fault | None:
+    if measure.longest_s >= measure.time_limit_s:
+        return None
+    what = f"{measure.longest_s:g} s for a cell, {measure.time_limit_s:g} s for its frames; allowed: at least as much"
+    return ("measure.hard_limit_s", "measure.time_limit_s"), what
+
+
+MEASURE_RULES = (_too_few_samples, _ended_early)

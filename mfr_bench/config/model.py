@@ -55,6 +55,8 @@ Alpha = Annotated[tuple[Unit, Unit], Predicate(lambda pair: pair[0] <= pair[1]),
 Colours = Annotated[str, Predicate(re.compile(r"any|plane|hues-[1-9][0-9]?").fullmatch),
                     Allowed("any | plane | hues-N with N from 1 to 99")]
 Samples = Annotated[int, Interval(ge=1, le=1_000_000), Allowed("a whole number from 1 to 1000000")]
+Seconds = Annotated[float, Interval(gt=0, le=86400), Allowed("seconds above 0, up to 86400")]
+Mebibytes = Annotated[float, Interval(gt=0, le=2**24), Allowed("MiB above 0, up to 16777216")]
 
 KEPT = ("image", "error", "loss", "fragments", "discarded", "histogram")  # arrays, see `arrays`
 
@@ -116,12 +118,21 @@ class Scene(_Plain):
     overhang: Annotated[int, Interval(ge=0, le=MAX_OVERHANG), Allowed(f"pixels from 0 to {MAX_OVERHANG}")] = 0
 
 
+ALLOWANCE_S = 120.0  # for a cell to compile, to be checked, and to end
+LIMITS_LONG = 10  # time limits that a cell may take at most: a frame of nearly that time is drawn in each of its phases
+
+
 @dataclass(frozen=True, kw_only=True)
 class Measure(_Plain):
     """When a measurement is enough, and what it may take.
 
     repeat_images: untimed frames whose distinct images are counted; with 1 none are. keep: arrays of a cell to be kept
     beside its numbers.
+
+    time_limit_s: of a cell's frames. hard_limit_s: of everything done for a cell, which is then ended; None means
+    120 s and ten time limits. memory_budget_mb: of what a method allocates, known beforehand. hard_limit_mb: of main
+    memory that the process that measures takes, which is then ended; None means 80 % of what is free when the run
+    starts.
     """
 
     __pydantic_config__: ClassVar[dict] = STRICT
@@ -129,10 +140,17 @@ class Measure(_Plain):
     target_rel_ci: Annotated[float, Interval(gt=0, lt=1), Allowed("a number between 0 and 1")] = 0.01
     min_samples: Samples = 10
     max_samples: Samples = 1000
-    time_limit_s: Annotated[float, Interval(gt=0, le=86400), Allowed("seconds above 0, up to 86400")] = 10.0
+    time_limit_s: Seconds = 10.0
     repeat_images: Samples = 1
-    memory_budget_mb: Annotated[float, Interval(gt=0, le=2**24), Allowed("MiB above 0, up to 16777216")] = 3072.0
+    memory_budget_mb: Mebibytes = 3072.0
     keep: Annotated[tuple[Literal[KEPT], ...], Allowed(f"a list of {', '.join(KEPT)}")] = ()
+    hard_limit_s: Seconds | None = None
+    hard_limit_mb: Mebibytes | None = None
+
+    @property
+    def longest_s(self) -> float:
+        """Seconds after which a cell is ended, whatever it does."""
+        return self.hard_limit_s or ALLOWANCE_S + LIMITS_LONG * self.time_limit_s
 
 
 @dataclass(frozen=True, kw_only=True)

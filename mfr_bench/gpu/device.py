@@ -22,6 +22,7 @@ SOFTWARE = re.compile(r"llvmpipe|softpipe|swrast|software rasterizer", re.IGNORE
 INSTALL = "sudo apt-get install -y libegl1 libgl1 libgl1-mesa-dri"
 MESA_VENDOR = "/usr/share/glvnd/egl_vendor.d/50_mesa.json"
 MOST_DEVICES = 16
+MOST_ERRORS = 16  # that GL remembers; a lost context has one without end
 
 
 @dataclass
@@ -100,6 +101,18 @@ class Device:
             if error == "GL_OUT_OF_MEMORY":
                 raise MemoryError(f"{doing}: {error}")
             raise DeviceError(f"{doing}: {error}")
+
+    def alive(self) -> bool:
+        """Whether the device still does as it is told, after an error that may have been its own; forgets GL's."""
+        for _ in range(MOST_ERRORS):
+            if not self.gl.error():
+                break
+        with suppress(Exception):
+            probe = self.ctx.buffer(b"alive")
+            answer = probe.read()
+            probe.release()
+            return answer == b"alive" and not self.gl.error()
+        return False
 
     def release(self) -> None:
         with suppress(Exception):

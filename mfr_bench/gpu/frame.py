@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..errors import CapacityError
 from ..glsl import (
     DIAGNOSTICS,
     DIAGNOSTICS_BINDING,
@@ -231,19 +232,20 @@ class Frame:
         wanted = int(self.words(grown.counter)[0])
         if wanted <= self._capacity:
             return True
-        self._grow(2 * self._capacity)
+        self._grow(2 * self._capacity, wanted)
         return False
 
-    def _grow(self, elements: int) -> None:
-        """Room for so many elements. Raises MemoryError where a storage block cannot have it."""
+    def _grow(self, elements: int, wanted: int) -> None:
+        """Room for so many elements. Raises CapacityError where a storage block cannot have it."""
         most = self.device.limits.max_block_bytes
         for buffer in self.variant.buffers:
             if (size := self.variant.block_bytes(buffer, self.sizes, elements)) > most:
-                raise MemoryError(f"{buffer.name} would grow to {size} bytes, a storage block holds {most}")
+                raise CapacityError(f"{wanted} fragments do not fit: {buffer.name} would grow to {size} bytes, "
+                                 f"a storage block holds {most}")
         self._set_capacity(elements)
 
     def draw_fitting(self) -> None:
-        """Draw until every growing buffer holds the frame. Raises MemoryError where it cannot grow further."""
+        """Draw until every growing buffer holds the frame. Raises CapacityError where it cannot grow further."""
         while not self.draw():
             self.device.check(f"{self.variant.method.id}: growing to {self._capacity} elements")
 

@@ -88,6 +88,15 @@ class Sampler:
             if not self.stop_reason:
                 yield
 
+    def resume(self, samples_ms: list[float]) -> None:
+        """Go on from samples of an earlier process; this one warms up first, unless they are enough."""
+        self.samples_ms = list(samples_ms)
+        self.spent_s = sum(samples_ms) / 1e3
+        if samples_ms and self.spent_s >= self.measure.time_limit_s:
+            self.stop_reason = "precise" if self.precise else "time limit"
+        while not self.stop_reason and len(self.samples_ms) >= self._goal:
+            self._next_batch()
+
     def interrupt(self) -> bool:
         """Stop here. Whether there are samples enough to keep."""
         self.stop_reason = self.stop_reason or "interrupted"

@@ -16,6 +16,8 @@ import mfr_bench
 from mfr_bench import glsl
 from mfr_bench.cli import main
 
+from ..run.inprocess import InProcess
+
 TINY = """\
 name: tiny
 title: Tiny
@@ -48,6 +50,13 @@ def environment(**more: str) -> dict[str, str]:
     root = str(Path(mfr_bench.__file__).parent.parent)
     path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
     return {name: value for name, value in os.environ.items() if name != "COLUMNS"} | {"PYTHONPATH": path} | more
+
+
+def sabotaged(folder: Path, code: str) -> dict[str, str]:
+    """What of an environment lets every process, the one that measures included, run this code when it starts."""
+    folder.mkdir(exist_ok=True)
+    (folder / "sitecustomize.py").write_text(code)
+    return {"PYTHONPATH": os.pathsep.join([str(folder), environment()["PYTHONPATH"]])}
 
 
 def command(*arguments: object) -> list[str]:
@@ -91,6 +100,7 @@ def mfr(monkeypatch, capsys):
 @pytest.fixture
 def on_device(device, monkeypatch):
     monkeypatch.setattr("mfr_bench.gpu.device.open_device", lambda want="auto": device)
+    monkeypatch.setattr("mfr_bench.run.supervisor.Worker", InProcess)
     return device
 
 

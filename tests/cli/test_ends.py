@@ -8,12 +8,11 @@ import resource
 import signal
 import struct
 import subprocess
-import sys
 import termios
 
 import pytest
 
-from .conftest import CELLS, FIGURE, TINY, Ended, apart, cells, command, environment
+from .conftest import CELLS, FIGURE, TINY, Ended, apart, cells, command, environment, sabotaged
 
 SLOW = """\
 name: slow
@@ -195,22 +194,17 @@ def test_without_a_driver_methods_and_plans_are_still_told(tiny, no_driver):
 
 
 BROKEN = """
-import sys
 from mfr_bench import glsl
 real = glsl.read
 glsl.read = lambda p: real(p).replace("void main() {", "void main() { oops;") if "array/store" in p else real(p)
-from mfr_bench.cli import main
-sys.argv = ["mfr-bench", "run", "tiny.yaml", "--out", "out"]
-main()
 """
 
 
-def on_terminal(*arguments, columns=80, program=None, **env) -> tuple[int, str, str]:
+def on_terminal(*arguments, columns=80, **env) -> tuple[int, str, str]:
     """Exit status, stdout, and what a terminal on stderr received."""
     terminal, slave = pty.openpty()
     fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
-    line = [*program, *arguments] if program else command(*arguments)
-    process = subprocess.Popen(line, env=environment(TERM="xterm-256color") | env,
+    process = subprocess.Popen(command(*arguments), env=environment(TERM="xterm-256color") | env,
                                stdout=subprocess.PIPE, stderr=slave, text=True)
     os.close(slave)
     received = b""
@@ -244,9 +238,8 @@ def test_a_terminal_sees_one_live_line(tiny, columns):
     assert "\x1b[?25h" in received.rpartition("\x1b[?25l")[2]  # the cursor is back
 
 
-def test_what_failed_stays_on_the_terminal(here):
-    (here / "tiny.yaml").write_text(TINY)
-    status, _, received = on_terminal("-c", BROKEN, columns=300, program=[sys.executable])
+def test_what_failed_stays_on_the_terminal(tiny, here):
+    status, _, received = on_terminal("run", tiny, "--out", "out", columns=300, **sabotaged(here / "broken", BROKEN))
     assert status == 1
     failed, = {line for line in plain(received) if line.startswith("AB_Array: crashed")}
     assert "methods/array/store.frag" in failed

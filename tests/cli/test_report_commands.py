@@ -11,7 +11,7 @@ from .conftest import CELLS, FIGURE, TINY, Ended, cells, environment, rows
 
 FIGURES = FIGURE.replace("]", ", {kind: bars, x: k, y: memory_bytes}]")
 
-BLOCKED = ("moderngl", "glcontext", "OpenGL", "mfr_bench.gpu", "mfr_bench.runner")
+BLOCKED = ("moderngl", "glcontext", "OpenGL", "mfr_bench.gpu", "mfr_bench.run.worker")
 NO_GL = f"""
 import sys
 class Blocked:
@@ -57,9 +57,16 @@ def contents(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
-def test_the_blocked_import_is_what_run_needs(folder):
+def test_the_blocked_import_is_what_render_needs(folder):
     (folder.parent / "tiny.yaml").write_text(TINY)
-    assert "is not to be imported" in without_gl("run", "tiny.yaml").err
+    assert "is not to be imported" in without_gl("render", "tiny.yaml", "--method", "floor", "--out", "x.npy").err
+
+
+def test_a_run_leaves_gl_to_the_process_that_measures(folder):
+    (folder.parent / "tiny.yaml").write_text(TINY)
+    ended = without_gl("run", "tiny.yaml", "--out", "again")
+    assert ended.status == 0
+    assert f"{CELLS} cells: {CELLS} ok" in ended.out
 
 
 def test_plot_draws_the_same_figures_without_gl(folder):

@@ -5,14 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mfr_bench import glsl, runner
+from mfr_bench import glsl
 from mfr_bench.config.model import Measure
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu import truth
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.methods import catalog
 from mfr_bench.plan import Cell
-from mfr_bench.runner import Runner, failure, jobs
+from mfr_bench.run import measuring, scene_work
+from mfr_bench.run.cell import Bench, failure
+from mfr_bench.run.events import Finished, Group, Sampled, Share
+from mfr_bench.run.jobs import jobs
+from mfr_bench.run.ledger import Ledger, Sheet
+from mfr_bench.run.measuring import Measuring
 from mfr_bench.store import ResultFolder
 
 MEASURE = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=7)
@@ -43,21 +48,44 @@ def cell(method="ab-array", scene=SCENE, measure=MEASURE, **params):
     return Cell("test", method, method, catalog()[method].complete(params), scene, measure, dict(params))
 
 
+class Run:
+    """Measures cells into a folder, with a ledger that hears of every event at once."""
+
+    def __init__(self, device, cells, timer, folder, interrupted=lambda: False):
+        self.sheet = Sheet(ResultFolder(folder), jobs(cells, catalog(), device.info, "wall"))
+        self.events, self.rows = [], []
+        self.ledger = Ledger([self.sheet], device.info, report=self.rows.append)
+        self.measuring = Measuring(Bench(device, timer, self.hear, interrupted), catalog())
+
+    def hear(self, event):
+        self.events.append(event)
+        if isinstance(event, Sampled):
+            self.ledger.sampled(event)
+        if isinstance(event, Finished):
+            self.ledger.write(self.sheet.jobs[event.key], event)
+
+    def all(self, force=False):
+        self.ledger.settle(force)
+        try:
+            for group in self.ledger.groups():
+                self.measuring.group(Group(tuple(group), self.ledger.partials(group)))
+        finally:
+            self.ledger.close()
+
+
 @pytest.fixture
 def run(device, tmp_path):
-    """run(cells, timer, **more) -> (rows by label and k, the runner)"""
+    """run(cells, timer, **more) -> (rows by label and k, the run)"""
     def measured(cells, timer=None, force=False, **more):
-        rows = []
-        made = Runner(device, timer or Clock(), ResultFolder(tmp_path), catalog(), rows.append, **more)
-        made.rows = rows
-        made.run(jobs(cells, catalog(), device.info, "wall"), force)
-        return {(r["method"], r["params"].get("k")): r for r in rows}, made
+        made = Run(device, cells, timer or Clock(), tmp_path, **more)
+        made.all(force)
+        return {(r["method"], r["params"].get("k")): r for r in made.rows}, made
     return measured
 
 
 def test_a_row_has_everything_that_was_measured(run, tmp_path):
     rows, made = run([cell("floor"), cell(), cell("kplus-array", k=2)])
-    assert made.summary.statuses == {"ok": 3}
+    assert made.sheet.counts == {"ok": 3}
     values = rows["kplus-array", 2]["values"]
     assert (values["fragments"], values["covered_pixels"], values["max_fragments"]) == (960, 192, 5)
     assert (values["time_ms"], values["samples"], values["timer"]) == (1.0, 7, "wall")
@@ -84,14 +112,14 @@ def test_frames_are_interleaved(run):
 
 def test_the_same_cell_twice_gives_the_noise_floor(run):
     _, made = run([cell("floor"), cell()])
-    assert made.summary.noise_floor_rel == 0  # the planted clock has no noise
+    assert made.sheet.noise_floor_rel == 0  # the planted clock has no noise
     _, made = run([cell("floor", measure=Measure(min_samples=3, max_samples=3))])
-    assert made.summary.noise_floor_rel is None
+    assert made.sheet.noise_floor_rel is None
 
 
 def test_scenes_and_their_oracles_are_made_once(run, monkeypatch):
     made, composited = [], []
-    monkeypatch.setattr(runner, "generate", lambda *a, real=runner.generate: (made.append(a), real(*a))[1])
+    monkeypatch.setattr(scene_work, "generate", lambda *a, real=scene_work.generate: (made.append(a), real(*a))[1])
     monkeypatch.setattr(truth, "composite", lambda *a, real=truth.composite: (composited.append(a[1:]), real(*a))[1])
     run([cell("ab-array"), cell("ab-ll"), cell("kplus-array", k=2), cell("kplus-heap", k=2), cell("kplus-array", k=99)])
     assert len(made) == 1
@@ -127,7 +155,7 @@ def test_a_cell_that_fails_costs_itself_alone(run, monkeypatch, error, when):
     assert rows["ab-array", None]["status"] == failure(error)[0]
     assert "time_ms" not in rows["ab-array", None]["values"]
     assert rows["ab-array", None]["values"]["fragments"] == 960
-    assert made.summary.statuses == {"ok": 2, failure(error)[0]: 1}
+    assert made.sheet.counts == {"ok": 2, failure(error)[0]: 1}
     assert len(made.rows) == 3
 
 
@@ -135,7 +163,7 @@ def test_a_scene_without_room_is_rows(run, monkeypatch):
     def none(*arguments):
         raise MemoryError("no room for the scene")
 
-    monkeypatch.setattr(runner, "generate", none)
+    monkeypatch.setattr(scene_work, "generate", none)
     rows, _ = run([cell("floor"), cell()])
     assert {r["status"] for r in rows.values()} == {"out_of_memory"}
 
@@ -233,9 +261,9 @@ def test_what_is_kept_is_not_measured_again(run):
     run([cell("floor"), cell()])
     timer = Clock()
     rows, made = run([cell("floor"), cell()], timer)
-    assert (rows, timer.frames, made.summary.kept, made.summary.statuses) == ({}, 0, 2, {"ok": 2})
+    assert (rows, timer.frames, made.sheet.kept, made.sheet.counts) == ({}, 0, 2, {"ok": 2})
     rows, made = run([cell("floor"), cell()], force=True)
-    assert (len(rows), made.summary.kept) == (2, 0)
+    assert (len(rows), made.sheet.kept) == (2, 0)
 
 
 def test_a_kept_cell_takes_its_place_in_the_experiment(run, tmp_path):
@@ -262,12 +290,12 @@ def test_an_animation_cycles_through_its_seeds(run, monkeypatch):
 
 
 def test_cells_that_do_not_fit_together_are_measured_in_turns(run, monkeypatch):
-    monkeypatch.setattr(runner, "LIVE_BYTES", 1)
+    monkeypatch.setattr(measuring, "LIVE_BYTES", 1)
     alive = []
     monkeypatch.setattr(Frame, "__init__", lambda self, *a, real=Frame.__init__: (alive.append(1), real(self, *a))[1])
     monkeypatch.setattr(Frame, "release", lambda self, real=Frame.release: (alive.append(-1), real(self))[1])
     _, made = run([cell(), cell("ab-ll"), cell("kplus-array", k=2)])
-    assert made.summary.statuses == {"ok": 3}
+    assert made.sheet.counts == {"ok": 3}
     assert alive == [1, -1] * 3
 
 
@@ -275,9 +303,9 @@ def test_cells_that_do_not_fit_together_are_measured_in_turns(run, monkeypatch):
 
 
 def test_progress_is_told_in_cells(run):
-    shares = []
     longer = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=30)
-    run([cell(m, measure=longer) for m in ("floor", "ab-array", "ab-ll")], Clock(0.01), sampled=shares.append)
+    _, made = run([cell(m, measure=longer) for m in ("floor", "ab-array", "ab-ll")], Clock(0.01))
+    shares = [event.cells for event in made.events if isinstance(event, Share)]
     assert all(0 <= share <= 3 for share in shares)
     assert shares[0] < max(shares)
     assert shares[-1] == 0  # nothing is in hand any more

@@ -1,0 +1,202 @@
+"""One run from its plans to its reports: what is kept and shared, what is measured, what is told of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from .output import note, say, width
+from .report_commands import write_report
+
+# What a manifest tells of the run that measured: a run that finds everything measured leaves it alone.
+OF_THE_MEASURING = ("started", "calibration", "versions", "split_s", "noise_floor_rel")
+
+
+@dataclass(frozen=True)
+class Choices:
+    """What the options of a run say."""
+
+    out: str | None
+    force: bool
+    keep_failed: bool
+    try_hopeless: bool
+
+
+def result_folders(plans, out: str | None, slug: str):
+    """The result folder of each experiment."""
+    from ..store import ResultFolder
+
+    if out is None:
+        return [ResultFolder(Path("results") / slug / e.name) for e, _ in plans]
+    return [ResultFolder(Path(out) / e.name if len(plans) > 1 else out) for e, _ in plans]
+
+
+def sources(plans, folders, choices: Choices):
+    """The result folders beside those of a run, whose cells may be the same; none beside a DIR for one experiment."""
+    from ..run.ledger import relatives
+
+    beside = choices.out is None or len(plans) > 1
+    return relatives(folders[0].path.parent if beside else None, folders)
+
+
+@dataclass
+class Part:
+    """One experiment of a run: its cells, and what its manifest says."""
+
+    experiment: Any
+    sheet: Any
+    manifest: dict[str, Any]
+
+    @property
+    def folder(self):
+        return self.sheet.folder
+
+    def write_manifest_at_start(self) -> None:
+        self.manifest |= _of_the_measuring(self.folder.manifest(), self.manifest, all_kept=not self.sheet.pending)
+        self.folder.write_manifest(self.manifest)
+
+
+class Session:
+    """All experiments of one command on one device."""
+
+    def __init__(self, supervisor, asked: Callable[[], bool], choices: Choices, started: float):
+        self.supervisor, self.asked, self.choices, self.started = supervisor, asked, choices, started
+
+    def run(self, plans) -> set[str]:
+        """Measure, print and write the results; returns the statuses of all cells.
+
+        Raises Interrupted or DeviceError where it has to end early, with what is kept.
+        """
+        from ..measure.split import Split
+        from ..run.ledger import Ledger
+
+        ready = self.supervisor.ready()
+        self.split = Split()
+        self.split.seconds["start-up"] = time.perf_counter() - self.started
+        folders = result_folders(plans, self.choices.out, ready.device["slug"])
+        parts = self._parts(plans, folders, ready)
+        with ExitStack() as stack:
+            for part in parts:
+                if unlocked := stack.enter_context(part.folder.lock()):
+                    note(unlocked)
+            ledger = Ledger([part.sheet for part in parts], ready.device, sources(plans, folders, self.choices),
+                            split=self.split)
+            stack.callback(ledger.close)
+            ledger.settle(self.choices.force, self.choices.keep_failed)
+            for part in parts:
+                part.write_manifest_at_start()
+            self._measure(parts, ledger)
+        return {status for part in parts for status in part.sheet.statuses.values()}
+
+    def _parts(self, plans, folders, ready) -> list[Part]:
+        """The experiments that have cells."""
+        from ..methods import catalog
+        from ..run.jobs import jobs
+        from ..run.ledger import Sheet
+
+        parts, codes = [], {}
+        for (experiment, cells), folder in zip(plans, folders, strict=True):
+            if cells:
+                todo = jobs(cells, catalog(), ready.device, ready.timer, codes)
+                parts.append(Part(experiment, Sheet(folder, todo), manifest(experiment, todo, ready)))
+        return parts
+
+    def _measure(self, parts: Sequence[Part], ledger) -> None:
+        """Measure what is pending, then tell of each experiment."""
+        from ..errors import DeviceError, Interrupted
+        from .progress import Progress
+
+        groups = ledger.groups()
+        name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
+        try:
+            with Progress(sum(map(len, groups)), name, self.asked) as progress:
+                ledger.report = progress.row
+                self.supervisor.measure(groups, ledger, progress.sampled, self.choices.try_hopeless)
+            for part in parts:
+                self._tell(part)
+        except KeyboardInterrupt:
+            if self.asked():
+                raise Interrupted(f"interrupted: {self._kept(parts)}") from None
+            raise
+        except DeviceError as error:
+            raise DeviceError(f"{error}; {self._kept(parts)}") from None
+
+    def _tell(self, part: Part) -> None:
+        """Print an experiment's tables, write what is derived from its cells, say how it ended."""
+        from ..report import terminal_table
+
+        say(terminal_table(part.folder, width()))
+        say(summary(part.sheet, part.manifest, self._report(part)))
+
+    def _report(self, part: Part) -> list[Path]:
+        if part.sheet.noise_floor_rel is not None:
+            part.manifest["noise_floor_rel"] = part.sheet.noise_floor_rel
+            part.folder.write_manifest(part.manifest)  # the tables tell it
+        with self.split.work("report"):
+            written = write_report(part.folder)
+        part.folder.write_manifest({"split_s": self.split.rounded()} | part.manifest)
+        return written
+
+    def _kept(self, parts: Sequence[Part]) -> str:
+        """Write what is derived from the cells so far; how many those are, and where."""
+        for part in parts:
+            self._report(part)
+        kept = sum(part.folder.has(key) for part in parts for key in part.sheet.jobs)
+        total = sum(len(part.sheet.jobs) for part in parts)
+        places = f"{parts[0].folder.path}" + (f" and {len(parts) - 1} more folders" if parts[1:] else "")
+        return f"{kept} of {total} cells are kept in {places}; the same command measures the others"
+
+
+def _of_the_measuring(before: Mapping[str, Any], now: Mapping[str, Any], all_kept: bool) -> dict[str, Any]:
+    """What a new manifest takes over from the one before it."""
+    same_place = all(before.get(name) == now[name] for name in ("device", "timer"))
+    names = OF_THE_MEASURING if all_kept else ("noise_floor_rel",) if same_place else ()
+    return {name: before[name] for name in names if name in before}
+
+
+def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
+    """How an experiment ended, and where its results are."""
+    statuses = ", ".join(f"{count} {status}" for status, count in sorted(sheet.counts.items(), key=_ok_first))
+    kept = f"; {sheet.kept} kept from before, --force measures them again" if sheet.kept else ""
+    copied = f"; {sheet.copied} copied from other results, where they are the same" if sheet.copied else ""
+    noise = manifest.get("noise_floor_rel")
+    lines = [f"{len(sheet.statuses)} cells: {statuses}{kept}{copied}"]
+    if noise is not None:
+        lines.append(f"noise floor {100 * noise:.2g} %: the same method measured twice differs by that")
+    for title, suffix in (("tables", ".md"), ("figures", ".png")):
+        paths = [str(path) for path in written if path.suffix == suffix]
+        lines += [f"{title if number == 0 else '':8}{path}" for number, path in enumerate(paths)]
+    return "\n".join(lines)
+
+
+def _ok_first(entry: tuple[str, int]) -> tuple[bool, str]:
+    return entry[0] != "ok", entry[0]
+
+
+def manifest(experiment, todo, ready) -> dict[str, Any]:
+    """What a result folder tells of its experiment, device and run."""
+    return {
+        "name": experiment.name, "title": experiment.title, "source": dict(experiment.source),
+        "config": str(experiment.path), "scene": experiment.scene.as_dict(), "params": dict(experiment.params),
+        "sweep": {name: list(values) for name, values in experiment.sweep.items()},
+        "zip": {name: list(values) for name, values in experiment.zip.items()},
+        "measure": experiment.measure.as_dict(), "figures": [f.as_dict() for f in experiment.figures],
+        "cells": list(dict.fromkeys(job.key for job in todo)), "device": dict(ready.device),
+        "timer": ready.timer, "calibration": dict(ready.calibration), "versions": versions(),
+        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+    }
+
+
+def versions() -> dict[str, str]:
+    import platform
+    from importlib.metadata import version
+
+    from .. import __version__
+
+    packages = ("moderngl", "glcontext", "numpy", "flip-evaluator")
+    return {"mfr-bench": __version__, "python": platform.python_version(), "system": platform.platform(),
+            **{name: version(name) for name in packages}}

@@ -1,0 +1,258 @@
+"""One cell on the device: prepared, checked against the oracle, sampled batch by batch, finished as its row."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from .. import quality
+from ..errors import CapacityError, MfrError
+from ..gpu.device import Device
+from ..gpu.frame import Frame
+from ..gpu.timers import Timer
+from ..journal import Partial
+from ..measure.sampling import Sampler
+from ..measure.split import Split
+from ..methods.spec import Sizes, Variant
+from ..stats import interleaved_ratio
+from .events import Begun, Finished, Sampled
+from .jobs import Job
+from .scene_work import SceneWork
+
+PASS_FRAMES = 7
+PASS_SHARE = 0.25  # of the time limit, at most, spent on frames whose passes are timed
+
+Emit = Callable[[Any], None]
+
+
+@dataclass
+class Bench:
+    """What every cell is measured with, and whom its events are told."""
+
+    device: Device
+    timer: Timer
+    emit: Emit
+    interrupted: Callable[[], bool] = lambda: False
+    split: Split = field(default_factory=Split)
+
+    def stop_if_asked(self) -> None:
+        if self.interrupted():
+            raise KeyboardInterrupt
+
+
+class CellWork:
+    """A cell that passed its first check and is being sampled. `partial`: what earlier processes took of it."""
+
+    def __init__(self, bench: Bench, scene: SceneWork, job: Job, variant: Variant, partial: Partial):
+        self.bench, self.scene, self.job, self.variant = bench, scene, job, variant
+        self.sampler = Sampler(job.cell.measure)
+        self.sampler.resume(partial.samples_ms)
+        self.twin: Sampler | None = None  # the same again, for the noise floor
+        self.passes = {name: list(times_ms) for name, times_ms in partial.passes.items()}
+        self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
+        self.done = False  # its row is told
+        self._told = len(self.sampler.samples_ms)  # samples that are no news
+        self.frame = self._drawn()
+        try:
+            self._check()
+        except BaseException:
+            self.frame.release()
+            raise
+
+    @property
+    def samplers(self) -> list[Sampler]:
+        return [s for s in (self.sampler, self.twin) if s]
+
+    @property
+    def wanted(self) -> bool:
+        return not self.done and any(s.wanted for s in self.samplers)
+
+    @property
+    def share(self) -> float:
+        """How much of the most frames or time that it may take has been taken."""
+        return 0.0 if self.done else min(s.share for s in self.samplers)
+
+    @property
+    def checked(self) -> bool:
+        """Whether the method promises an image."""
+        return self.variant.method.guarantee != "none"
+
+    def _begin(self, phase: str) -> None:
+        self.bench.emit(Begun(self.job.key, phase))
+
+    def _drawn(self) -> Frame:
+        """Compile, allocate, and draw until everything fits."""
+        scene, device = self.scene, self.bench.device
+        scene.show(0)
+        self._begin("compile")
+        with self.bench.split.work("compile"):
+            frame = Frame(device, self.variant, scene.sizes, scene.quads, scene.canvas)
+            try:
+                self._begin("first frame")
+                frame.draw_fitting()
+                device.finish()
+                device.check(f"{self.job.cell.method}: first frame")
+            except BaseException:
+                frame.release()
+                raise
+        return frame
+
+    def _check(self) -> None:
+        self._begin("check")
+        with self.bench.split.work("check"):
+            image = self.frame.image()
+            self.conformance = self._conformance(image)
+            self.quality = self.scene.quality(image) if self.checked else {}
+            self.lost = self.frame.lost_fragments()
+
+    def _conformance(self, image) -> dict[str, float | int]:
+        return self.scene.conformance(self.variant, image) if self.checked else {}
+
+    def batch(self, sampler: Sampler) -> None:
+        """As many frames as the sampler wants next; where it is warm, one whose passes are timed as well."""
+        self._begin("sampling")
+        for _ in sampler.turn():
+            self.bench.stop_if_asked()
+            self.frame.show(self.scene.show(len(sampler.samples_ms)))
+            with self.bench.split.work("measure" if sampler.warm else "warm-up"):
+                time_ms = self.bench.timer.frame_ms(self.frame.draw)
+            sampler.add(time_ms)
+        self._tell(self._time_passes(1) if sampler.warm else {})
+
+    def _tell(self, passes: Mapping[str, float]) -> None:
+        """What is new since the last batch."""
+        samples, self._told = self.sampler.samples_ms[self._told:], len(self.sampler.samples_ms)
+        if samples or passes:
+            self.bench.emit(Sampled(self.job.key, tuple(samples), passes))
+
+    def _time_passes(self, frames: int) -> dict[str, tuple[float, ...]]:
+        """Time the passes in frames of their own, between the batches, so that drift hits both alike."""
+        limit_s = PASS_SHARE * self.job.cell.measure.time_limit_s
+        done = len(next(iter(self.passes.values()), ()))
+        new: dict[str, tuple[float, ...]] = {}
+        with self.bench.split.work("passes"):
+            for _ in range(min(frames, PASS_FRAMES - done)):
+                if self.passes_s > limit_s:
+                    break
+                self.frame.show(self.scene.show(len(self.sampler.samples_ms)))
+                times = self.bench.timer.passes_ms(self.frame.draw)
+                self.passes_s += sum(times.values()) / 1e3
+                for name, time_ms in times.items():
+                    self.passes.setdefault(name, []).append(time_ms)
+                    new[name] = (*new.get(name, ()), time_ms)
+        return new
+
+    def finish(self) -> Finished:
+        """Time the passes, check the image once more: the row."""
+        self._begin("passes")
+        self._time_passes(PASS_FRAMES)
+        self._begin("last check")
+        with self.bench.split.work("check"):
+            self._check_again()
+            distinct = self._distinct_images()
+        status, reason = verdict(self.variant, self.conformance, self.lost, distinct or 1)
+        sampler, frame = self.sampler, self.frame
+        low, middle, high = sampler.interval
+        values = scene_values(self.variant, self.scene.sizes) | self.conformance | self.quality | {
+            "samples": len(sampler.samples_ms), "timer": self.bench.timer.name, "time_ms": middle, "time_ms_low": low,
+            "time_ms_high": high, "noisy": sampler.noisy, "stop_reason": sampler.stop_reason,
+            "memory_bytes": sum(frame.memory_bytes.values()),
+            "lost_fragments": self.lost, "geometry_passes": frame.geometry_passes,
+            "distinct_images": distinct, **self._shares(),
+        }
+        details = {"warmup_ms": sampler.warmup_ms, "samples_ms": sampler.samples_ms, "passes": self.passes,
+                   "buffers": frame.memory_bytes, "frames": frames(self.variant, self.scene)}
+        return Finished(self.job.key, status, reason, values, details, self._noise_floor_rel())
+
+    def _check_again(self) -> None:
+        """The last image must be as right as the first: the worse of the two counts."""
+        self.frame.show(self.scene.show(0))
+        self.frame.draw()
+        self.lost += self.frame.lost_fragments()
+        self.bench.device.check(f"{self.job.cell.method}: sampling")
+        if self.conformance:
+            again = self._conformance(self.frame.image())
+            self.conformance = {name: max(value, again[name]) for name, value in self.conformance.items()}
+
+    def _noise_floor_rel(self) -> float | None:
+        """How far apart the cell and its twin are, at most."""
+        if self.twin is None:
+            return None
+        measure = self.job.cell.measure
+        low, _, high = interleaved_ratio(self.twin.samples_ms, self.sampler.samples_ms, measure.min_samples,
+                                         measure.max_samples)
+        return None if low is None or high is None else max(abs(low - 1), abs(high - 1))
+
+    def _distinct_images(self) -> int | None:
+        """Different images of the scene on the device, where more than one frame is asked for and images compare."""
+        wanted = self.job.cell.measure.repeat_images
+        if wanted == 1 or not self.conformance:
+            return None
+        images = set()
+        for _ in range(wanted):
+            self.bench.stop_if_asked()
+            self.frame.draw()
+            images.add(hashlib.sha256(self.scene.untied(self.frame.image())).digest())
+        self.lost += self.frame.lost_fragments()
+        return len(images)
+
+    def _shares(self) -> dict[str, float | None]:
+        """Of the fragments generated: those kept, those that the promise keeps, and those discarded before the store.
+
+        They are of the scene on the device. What the method's memory cannot be asked for is as promised.
+        """
+        sizes = self.scene.shown
+        if not self.checked or not sizes.F:
+            return {"hit_ratio": None, "promised_ratio": None, "discarded_share": None}
+        counted, promised = self.frame.probe(), self.variant.kept(sizes)
+        arrived = counted.get("arrived_fragments")
+        return {"hit_ratio": counted.get("held_fragments", promised) / sizes.F, "promised_ratio": promised / sizes.F,
+                "discarded_share": None if arrived is None else 1 - arrived / sizes.F}
+
+
+def verdict(variant: Variant, conformance: Mapping[str, float | int], lost: int,
+            distinct_images: int = 1) -> tuple[str, str | None]:
+    """Status and reason of a measured cell.
+
+    An exact method is wrong above 1e-4, where it lost a fragment, or where its frames differ.
+    """
+    if not variant.guarantee.startswith("exact"):
+        return "ok", None
+    if lost:
+        return "wrong", f"{lost} fragments lost"
+    if conformance["max_abs_error"] > quality.EXACT_ERROR:
+        return "wrong", (f"max_abs_error {conformance['max_abs_error']:.3g} above {quality.EXACT_ERROR:g}, "
+                         f"{conformance['wrong_pixels']} wrong pixels")
+    if distinct_images > 1:
+        return "wrong", f"{distinct_images} different images of one scene"
+    return "ok", None
+
+
+def failure(error: Exception) -> tuple[str, str]:
+    """Status and reason of a cell that raised: whatever a method or a driver does costs its own cell only."""
+    if isinstance(error, CapacityError):
+        return "overflow", str(error)
+    if isinstance(error, MemoryError):
+        return "out_of_memory", str(error) or "out of memory"
+    return "crashed", " ".join((str(error) if isinstance(error, MfrError) else repr(error)).split())
+
+
+def scene_values(variant: Variant, sizes: Sizes) -> dict[str, Any]:
+    """What is known of a cell without running it."""
+    decision = variant.decision(sizes)
+    return {"fragments": sizes.F, "covered_pixels": sum(sizes.histogram[1:]),
+            "max_fragments": len(sizes.histogram) - 1, "memory_model_bytes": variant.model_bytes(sizes),
+            "chosen_k": decision.k if decision else None}
+
+
+def frames(variant: Variant, scene: SceneWork) -> list[dict[str, Any]]:
+    """What a cell met and chose in each frame, where frames differ or the method chooses."""
+    chosen = [variant.decision(sizes) for sizes in scene.frames]
+    if len(chosen) == 1 and chosen[0] is None:
+        return []
+    return [{"frame": i, "fragments": sizes.F, "covered_pixels": sum(sizes.histogram[1:]),
+             "max_fragments": len(sizes.histogram) - 1, "chosen_k": choice.k if choice else None,
+             "kept": variant.kept(sizes), "histogram": list(sizes.histogram)}
+            for i, (sizes, choice) in enumerate(zip(scene.frames, chosen, strict=True))]

@@ -1,0 +1,104 @@
+"""What the process that measures and its parent say to each other. Plain values, which pickle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..journal import Partial
+from ..plan import Limits
+from .jobs import Job
+
+# --- parent to worker ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Group:
+    """Measure these cells of one scene. `partials`: samples by key that earlier processes took.
+
+    With `twin` one of the cells is sampled twice, for the noise floor.
+    """
+
+    jobs: tuple[Job, ...]
+    partials: Mapping[str, Partial] = field(default_factory=dict)
+    twin: bool = True
+
+
+@dataclass(frozen=True)
+class Stop:
+    """End between two frames; cells with samples enough are finished."""
+
+
+@dataclass(frozen=True)
+class Go:
+    """What was sent until `Synced` is kept."""
+
+
+# --- worker to parent ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Ready:
+    """The device is open, and its timer chosen. `calibration`: empty where the timer was given."""
+
+    device: Mapping[str, str]
+    limits: Limits
+    timer: str
+    calibration: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Failed:
+    """There is no device, and why."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class Begun:
+    """From now on this cell is in hand, until it is finished or another is; None: all cells of the group."""
+
+    key: str | None
+    phase: str
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """A batch of a cell's frame times, and of its passes' times, in ms."""
+
+    key: str
+    samples_ms: tuple[float, ...] = ()
+    passes: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Synced:
+    """The worker waits for `Go`: what it sent should be kept first, and no time is taken meanwhile."""
+
+
+@dataclass(frozen=True)
+class Share:
+    """Cells in hand, each as the fraction of the most frames or time that it may take."""
+
+    cells: float
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A cell's row, but for what the parent knows better. `details`: warm-ups, samples, passes, buffers."""
+
+    key: str
+    status: str
+    reason: str | None
+    values: Mapping[str, Any]
+    details: Mapping[str, Any] = field(default_factory=dict)
+    noise_floor_rel: float | None = None
+
+
+@dataclass(frozen=True)
+class Ended:
+    """The group is over. `split_s`: where the time went since the last group."""
+
+    split_s: Mapping[str, float]
+    interrupted: bool = False

@@ -1,0 +1,55 @@
+"""Cells with their keys. Knows no device: what the keys cover of it is given."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from ..glsl import stages
+from ..methods.spec import Method, Sizes, Variant
+from ..plan import Cell, expected_sizes
+from ..store import key
+
+NOMINAL = Sizes(W=1, H=1, n=2, F=1, quads=1)  # the scene is in a cell's key of its own
+Shaders = tuple[Variant, str]  # the geometry, which has a vertex shader of its own
+GUARDS = ("hard_limit_s", "hard_limit_mb")  # settings that end a cell, and change no number of one that ends well
+
+
+@dataclass(frozen=True)
+class Job:
+    """A cell with its key: what to measure, and under which name it is kept. Plain values, which pickle."""
+
+    cell: Cell
+    key: str
+    glsl_hash: str
+
+
+def glsl_hash(variant: Variant, geometry: str) -> str:
+    """Hash of every stage of every pass, at sizes that stand for those of any scene of this geometry."""
+    sizes = replace(NOMINAL, geometry=geometry)
+    digest = hashlib.sha256()
+    for step in variant.passes:
+        for stage in stages(variant, step, sizes) if step.kind != "clear" else ():
+            digest.update(stage.text.encode())
+    return digest.hexdigest()[:16]
+
+
+def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[str, str], timer: str,
+         codes: dict[Shaders, str] | None = None) -> list[Job]:
+    """The cells with their keys, which cover the method with its GLSL and parameters, scene, settings and device.
+
+    Labels are no part: cells that differ in nothing else are one measurement. `codes` keeps the hashes from call
+    to call.
+    """
+    codes = {} if codes is None else codes
+    found = []
+    for cell in cells:
+        shaders = catalog[cell.method].variant(cell.params), expected_sizes(cell.scene).geometry
+        code = codes.get(shaders) or codes.setdefault(shaders, glsl_hash(*shaders))
+        settings = {name: value for name, value in cell.measure.as_dict().items() if name not in GUARDS}
+        name = key({"method": cell.method, "params": dict(cell.params), "glsl": code,
+                    "scene": cell.scene.as_dict(), "measure": settings,
+                    "renderer": device["renderer"], "version": device["version"], "timer": timer})
+        found.append(Job(cell, name, code))
+    return found

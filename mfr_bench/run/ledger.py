@@ -1,0 +1,190 @@
+"""What of a run is done and where it is kept: rows that experiments may share, samples of unfinished cells."""
+
+from __future__ import annotations
+
+import time
+import uuid
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..journal import Journal, Partial
+from ..measure.split import Split
+from ..plan import Known, expected_sizes, hopeless
+from ..store import ResultFolder
+from .events import Finished, Sampled
+from .jobs import Job
+
+RETRIED = ("crashed", "timeout", "out_of_memory")  # the cause may be gone: measured again by the next run
+
+Row = dict[str, Any]
+Report = Callable[[Row], None]
+
+
+class Sheet:
+    """One experiment: its cells, the folder that keeps them, and how each has ended so far."""
+
+    def __init__(self, folder: ResultFolder, jobs: Sequence[Job]):
+        self.folder = folder
+        self.jobs = {job.key: job for job in jobs}
+        self.statuses: dict[str, str] = {}  # by key, of those that have their row
+        self.kept = 0
+        self.copied = 0
+        self.noise_floor_rel: float | None = None
+
+    @property
+    def pending(self) -> list[Job]:
+        return [job for key, job in self.jobs.items() if key not in self.statuses]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Cells by status."""
+        found = list(self.statuses.values())
+        return {status: found.count(status) for status in found}
+
+
+def place(job: Job) -> Row:
+    """Where a row stands in its experiment, and what it is called there; not part of its key."""
+    return {"experiment": job.cell.experiment, "point": plain(job.cell.point), "label": job.cell.label}
+
+
+class Ledger:
+    """The sheets of one run on one device. Every row is durable when the call that brings it returns.
+
+    `elsewhere`: folders whose cells are copied instead of measured. Raises StoreError wherever a disk fails.
+    """
+
+    def __init__(self, sheets: Sequence[Sheet], device: Mapping[str, str], elsewhere: Iterable[ResultFolder] = (),
+                 report: Report = lambda row: None, split: Split | None = None):
+        self.sheets, self.device, self.report = sheets, device, report
+        self.elsewhere, self.split = list(elsewhere), split or Split()
+        self._session = uuid.uuid4().hex[:12]
+        self._journals = {sheet.folder.path: Journal(sheet.folder.journal_path) for sheet in sheets}
+        self._known: list[Known] = []
+
+    # --- before ----------------------------------------------------------------------------------
+
+    def settle(self, force: bool = False, keep_failed: bool = False) -> None:
+        """Keep what the folders have, or with `force` nothing; copy what other folders have."""
+        for sheet in self.sheets:
+            for job in sheet.pending:
+                if force:
+                    self._journal(sheet).forget(job.key)
+                elif row := final(sheet.folder, job.key, keep_failed):
+                    self._keep(sheet, job, row)
+        for sheet in () if force else self.sheets:
+            for job in sheet.pending:
+                if row := self._copy_of(job.key, keep_failed):
+                    sheet.folder.write_cell(row | place(job))
+                    sheet.copied += 1
+                    self._done(sheet, job, row)
+
+    def _keep(self, sheet: Sheet, job: Job, row: Row) -> None:
+        """Its place in the experiment is brought up to date."""
+        if any(row.get(name) != value for name, value in place(job).items()):
+            sheet.folder.write_cell(row | place(job))
+        sheet.kept += 1
+        self._done(sheet, job, row)
+
+    def _copy_of(self, key: str, keep_failed: bool) -> Row | None:
+        own = (sheet.folder for sheet in self.sheets if key in sheet.statuses)
+        rows = (final(folder, key, keep_failed) for folder in (*own, *self.elsewhere))
+        return next((row for row in rows if row), None)
+
+    def groups(self) -> list[list[Job]]:
+        """What is to be measured, each key once: the cells of a scene together, small scenes before large ones."""
+        pending: dict[Any, dict[str, Job]] = {}
+        for sheet in self.sheets:
+            for job in sheet.pending:
+                pending.setdefault(job.cell.scene, {}).setdefault(job.key, job)
+        scenes = sorted(pending, key=lambda scene: expected_sizes(scene).F)
+        return [list(pending[scene].values()) for scene in scenes]
+
+    # --- while cells are measured ----------------------------------------------------------------
+
+    def next_session(self) -> None:
+        """From now on samples come from another process."""
+        self._session = uuid.uuid4().hex[:12]
+
+    def partials(self, jobs: Iterable[Job]) -> dict[str, Partial]:
+        """Samples that earlier processes took of these cells."""
+        found = {job.key: self._home(job.key).partials.get(job.key) for job in jobs}
+        return {key: partial for key, partial in found.items() if partial}
+
+    def sampled(self, batch: Sampled) -> None:
+        with self.split.work("store"):
+            self._home(batch.key).add(batch.key, self._session, batch.samples_ms, batch.passes)
+
+    def add_split(self, seconds: Mapping[str, float]) -> None:
+        """Where the worker's time went."""
+        for kind, spent_s in seconds.items():
+            self.split.seconds[kind] = self.split.seconds.get(kind, 0.0) + spent_s
+
+    def sync(self) -> None:
+        """Let the samples so far outlive a loss of power."""
+        with self.split.work("store"):
+            for journal in self._journals.values():
+                journal.sync()
+
+    def hopeless(self, job: Job) -> str | None:
+        """Why a cell would take longer than it may, by what smaller ones took, or None."""
+        return hopeless(job.cell, self._known)
+
+    def write(self, job: Job, finished: Finished) -> None:
+        """A cell's row, into the folder of every experiment that waits for it."""
+        partial = self._home(job.key).partials.get(job.key)
+        values = dict(finished.values) | ({"sessions": partial.sessions} if partial and finished.details else {})
+        row = place(job) | {
+            "key": job.key, "method": job.cell.method, "params": dict(job.cell.params),
+            "scene": job.cell.scene.as_dict(), "measure": job.cell.measure.as_dict(), "status": finished.status,
+            "reason": finished.reason, "values": values, "glsl_hash": job.glsl_hash,
+            "device": {name: self.device[name] for name in ("slug", "renderer", "version")},
+            "measured": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), **finished.details,
+        }
+        for sheet in self.sheets:
+            if job.key in sheet.jobs and job.key not in sheet.statuses:
+                with self.split.work("store"):
+                    sheet.folder.write_cell(row | place(sheet.jobs[job.key]))
+                self._done(sheet, sheet.jobs[job.key], row)
+        if finished.noise_floor_rel is not None:
+            for sheet in self.sheets:
+                sheet.noise_floor_rel = finished.noise_floor_rel
+        self.report(row)
+
+    def close(self) -> None:
+        for journal in self._journals.values():
+            journal.close()
+
+    def _done(self, sheet: Sheet, job: Job, row: Row) -> None:
+        sheet.statuses[job.key] = row["status"]
+        self._journal(sheet).forget(job.key)
+        known = Known(job.cell, row["status"], row["values"].get("time_ms"))
+        if known.over_limit(job.cell.measure):
+            self._known.append(known)
+
+    def _journal(self, sheet: Sheet) -> Journal:
+        return self._journals[sheet.folder.path]
+
+    def _home(self, key: str) -> Journal:
+        """The journal that has the samples of a cell: of several experiments, the first one's."""
+        return self._journal(next(sheet for sheet in self.sheets if key in sheet.jobs and key not in sheet.statuses))
+
+
+def final(folder: ResultFolder, key: str, keep_failed: bool) -> Row | None:
+    """The row of a cell that need not be measured again."""
+    row = folder.cell(key)
+    return None if row is None or (row["status"] in RETRIED and not keep_failed) else row
+
+
+def plain(value: Any) -> Any:
+    """Tuples as the lists that JSON gives back."""
+    if isinstance(value, Mapping):
+        return {name: plain(item) for name, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, (list, tuple)) else value
+
+
+def relatives(root: Path | None, own: Iterable[ResultFolder]) -> list[ResultFolder]:
+    """The other result folders below a root, whose cells may be the same."""
+    taken = {folder.path.resolve() for folder in own}
+    found = sorted(path.parent for path in root.glob("*/cells")) if root else []
+    return [ResultFolder(path) for path in found if path.resolve() not in taken]

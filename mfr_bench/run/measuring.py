@@ -1,0 +1,149 @@
+"""The cells of one scene, on the device of this process: prepared, sampled in turns, each row told as it is done."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
+
+from ..journal import Partial
+from ..measure.sampling import Sampler
+from ..methods.spec import Method, Sizes, Variant
+from ..plan import judge
+from .cell import Bench, CellWork, failure, scene_values
+from .events import Begun, Finished, Group, Share, Synced
+from .jobs import Job
+from .scene_work import SceneWork
+
+LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
+
+
+class DeviceLost(Exception):  # noqa: N818 - what happened, not what is wrong with a call
+    """The device answers no more: this process can measure nothing else."""
+
+
+class Measuring:
+    """Measures groups of cells; every event goes to the bench's `emit`.
+
+    Once the bench is `interrupted`, `group` raises KeyboardInterrupt between two frames, with what can be kept told.
+    """
+
+    def __init__(self, bench: Bench, catalog: Mapping[str, Method]):
+        self.bench, self.catalog = bench, catalog
+        self._shuffle = random.Random(0).shuffle  # noqa: S311 - an order, not a secret
+
+    def group(self, group: Group) -> None:
+        """Measure the cells of one scene. Raises DeviceLost, once the cell that it cost is told."""
+        self._partials, self._twin = group.partials, group.twin
+        self.bench.emit(Begun(None, "scene"))
+        try:
+            scene = SceneWork(self.bench.device, group.jobs[0].cell.scene, self.bench.split)
+        except MemoryError as error:
+            for job in group.jobs:
+                self._tell(Finished(job.key, *failure(error), values={}))
+            return
+        try:
+            allowed = [job for job in group.jobs if not self._skipped(job, scene.sizes)]
+            for chunk in self._chunks(allowed, scene.sizes):
+                self._chunk(chunk, scene)
+        finally:
+            scene.release()
+
+    def _variant(self, job: Job) -> Variant:
+        return self.catalog[job.cell.method].variant(job.cell.params)
+
+    def _tell(self, finished: Finished) -> None:
+        self.bench.emit(finished)
+        self.bench.emit(Synced())
+
+    def _skipped(self, job: Job, sizes: Sizes) -> bool:
+        """Decide without compiling or allocating anything whether the device or the budget forbids the cell."""
+        decision = judge(job.cell, self.catalog, sizes, self.bench.device.limits)
+        if decision:
+            self._tell(Finished(job.key, *decision, values=scene_values(self._variant(job), sizes)))
+        return decision is not None
+
+    def _chunks(self, todo: Sequence[Job], sizes: Sizes) -> Iterator[list[Job]]:
+        """Jobs in order, as many together as fit the memory for interleaving."""
+        chunk: list[Job] = []
+        held = 0
+        for job in todo:
+            needed = sum(self._variant(job).memory_bytes(sizes).values())
+            if chunk and held + needed > LIVE_BYTES:
+                yield chunk
+                chunk, held = [], 0
+            chunk.append(job)
+            held += needed
+        if chunk:
+            yield chunk
+
+    def _chunk(self, chunk: Iterable[Job], scene: SceneWork) -> None:
+        running: list[CellWork] = []
+        try:
+            for job in chunk:
+                self._prepare(job, scene, running)
+            self._sample(running)
+        except KeyboardInterrupt:
+            for cell in running:
+                if cell.sampler.interrupt():
+                    self._guarded(cell, self._finish)
+            raise
+        finally:
+            for cell in running:
+                cell.frame.release()
+
+    def _prepare(self, job: Job, scene: SceneWork, running: list[CellWork]) -> None:
+        """Compile, allocate, draw once and check the image; a cell that fails ends as its row."""
+        self.bench.stop_if_asked()
+        variant = self._variant(job)
+        try:
+            running.append(CellWork(self.bench, scene, job, variant, self._partials.get(job.key, Partial())))
+        except Exception as error:  # noqa: BLE001 - whatever it is, it is this cell's result
+            self._fail(job, error, scene_values(variant, scene.sizes))
+
+    def _sample(self, running: list[CellWork]) -> None:
+        """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done."""
+        self._plant_twin(running)
+        entries = [(cell, s) for cell in running for s in cell.samplers]
+        while entries:
+            self._shuffle(entries)
+            for cell, sampler in entries:
+                self._guarded(cell, partial(self._batch, sampler=sampler))
+            self.bench.emit(Synced())
+            for cell in running:
+                if not cell.wanted:
+                    self._guarded(cell, self._finish)
+            self.bench.emit(Share(sum(cell.share for cell in running)))
+            entries = [(cell, s) for cell, s in entries if s.wanted and not cell.done]
+
+    def _plant_twin(self, running: list[CellWork]) -> None:
+        """One cell a run is sampled twice: the difference is the noise floor."""
+        fresh = [cell for cell in running if cell.checked and not cell.sampler.samples_ms]
+        if self._twin and fresh:
+            fresh[0].twin = Sampler(fresh[0].job.cell.measure)
+            self._twin = False
+
+    def _guarded(self, cell: CellWork, step: Callable[[CellWork], None]) -> None:
+        """Run a step of a cell that is not done; what goes wrong in it costs that cell alone."""
+        if cell.done:
+            return
+        try:
+            step(cell)
+        except Exception as error:  # noqa: BLE001 - whatever it is, it is this cell's result
+            cell.done = True
+            self._fail(cell.job, error, scene_values(cell.variant, cell.scene.sizes))
+
+    def _batch(self, cell: CellWork, sampler: Sampler) -> None:
+        if sampler.wanted:
+            cell.batch(sampler)
+
+    def _finish(self, cell: CellWork) -> None:
+        finished = cell.finish()
+        cell.done = True
+        self._tell(finished)
+
+    def _fail(self, job: Job, error: Exception, values: Mapping[str, object]) -> None:
+        """The cell's row; after an error that may be the device's, whether that is still there."""
+        self._tell(Finished(job.key, *failure(error), values=values))
+        if not self.bench.device.alive():
+            raise DeviceLost

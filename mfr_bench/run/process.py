@@ -1,0 +1,96 @@
+"""The parent's hold on the process that measures: its start, messages, what it takes of memory, its end."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from typing import Any
+
+from .memory import MIB, kernel_kills, resident_bytes
+
+PROGRAM = "import sys; sys.path[:] = sys.argv.pop().split(':'); from mfr_bench.run.worker import main; main()"
+END_S = 5.0  # for a worker that was asked to end; then it is killed
+
+Cause = tuple[str, str]  # status of the cell that was in hand, and what became of the process
+
+
+class Died(Exception):  # noqa: N818 - what happened, not what is wrong
+    """The process has ended; every message that it sent has been received."""
+
+    def __init__(self, cause: Cause):
+        super().__init__(cause[1])
+        self.cause = cause
+
+
+class Worker:
+    """A process with an OpenGL context of its own. `want`: kind of device; `timer`: None lets it choose.
+
+    It has a session of its own, so that Ctrl-C reaches the parent alone, and dies with the parent.
+    """
+
+    def __init__(self, want: str, timer: str | None = None):
+        ours, theirs = socket.socketpair()
+        self._log = os.memfd_create("worker")  # what drivers print; its last line tells of a crash
+        self._kills, self._held, self._cause = kernel_kills(), 0, None
+        with theirs:
+            arguments = [str(theirs.fileno()), str(os.getpid()), want, timer or "", ":".join(sys.path)]
+            self.process = subprocess.Popen(
+                [sys.executable, "-c", PROGRAM, *arguments], stdin=subprocess.DEVNULL, stdout=self._log,
+                stderr=self._log, pass_fds=[theirs.fileno()], start_new_session=True)
+        self._link = Connection(ours.detach())
+
+    def send(self, request: Any) -> None:
+        with suppress(OSError):  # that it is dead is met when receiving
+            self._link.send(request)
+
+    def receive(self, timeout_s: float) -> Any:
+        """The next event, or None where none comes in time. Raises Died."""
+        try:
+            return self._link.recv() if self._link.poll(timeout_s) else None
+        except Exception:  # noqa: BLE001 - a process that crashes may leave half a message, or any other
+            raise Died(self._end()) from None
+
+    def resident_bytes(self) -> int:
+        """Main memory that it holds now."""
+        self._held = resident_bytes(self.process.pid)
+        return self._held
+
+    def kill(self, cause: Cause) -> None:
+        """End it at once, whatever it does; what it has sent can still be received."""
+        self._cause = self._cause or cause
+        self.process.kill()
+
+    def close(self) -> None:
+        """Let it end, or end it."""
+        self._link.close()
+        try:
+            self.process.wait(END_S)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+        with suppress(OSError):
+            os.close(self._log)
+
+    def _end(self) -> Cause:
+        """Why it ended."""
+        with suppress(subprocess.TimeoutExpired):
+            self.process.wait(END_S)
+        self.process.kill()
+        status = self.process.wait()
+        if self._cause:
+            return self._cause
+        if status == -signal.SIGKILL and kernel_kills() > self._kills:
+            return "out_of_memory", f"the kernel ended it for lack of memory when it held {self._held / MIB:,.0f} MiB"
+        what = f"killed by {signal.Signals(-status).name}" if status < 0 else f"ended with exit status {status}"
+        return "crashed", ": ".join(filter(None, [what, self._last_line()]))
+
+    def _last_line(self) -> str:
+        """The last that it printed, for instance by a driver that gives up."""
+        size = os.fstat(self._log).st_size
+        lines = os.pread(self._log, 4096, max(0, size - 4096)).decode(errors="replace").split("\n")
+        return next((" ".join(line.split()) for line in reversed(lines) if line.strip()), "")

@@ -1,0 +1,105 @@
+"""One scene on the device, with its oracle images, for all cells that share it."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+
+from .. import quality
+from ..gpu.device import Device
+from ..gpu.frame import Canvas, SceneBuffer
+from ..gpu.truth import Truth, true_sizes
+from ..measure.split import Split
+from ..methods.spec import Promise, Sizes, Variant
+from ..scene import Geometry, generate
+
+ANIMATION_FRAMES = 8  # that an animated scene cycles through
+ALL = Promise()  # every fragment: the A-buffer's image
+
+
+class SceneWork:
+    """A scene's frames, sizes, device buffers and oracle images, each made when it is first needed."""
+
+    def __init__(self, device: Device, config, split: Split):
+        self.split = split
+        self._device, self._oracles, self._qualities, self._truths = device, {}, {}, {}
+        with split.work("scene"):
+            frames = ANIMATION_FRAMES if config.animate else 1
+            self.scenes = [generate(config, frame) for frame in range(frames)]
+            self._sizes = {id(self.show(i)): true_sizes(device, self.quads, self.canvas) for i in range(frames)}
+            self.sizes = _largest(list(self._sizes.values()))
+
+    @cached_property
+    def quads(self) -> SceneBuffer:
+        return SceneBuffer(self._device, self.scenes[0])
+
+    @cached_property
+    def canvas(self) -> Canvas:
+        return Canvas(self._device, self.scenes[0].viewport)
+
+    @property
+    def frames(self) -> list[Sizes]:
+        """Of every frame of an animation."""
+        return list(self._sizes.values())
+
+    @property
+    def shown(self) -> Sizes:
+        """Of the scene on the device now."""
+        return self._sizes[id(self.quads.scene)]
+
+    def show(self, frame: int) -> Geometry:
+        """Bring the scene of an animation's frame to the device."""
+        scene = self.scenes[frame % len(self.scenes)]
+        if scene is not self.quads.scene:
+            self.quads.replace(scene)
+        return scene
+
+    @property
+    def truth(self) -> Truth:
+        """The oracle of the scene on the device now."""
+        scene = self.quads.scene
+        return self._truths.setdefault(id(scene), Truth(self._device, self.quads, self.canvas))
+
+    def conformance(self, variant: Variant, image: np.ndarray) -> dict[str, float | int]:
+        """Errors of an image of the scene on the device against what the variant aims at."""
+        return quality.conformance(image, self.promised(variant), self.truth.tied)
+
+    def promised(self, variant: Variant) -> np.ndarray:
+        """The float64 image that the variant aims at in the scene on the device now."""
+        return self.oracle(variant.promise(self.shown))
+
+    def oracle(self, promise: Promise) -> np.ndarray:
+        """The float64 image of the promised fragments of the scene on the device now; computed once."""
+        if promise.layers is not None and promise.layers >= self.sizes.n:
+            promise = ALL
+        which = id(self.quads.scene), promise
+        if which not in self._oracles:
+            with self.split.work("oracle"):
+                self._oracles[which] = self.truth.image(promise)
+        return self._oracles[which]
+
+    def untied(self, image: np.ndarray) -> np.ndarray:
+        """The image without the pixels in which the order of fragments is nobody's to say."""
+        tied = self.truth.tied
+        return image if tied is None else np.where(tied[..., None], np.float32(0), image)
+
+    def quality(self, image: np.ndarray) -> dict[str, float | None]:
+        """Errors against all fragments; equal images, as exact methods give them, are compared once."""
+        which = id(self.quads.scene), hashlib.sha256(image).digest()
+        if which not in self._qualities:
+            self._qualities[which] = quality.quality(image, self.oracle(ALL))
+        return self._qualities[which]
+
+    def release(self) -> None:
+        for name in ("quads", "canvas"):
+            if name in self.__dict__:
+                self.__dict__[name].release()
+
+
+def _largest(sizes: list[Sizes]) -> Sizes:
+    """Room for every frame of an animation."""
+    biggest = max(sizes, key=lambda s: s.F)
+    return replace(biggest, n=max(s.n for s in sizes), quads=max(s.quads for s in sizes))

@@ -1,0 +1,89 @@
+"""The process that measures: owns the OpenGL context, takes groups of cells, tells what becomes of them."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import signal
+import sys
+from contextlib import suppress
+from dataclasses import asdict
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from ..errors import DeviceError
+from ..gpu.device import open_device
+from ..gpu.selftest import calibrate
+from ..gpu.timers import GpuTimer, WallTimer
+from ..measure.split import Split
+from ..methods import catalog
+from .cell import Bench
+from .events import Ended, Failed, Go, Ready, Synced
+from .measuring import DeviceLost, Measuring
+
+PR_SET_PDEATHSIG = 1
+TIMERS = {timer.name: timer for timer in (GpuTimer, WallTimer)}
+LOST = 3  # exit status
+
+
+def main() -> None:
+    """Arguments: the parent's end of the link, its process id, the kind of device, the timer or nothing."""
+    descriptor, parent, want, timer = sys.argv[1:]
+    _die_with(int(parent))
+    status = LOST
+    with suppress(DeviceLost, EOFError, ConnectionError):  # the last two: the parent needs no more
+        status = serve(Connection(int(descriptor)), want, timer)
+    os._exit(status)  # without the exit handlers of a driver, which may hang
+
+
+def _die_with(parent: int) -> None:
+    """The kernel kills this process once its parent dies, inside a call of the driver as well."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != parent:
+        os._exit(LOST)
+    with suppress(OSError):  # where memory runs out, it is this process that goes, not the one that keeps the rows
+        Path("/proc/self/oom_score_adj").write_text("1000")
+
+
+def serve(link: Connection, want: str, timer: str) -> int:
+    """Open the device and measure what is asked for. Ends by DeviceLost, by EOFError and ConnectionError where the
+    parent has closed the link, or with an exit status where there is no device."""
+    try:
+        device = open_device(want)
+    except DeviceError as error:
+        link.send(Failed(str(error)))
+        return LOST
+    calibration = {} if timer else asdict(calibrate(device))
+    timer = timer or calibration["timer"]
+    channel = Channel(link)
+    bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted)
+    measuring = Measuring(bench, catalog())
+    link.send(Ready(device.info, device.limits, timer, calibration))
+    while True:
+        group = link.recv()
+        interrupted = False
+        try:
+            measuring.group(group)
+        except KeyboardInterrupt:
+            interrupted = True
+        link.send(Ended(bench.split.rounded(), interrupted))
+        bench.split = Split()
+
+
+class Channel:
+    """The worker's end of the link while it measures. All that the parent sends then is `Go` and `Stop`."""
+
+    def __init__(self, link: Connection):
+        self._link, self._stopping = link, False
+
+    def emit(self, event: object) -> None:
+        self._link.send(event)
+        if isinstance(event, Synced):
+            while not isinstance(self._link.recv(), Go):
+                self._stopping = True
+
+    def interrupted(self) -> bool:
+        while self._link.poll(0):
+            self._link.recv()
+            self._stopping = True
+        return self._stopping

@@ -1,0 +1,45 @@
+"""A worker without a process of its own: the tests' device can be used by their own process alone."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import asdict
+
+from mfr_bench.gpu import device as devices
+from mfr_bench.gpu.selftest import calibrate
+from mfr_bench.methods import catalog
+from mfr_bench.run.cell import Bench
+from mfr_bench.run.events import Ended, Group, Ready
+from mfr_bench.run.measuring import Measuring
+from mfr_bench.run.process import Died
+from mfr_bench.run.worker import TIMERS
+
+
+class InProcess:
+    """Measures a group when it is sent; the events are received afterwards."""
+
+    def __init__(self, want: str, timer: str | None = None):
+        self.device = devices.open_device(want)
+        calibration = {} if timer else asdict(calibrate(self.device))
+        self.timer = timer or calibration["timer"]
+        self.events = deque([Ready(self.device.info, self.device.limits, self.timer, calibration)])
+
+    def send(self, request) -> None:
+        if isinstance(request, Group):
+            bench = Bench(self.device, TIMERS[self.timer](self.device), self.events.append)
+            Measuring(bench, catalog()).group(request)
+            self.events.append(Ended(bench.split.rounded()))
+
+    def receive(self, timeout_s: float):
+        if not self.events:
+            raise Died(("crashed", "nothing was asked for"))
+        return self.events.popleft()
+
+    def resident_bytes(self) -> int:
+        return 0
+
+    def kill(self, cause) -> None:
+        self.events.clear()
+
+    def close(self) -> None:
+        self.events.clear()
