@@ -196,6 +196,8 @@ class Frame:
             self._set_capacity(int(self.words(step.totals).sum()))
         if step.decides:
             self._decide()
+        if step.probes:  # its counter is no buffer that later passes wait for; without, llvmpipe drops covered tiles
+            self.gl.glMemoryBarrier(rawgl.BARRIERS["storage"])
         if mark:
             mark(step.name)
         return counted

@@ -66,7 +66,7 @@ def _rim_points(config: SceneConfig, layers: int, around: int, frame: int) -> tu
     noise = hash3(layer * around + edge, WIGGLE, config.seed) / WORD - 0.5
     turn = hash3(layer, TURN, config.seed) / WORD
     curl = (hash3(layer, TIP, config.seed) / WORD - 0.5) * (1.0 + _approach(frame))
-    cosine, sine = _direction((edge + 0.7 * noise) / around + turn + 0.2 * curl * radius * radius)
+    cosine, sine = direction((edge + 0.7 * noise) / around + turn + 0.2 * curl * radius * radius)
     return radius * cosine, radius * sine
 
 
@@ -92,7 +92,7 @@ def needles(config: SceneConfig, frame: int) -> Strips:
 def _needle_layer(config: SceneConfig, layer: int, frame: int) -> np.ndarray:
     width = needle_width(config)
     across, along = width / needle_fill(config), float(width * NEEDLE_LENGTH)
-    cosine, sine = _direction(np.array((hash3(layer, TURN, config.seed) + 0.5) / 2**32 / 2))
+    cosine, sine = direction(np.array((hash3(layer, TURN, config.seed) + 0.5) / 2**32 / 2))
     a, b = _tree_cells(config, across, along, cosine, sine)
     cell = hash3((a.astype(np.int64) + 2**20).astype(np.uint64), (b.astype(np.int64) + 2**20).astype(np.uint64),
                  hash3(layer, SHIFT, config.seed))
@@ -196,7 +196,7 @@ def _zoom(frame: int) -> float:
     return 1.0 + NEARER * _approach(frame)
 
 
-def _direction(turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def direction(turns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Cosine and sine of whole turns, by operations that every machine rounds alike; within 1e-7 of a circle's."""
     turns = turns - np.floor(turns)
     quarter = np.floor(4.0 * turns + 0.5)

@@ -151,7 +151,7 @@ def _mixed_layout(config: SceneConfig, seed: int) -> np.ndarray:
         wanted = share * w * h + owed
         longest = min(1.0, wanted / (w * h))
         side = longest + (1.0 - longest) * (hash3(layer, SIDE, seed) / WORD)  # of the block's width
-        width = min(w, max(1, round(side * w), -(-int(wanted) // h)))
+        width = max(1, min(w, int(wanted), max(round(side * w), -(-int(wanted) // h))))
         height = min(h, max(1, round(wanted / width)))
         owed = wanted - width * height
         x, y = (_over_middle(length, whole, hash3(layer, stream, seed))
