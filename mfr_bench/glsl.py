@@ -231,12 +231,15 @@ def _storage(variant: Variant) -> dict[str, instrument.Stored]:
     return found | roles
 
 
-def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None, counted: bool = False) -> Source:
-    """The stage `entry` (default: the pass's own shader) of one pass, ready to compile; `counted`: counting its work.
+def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None, counted: bool = False,
+           mapped: str | None = None) -> Source:
+    """The stage `entry` (default: the pass's own shader) of one pass, ready to compile.
+
+    `counted`: counting its work. `mapped`: counting one kind of it for each pixel, where the shader has a line for it.
     """
     entry = entry or step.shader
     slots = {name: path for name, path in (("fetch", step.fetch), ("resolver", step.resolver)) if path}
-    counted = counted and not entry.endswith(".vert")
+    counted = (counted or mapped is not None) and not entry.endswith(".vert")
     body, files = expand(entry, slots, counted)
     macro = _clear_macro(variant, step)
     words = set(re.findall(r"[A-Za-z_]\w*", body))
@@ -259,6 +262,9 @@ def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None,
         prelude += _outputs(variant, step, sizes)
         prelude += ["layout(early_fragment_tests) in;"] if step.state.early else []
         prelude += _diagnostics(words, counted)
+    if counted and mapped:
+        text = instrument.mapped("\n".join(prelude), body, mapped)
+        return Source(entry, text, files, counted) if text else source(variant, step, sizes, entry)
     if counted:
         return Source(entry, instrument.counting("\n".join(prelude), body, _storage(variant)), files, counted)
     return Source(entry, "\n".join(prelude) + "\n" + body, files, counted)
@@ -291,9 +297,10 @@ def _vertex(step: Pass, sizes: Sizes) -> str:
     return step.vertex or (f"scene/{sizes.geometry}.vert" if step.kind == "geometry" else "screen/triangle.vert")
 
 
-def stages(variant: Variant, step: Pass, sizes: Sizes, counted: bool = False) -> tuple[Source, ...]:
-    """All stages of a pass: vertex and fragment, or compute alone; with `counted` they count their work."""
-    own = source(variant, step, sizes, counted=counted)
+def stages(variant: Variant, step: Pass, sizes: Sizes, counted: bool = False,
+           mapped: str | None = None) -> tuple[Source, ...]:
+    """All stages of a pass: vertex and fragment, or compute alone; `counted` and `mapped` are as for `source`."""
+    own = source(variant, step, sizes, counted=counted, mapped=mapped)
     if step.kind == "compute":
         return (own,)
     return source(variant, step, sizes, _vertex(step, sizes)), own

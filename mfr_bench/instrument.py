@@ -17,6 +17,7 @@ from .errors import ShaderError
 WORK: Mapping[str, str] = {
     "invocations": "shader invocations: fragments of a geometry pass, pixels of a full-screen pass, else threads",
     "refused": "fragments that did not ask for the lock: not generated, or known to be too far",
+    "entered": "fragments that asked for the lock, or were stored without it",
     "hidden": "fragments dropped behind the opacity before them",
     "stored": "elements written that hold a fragment, or one of its two halves",
     "loaded": "elements read that hold a fragment, or one of its two halves",
@@ -86,6 +87,21 @@ def counting(prelude: str, body: str, storage: Mapping[str, Stored]) -> str:
     accesses = _Accesses(names, accessors)
     body = body.replace("void main() {", f"void main() {{ count_work({_index('invocations')}u, 1u);")
     return accesses.rewritten(prelude + "\n") + FUNCTIONS + accesses.rewritten(body)
+
+
+def mapped(prelude: str, body: str, name: str) -> str | None:
+    """The shader with one counter of its lines `COUNT(…)` kept for each pixel, in `work`; None where it has no such."""
+    if not any(match["name"] == name for match in map(_LINE.match, body.splitlines()) if match):
+        return None
+    return prelude + "\n" + "\n".join(_mapped_line(line, name) for line in body.splitlines()) + "\n"
+
+
+def _mapped_line(line: str, name: str) -> str:
+    match = _LINE.match(line)
+    if not match:
+        return line
+    call = f"if (bool({match['amount']})) atomicAdd(work[pixel_index()], 1u);" if match["name"] == name else ""
+    return f"{match['indent']}{call}{match['end']}"
 
 
 def _index(name: str) -> int:

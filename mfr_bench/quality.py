@@ -16,12 +16,17 @@ def conformance(image: np.ndarray, promised: np.ndarray, tied: np.ndarray | None
     max_abs_error: of any channel, colours in [0, 1]. wrong_pixels: pixels with a channel error above 1/512. Pixels
     that are `tied` (bool (H, W)) are left out of both, and counted.
     """
-    error = _error(image, promised)
+    error = pixel_errors(image, promised, tied)
+    return {"max_abs_error": float(error.max()), "wrong_pixels": int(np.count_nonzero(error > WRONG_PIXEL)),
+            "tied_pixels": 0 if tied is None else int(np.count_nonzero(tied))}
+
+
+def pixel_errors(image: np.ndarray, oracle: np.ndarray, tied: np.ndarray | None = None) -> np.ndarray:
+    """float64 (H, W): the largest channel error of each pixel, 0 where it is `tied`."""
+    error = _error(image, oracle).max(axis=-1)
     if tied is not None:
         error[tied] = 0.0
-    return {"max_abs_error": float(error.max()),
-            "wrong_pixels": int(np.count_nonzero(error.max(axis=-1) > WRONG_PIXEL)),
-            "tied_pixels": 0 if tied is None else int(np.count_nonzero(tied))}
+    return error
 
 
 def quality(image: np.ndarray, full: np.ndarray) -> dict[str, float | None]:

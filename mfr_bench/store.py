@@ -98,6 +98,8 @@ COLUMNS = (
     Column("sessions", "int", "", "processes that took the samples: more than 1 where a run was resumed"),
     Column("lost_fragments", "int", "fragments", "fragments that the method counted as dropped"),
     Column("discarded_share", "float", "", "share of the fragments discarded before the store (occupancy)"),
+    Column("culled_share", "float", "", "share of the fragments that never ask for the lock: discarded by early z, or "
+           "refused by the test before it; counted where the map of `discarded` is kept"),
     Column("distinct_images", "int", "", "different images among those of measure.repeat_images untimed frames"),
     Column("promised_ratio", "float", "", "fragments that the method promises to keep / generated"),
     Column("geometry_passes", "int", "", "times the geometry was drawn in a frame"),

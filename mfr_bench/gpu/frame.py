@@ -102,7 +102,7 @@ class Frame:
         self._capacity = variant.start_capacity(sizes)
         self._room = self._capacity  # elements allocated; never less than the capacity in use
         self._counted = 0  # samples that the latest counting pass let through
-        self._chosen_k = 0  # of a method whose k the host decides
+        self.chosen_k = 0  # of a method whose k the host decides
         self._shown = quads.scene
         self._uniforms = device.ctx.buffer(reserve=32)
         self._diagnostics = device.ctx.buffer(bytes(4 * len(DIAGNOSTICS) + 8 * len(WORK)))
@@ -136,7 +136,7 @@ class Frame:
         scene = self._shown
         values = {"width": self.sizes.W, "height": self.sizes.H, "pixels": self.sizes.P, "capacity": self._capacity,
                   "seed": scene.seed, "keep_threshold": min(scene.keep_threshold, 2**32 - 1),
-                  "chosen_k": self._chosen_k}
+                  "chosen_k": self.chosen_k}
         self._uniforms.write(np.array([values[name] for name in FRAME_FIELDS], dtype=np.uint32).tobytes())
 
     @property
@@ -215,7 +215,7 @@ class Frame:
         """Set k and the capacity for the passes that follow, from what the last one has written."""
         decided = self.variant.method.capacity
         choice = decided.rule(self.words(decided.reads).tolist(), self._counted, self.sizes.P, self.variant.scope)
-        self._chosen_k = choice.k
+        self.chosen_k = choice.k
         self._set_capacity(choice.capacity)
         self._write_uniforms()
 
@@ -285,6 +285,19 @@ class Frame:
             self.draw()
         finally:
             self._passes = own
+
+    def draw_map(self, runners: Mapping[int, PassRunner]) -> np.ndarray:
+        """uint32 (H, W): what the runners' programs count for each pixel in one frame, as by `draw_by`."""
+        own = self._diagnostics
+        self._diagnostics = self.device.ctx.buffer(bytes(4 * (len(DIAGNOSTICS) + self.sizes.P)))
+        try:
+            self.draw_by(runners)
+            self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
+            words = np.frombuffer(self._diagnostics.read(offset=4 * len(DIAGNOSTICS)), dtype=np.uint32)
+        finally:
+            self._diagnostics.release()
+            self._diagnostics = own
+        return words.reshape(self.sizes.H, self.sizes.W)
 
     def work(self) -> Counter[str]:
         """What counting programs have counted since `reset_work`, by the names of `instrument.WORK`."""

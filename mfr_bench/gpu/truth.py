@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ..methods.spec import Promise, Sizes
-from ..oracle import Fragments, composite, scene_sizes, sizes_of
+from ..oracle import Fragments, composite, fragment_counts, scene_sizes, sizes_of
 from ..scene import Scene
 from .capture import capture, count
 from .device import Device
@@ -39,6 +39,11 @@ class Truth:
     def tied(self) -> np.ndarray | None:
         """bool (H, W): pixels with fragments of equal depth; None where the scene has none by its making."""
         return self._fragments.tied if self._fragments else None
+
+    @property
+    def counts(self) -> np.ndarray:
+        """int64 (H, W): the fragments of each pixel."""
+        return self._fragments.counts if self._fragments else fragment_counts(self.scene)
 
     def image(self, promise: Promise) -> np.ndarray:
         """float64 (H, W, 4), premultiplied: the promised fragments."""

@@ -6,9 +6,11 @@ from collections import Counter
 from collections.abc import Callable
 from functools import partial
 
+import numpy as np
+
 from ..glsl import stages
 from ..instrument import MOST
-from ..methods.spec import Pass
+from ..methods.spec import Loop, Pass
 from . import rawgl
 from .frame import Frame, PassRunner
 
@@ -62,6 +64,34 @@ def _passed(frame: Frame, draw: Callable[[], None]) -> int:
     samples = frame.gl.query_result(query)
     frame.gl.delete("Queries", query)
     return samples
+
+
+def entered_map(frame: Frame) -> np.ndarray | None:
+    """uint32 (H, W): fragments that asked for the lock, or were stored without it.
+
+    Draws a frame. The others were discarded before: by early z, or by the test that needs no lock. None for a method
+    without a lock, and for one that meets a fragment more than once.
+    """
+    if any(isinstance(step, Loop) for step in frame.variant.steps):
+        return None
+    runners = {id(step): MapRunner(frame, step) for step in frame.variant.passes
+               if frame.variant.runs(step, frame.sizes) and not step.probes}
+    try:
+        return frame.draw_map(runners) if any(runner.maps for runner in runners.values()) else None
+    finally:
+        for runner in runners.values():
+            runner.release()
+
+
+class MapRunner(PassRunner):
+    """A pass whose program counts for each pixel the fragments that enter; `maps`: whether it has any to count."""
+
+    maps = False
+
+    def _stages(self):
+        found = stages(self.frame.variant, self.step, self.frame.sizes, mapped="entered")
+        self.maps = any(stage.counted for stage in found)
+        return found
 
 
 class CountingRunner(PassRunner):

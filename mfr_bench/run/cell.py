@@ -7,11 +7,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from .. import quality
 from ..errors import CapacityError, MfrError
 from ..gpu.device import Device
 from ..gpu.frame import Frame
 from ..gpu.timers import Timer
+from ..gpu.work import entered_map
 from ..journal import Partial
 from ..measure.sampling import Sampler
 from ..measure.split import Split
@@ -19,7 +22,7 @@ from ..methods.spec import Sizes, Variant
 from ..stats import interleaved_ratio
 from .events import Begun, Finished, Sampled
 from .jobs import Job
-from .scene_work import SceneWork
+from .scene_work import ALL, SceneWork
 
 PASS_FRAMES = 7
 PASS_SHARE = 0.25  # of the time limit, at most, spent on frames whose passes are timed
@@ -162,9 +165,30 @@ class CellWork:
             "lost_fragments": self.lost, "geometry_passes": frame.geometry_passes,
             "distinct_images": distinct, **self._shares(),
         }
+        arrays = self._kept_arrays()
+        if "discarded" in arrays and self.scene.shown.F:
+            values["culled_share"] = float(arrays["discarded"].sum() / self.scene.shown.F)
         details = {"warmup_ms": sampler.warmup_ms, "samples_ms": sampler.samples_ms, "passes": self.passes,
                    "buffers": frame.memory_bytes, "frames": frames(self.variant, self.scene)}
-        return Finished(self.job.key, status, reason, values, details, self._noise_floor_rel())
+        return Finished(self.job.key, status, reason, values, details, arrays, self._noise_floor_rel())
+
+    def _kept_arrays(self) -> dict[str, np.ndarray]:
+        """What `measure.keep` asks for and the method has, of the last image and the scene on the device."""
+        wanted, truth = self.job.cell.measure.keep, self.scene.truth
+        found = {}
+        if "histogram" in wanted:
+            found["histogram"] = np.array(self.scene.shown.histogram)
+        if "fragments" in wanted:
+            found["fragments"] = truth.counts
+        if "discarded" in wanted and (entered := entered_map(self.frame)) is not None:
+            found["discarded"] = truth.counts - entered
+        if self.checked and {"image", "error", "loss"}.intersection(wanted):
+            image = self.frame.image()
+            made = {"image": np.rint(255 * np.clip(image, 0, 1)),
+                    "error": quality.pixel_errors(image, self.scene.promised(self.variant), truth.tied),
+                    "loss": quality.pixel_errors(image, self.scene.oracle(ALL))}
+            found |= {name: made[name] for name in made if name in wanted}
+        return found
 
     def _check_again(self) -> None:
         """The last image must be as right as the first: the worse of the two counts."""

@@ -86,13 +86,17 @@ class Share:
 
 @dataclass(frozen=True)
 class Finished:
-    """A cell's row, but for what the parent knows better. `details`: warm-ups, samples, passes, buffers."""
+    """A cell's row, but for what the parent knows better. `details`: warm-ups, samples, passes, buffers.
+
+    `arrays`: those that the cell keeps, by name.
+    """
 
     key: str
     status: str
     reason: str | None
     values: Mapping[str, Any]
     details: Mapping[str, Any] = field(default_factory=dict)
+    arrays: Mapping[str, Any] = field(default_factory=dict)
     noise_floor_rel: float | None = None
 
 

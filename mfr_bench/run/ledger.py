@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ..arrays import read_arrays, write_arrays
 from ..journal import Journal, Partial
 from ..measure.split import Split
 from ..plan import Known, expected_sizes, hopeless
@@ -74,7 +75,9 @@ class Ledger:
                     self._keep(sheet, job, row)
         for sheet in () if force else self.sheets:
             for job in sheet.pending:
-                if row := self._copy_of(job.key, keep_failed):
+                if found := self._copy_of(job.key, keep_failed):
+                    source, row = found
+                    write_arrays(sheet.folder, job.key, read_arrays(source, job.key) if job.cell.measure.keep else {})
                     sheet.folder.write_cell(row | place(job))
                     sheet.copied += 1
                     self._done(sheet, job, row)
@@ -86,10 +89,11 @@ class Ledger:
         sheet.kept += 1
         self._done(sheet, job, row)
 
-    def _copy_of(self, key: str, keep_failed: bool) -> Row | None:
+    def _copy_of(self, key: str, keep_failed: bool) -> tuple[ResultFolder, Row] | None:
+        """The row of another folder, and that folder."""
         own = (sheet.folder for sheet in self.sheets if key in sheet.statuses)
-        rows = (final(folder, key, keep_failed) for folder in (*own, *self.elsewhere))
-        return next((row for row in rows if row), None)
+        rows = ((folder, final(folder, key, keep_failed)) for folder in (*own, *self.elsewhere))
+        return next(((folder, row) for folder, row in rows if row), None)
 
     def groups(self) -> list[list[Job]]:
         """What is to be measured, each key once: the cells of a scene together, small scenes before large ones."""
@@ -144,6 +148,7 @@ class Ledger:
         for sheet in self.sheets:
             if job.key in sheet.jobs and job.key not in sheet.statuses:
                 with self.split.work("store"):
+                    write_arrays(sheet.folder, job.key, finished.arrays)
                     sheet.folder.write_cell(row | place(sheet.jobs[job.key]))
                 self._done(sheet, sheet.jobs[job.key], row)
         if finished.noise_floor_rel is not None:

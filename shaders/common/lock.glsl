@@ -10,6 +10,7 @@
 #define CRITICAL_BEGIN(p, wanted) \
     bool waiting = (wanted) && !IS_HELPER; \
     COUNT(refused, !waiting && !IS_HELPER) \
+    COUNT(entered, waiting) \
     for (uint tries = 0u; waiting && tries < uint(LOCK_TRIES); ++tries) { \
         if (atomicExchange(semaphore[p], 1u) == 0u) { \
             memoryBarrierBuffer();
@@ -43,6 +44,7 @@ layout(pixel_interlock_unordered) in;
 // The interlock orders accesses; the barrier publishes them.
 #define CRITICAL_BEGIN(p, wanted) \
     COUNT(refused, !(wanted)) \
+    COUNT(entered, wanted) \
     INTERLOCK_BEGIN; \
     if (wanted) {
 #define CRITICAL_END(p) \

@@ -7,8 +7,13 @@ import pytest
 
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.single import shown
+from mfr_bench.gpu.truth import Truth, true_sizes
+from mfr_bench.gpu.work import entered_map
 from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Promise
 from mfr_bench.oracle import composite, fragment_counts, sizes_of
+from mfr_bench.quality import conformance
 from mfr_bench.scene import generate
 
 from .drawing import SIZE, assert_shows, drawn, stack
@@ -146,3 +151,67 @@ def test_the_host_chooses_what_the_histogram_asks_for(device, memory_mb, hit_rat
     assert promise.layers == 1 or 8 * kept + 12 * sizes.P <= memory_mb * 2**20
     if memory_mb == 200:
         assert kept >= hit_ratio * sizes.F > sizes.bounded(promise.layers - 1)
+
+
+def chosen_directly(counts: np.ndarray, memory_mb: float, hit_ratio: float) -> int:
+    """k by Eq. 6 and 7 of kplus_2015 from fragments per pixel: x = 8 bytes a fragment, y = 12 a pixel."""
+    best = 1
+    for k in range(1, 1025):
+        kept = np.minimum(counts, k).sum()
+        if k > 1 and 8 * kept > memory_mb * 2**20 - 12 * counts.size:
+            return best
+        best = k
+        if kept >= hit_ratio * counts.sum():
+            return best
+    return best
+
+
+@pytest.mark.parametrize(("memory_mb", "hit_ratio"), [(200.0, 0.95), (200.0, 0.7), (0.6, 0.95)])
+def test_k_follows_the_frames_of_an_animation(device, memory_mb, hit_ratio):
+    """A hairball seen from nearer and nearer: what the device chooses is what follows from its own fragments."""
+    config = SceneConfig(kind="hairball", size=(64, 48), depth_complexity=60, mean_depth=15, animate=True)
+    chosen = []
+    with shown(device, generate(config)) as on:
+        variant = catalog()["kplus-sb-dynamic"].variant({"memory_mb": memory_mb, "hit_ratio": hit_ratio})
+        frame = Frame(device, variant, on.sizes, on.quads, on.canvas)
+        for scene in (generate(config, i) for i in range(5)):
+            on.quads.replace(scene)
+            frame.show(scene)
+            frame.draw()
+            truth = Truth(device, on.quads, on.canvas)
+            sizes = true_sizes(device, on.quads, on.canvas)
+            k = chosen_directly(truth.counts, memory_mb, hit_ratio)
+            assert frame.chosen_k == k == variant.decision(sizes).k
+            np.testing.assert_array_equal(frame.words("histogram")[:sizes.n], np.bincount(truth.counts.ravel())[1:])
+            error = conformance(frame.image(), truth.image(Promise(k)), truth.tied)
+            assert error["max_abs_error"] < 1e-4
+            chosen.append(k)
+        frame.release()
+    assert len(set(chosen)) > 1
+
+
+@pytest.mark.parametrize("method", ["kplus-array", "kplus-array-r", "kplus-heap", "kplus-sb", "kb-ps"])
+@pytest.mark.parametrize(("order", "culling"), [("front_to_back", "on"), ("back_to_front", "on"), ("random", "off")])
+def test_culling_refuses_what_the_order_lets_it(device, method, order, culling):
+    """Nearest first, only the first k enter; furthest first, or without culling, all do."""
+    scene = generate(SceneConfig(size=(33, 21), depth_complexity=12, fragment_probability=0.6, order=order, seed=5))
+    counts = fragment_counts(scene)
+    expected = np.minimum(counts, 4) if order == "front_to_back" else counts
+    with drawn(device, method, scene, k=4, culling=culling) as frame:
+        entered = entered_map(frame)
+        np.testing.assert_array_equal(entered, expected)
+
+
+def test_early_z_keeps_fragments_from_the_lock(device):
+    scene = generate(SceneConfig(size=(33, 21), depth_complexity=40, order="back_to_front", seed=5))
+    with drawn(device, "kplus-array", scene, k=4, occupancy=32) as frame:
+        entered = entered_map(frame)
+        assert entered.sum() == frame.probe()["arrived_fragments"] < 0.5 * 40 * 33 * 21
+        assert entered.min() >= 4
+
+
+def test_a_method_that_has_no_lock_or_meets_fragments_again_has_no_map(device):
+    scene = generate(SceneConfig(size=(33, 21), depth_complexity=12))
+    for method, params in (("kb-mdt32", {"k": 4}), ("peel-kplus", {"k": 4}), ("ab-array", {})):
+        with drawn(device, method, scene, **params) as frame:
+            assert entered_map(frame) is None

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mfr_bench import glsl
-from mfr_bench.config.model import Measure
+from mfr_bench.arrays import read_arrays
+from mfr_bench.config.model import KEPT, Measure
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu import truth
 from mfr_bench.gpu.frame import Frame
@@ -309,3 +310,48 @@ def test_progress_is_told_in_cells(run):
     assert all(0 <= share <= 3 for share in shares)
     assert shares[0] < max(shares)
     assert shares[-1] == 0  # nothing is in hand any more
+
+
+# --- what a cell keeps beside its numbers --------------------------------------------------------
+
+
+def test_a_cell_keeps_the_arrays_that_are_asked_for(run, tmp_path):
+    scene = SceneConfig(kind="hairball", size=(32, 24), depth_complexity=12, mean_depth=5, order="front_to_back")
+    measure = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=7, keep=KEPT)
+    rows, _ = run([cell("kplus-array", scene, measure, k=2), cell("ab-array", scene, measure),
+                   cell("zbuffer", scene, k=1)])
+    folder = ResultFolder(tmp_path)
+    row, arrays = rows["kplus-array", 2], read_arrays(folder, rows["kplus-array", 2]["key"])
+    assert set(arrays) == set(KEPT)
+    assert arrays["fragments"].sum() == row["values"]["fragments"]
+    assert np.bincount(arrays["fragments"].ravel()).tolist() == arrays["histogram"].tolist()
+    assert row["values"]["culled_share"] == pytest.approx(arrays["discarded"].sum() / row["values"]["fragments"])
+    assert 0.3 < row["values"]["culled_share"] <= 1 - row["values"]["hit_ratio"]
+    assert arrays["error"].max() < 1e-4 < arrays["loss"].max()
+    assert (arrays["image"][..., 3] > 0).sum() == row["values"]["covered_pixels"]
+    assert set(read_arrays(folder, rows["ab-array", None]["key"])) == set(KEPT) - {"discarded"}
+    assert "culled_share" not in rows["ab-array", None]["values"]
+    assert read_arrays(folder, rows["zbuffer", None]["key"]) == {}
+
+
+def test_the_frames_of_an_animation_are_in_the_record(run):
+    scene = SceneConfig(kind="needles", size=(32, 24), depth_complexity=30, mean_depth=8, animate=True)
+    rows, _ = run([cell("kplus-sb-dynamic", scene), cell("kplus-array", scene, k=2)])
+    dynamic, fixed = rows["kplus-sb-dynamic", None]["frames"], rows["kplus-array", 2]["frames"]
+    assert [f["frame"] for f in dynamic] == list(range(8))
+    for there, here in zip(dynamic, fixed, strict=True):
+        pixels = np.array(there["histogram"])
+        assert pixels.sum() == 32 * 24
+        assert there["fragments"] == (pixels * np.arange(len(pixels))).sum()
+        assert there["kept"] == (pixels * np.minimum(np.arange(len(pixels)), there["chosen_k"])).sum()
+        assert 0.95 * there["fragments"] <= there["kept"]
+        assert (here["histogram"], here["chosen_k"]) == (there["histogram"], None)
+        assert here["kept"] == (pixels * np.minimum(np.arange(len(pixels)), 2)).sum()
+    assert len({f["chosen_k"] for f in dynamic}) > 1
+
+
+def test_a_still_scene_has_frames_where_the_method_chooses(run):
+    rows, _ = run([cell("kplus-sb-dynamic"), cell()])
+    assert len(rows["kplus-sb-dynamic", None]["frames"]) == 1
+    assert rows["ab-array", None]["frames"] == []
+

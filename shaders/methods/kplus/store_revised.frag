@@ -11,6 +11,7 @@ bool filled(uint p, FRAGMENT fragment) {
     NODE(p, slot) = fragment;
     memoryBarrierBuffer();
     atomicAdd(counter[p], ONE_TAKEN);
+    COUNT(entered, 1)
     return true;
 }
 
