@@ -5,7 +5,6 @@
     loss       float16 (H, W)    the same against the image of all fragments
     fragments  uint16 (H, W)     fragments generated
     discarded  uint16 (H, W)     fragments refused before they were stored
-    histogram  int64 (n + 1,)    pixels by their number of fragments
 """
 
 from __future__ import annotations
@@ -21,9 +20,8 @@ from .store import ResultFolder, write_file
 if TYPE_CHECKING:
     import numpy as np
 
-DIMENSIONS = dict.fromkeys(KEPT, 2) | {"image": 3, "histogram": 1}
-TYPES = {"image": "uint8", "error": "float16", "loss": "float16", "fragments": "uint16", "discarded": "uint16",
-         "histogram": "int64"}
+DIMENSIONS = dict.fromkeys(KEPT, 2) | {"image": 3}
+TYPES = {"image": "uint8", "error": "float16", "loss": "float16", "fragments": "uint16", "discarded": "uint16"}
 
 
 def write_arrays(folder: ResultFolder, key: str, arrays: Mapping[str, np.ndarray]) -> None:

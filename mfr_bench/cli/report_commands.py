@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from .options import OutPath
 from .output import note, say, width
 
 FOLDERS = click.argument("folders", nargs=-1, required=True, metavar="DIR...", type=click.Path())
@@ -34,17 +35,28 @@ def _write_tables(folder) -> list[Path]:
 
 @click.command()
 @FOLDERS
-def plot(folders: tuple[str, ...]) -> None:
+@click.option("--together", metavar="OUT", type=OutPath(file_okay=False),
+              help="Draw each experiment that several results hold once, device beside device, into OUT.")
+def plot(folders: tuple[str, ...], together: str | None) -> None:
     """Draw the figures of all results at or below DIR again.
 
     \b
-    Example: mfr-bench plot results/llvmpipe/smoke
+    Examples: mfr-bench plot results/llvmpipe/smoke
+              mfr-bench plot results --together results/devices
     """
-    from ..report import write_figures
+    from ..report import write_figures, write_together
 
-    for folder in _results(folders):
+    results = _results(folders)
+    for folder in results if together is None else ():
         for path in write_figures(folder, processes=2):
             say(path)
+    if together is not None:
+        written = write_together(results, Path(together))
+        for path in written:
+            say(path)
+        if not written:
+            note("no experiment is in more than one of these results; nothing drawn")
+    for folder in results:
         for line in folder.damaged:
             note(line)
 

@@ -224,10 +224,9 @@ class _Checker:
                 self.problem((*path, key), f"unknown column {shown(figure[key])}; allowed: {', '.join(names)}"
                                            f"{nearest(figure[key], names)}")
         kept = self.document.mapping("measure").get("keep") or ()
-        needed = figure.get("y") if figure.get("kind") == "maps" else figure.get("kind")
-        if needed in KEPT and needed not in kept:
-            self.problem((*path, "kind"), f"draws the array {needed}, which no cell keeps; allowed: with {needed} in "
-                                          "measure.keep")
+        array = figure.get("y")
+        if figure.get("kind") == "maps" and array in KEPT and array not in kept:
+            self.problem((*path, "y"), f"no cell keeps the array {array}; allowed: with {array} in measure.keep")
         labels = [entry.label for entry in self.entries if entry]
         picked = figure.get("methods")
         for j, label in enumerate(picked if isinstance(picked, list) and None not in self.entries else []):

@@ -11,4 +11,4 @@ MEASURED = ("fragments", "covered_pixels", "max_fragments", "samples", "time_ms"
             # derived when a figure is drawn: report.data.MEASURES
             "fps", "floor_ratio", "memory_mib", "memory_model_mib", "ms_per_mib", "fps_per_mib", "words_per_pixel")
 PER_PASS = ("time_ms", "share")
-MEASURED_BY_KIND = {"stacked_passes": PER_PASS, "maps": KEPT, "histogram": ("time_ms", "pixels")}  # others: MEASURED
+MEASURED_BY_KIND = {"stacked_passes": PER_PASS, "maps": KEPT, "histogram": ("time_ms",)}  # others: MEASURED

@@ -58,7 +58,7 @@ Samples = Annotated[int, Interval(ge=1, le=1_000_000), Allowed("a whole number f
 Seconds = Annotated[float, Interval(gt=0, le=86400), Allowed("seconds above 0, up to 86400")]
 Mebibytes = Annotated[float, Interval(gt=0, le=2**24), Allowed("MiB above 0, up to 16777216")]
 
-KEPT = ("image", "error", "loss", "fragments", "discarded", "histogram")  # arrays, see `arrays`
+KEPT = ("image", "error", "loss", "fragments", "discarded")  # arrays, see `arrays`
 
 STRICT = {"extra": "forbid", "allow_inf_nan": False}  # pydantic's settings for a class below
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from ..arrays import read_arrays
 from ..errors import StoreError, nearest
 from ..stats import Interval, interleaved_ratio, median_interval, ratio_interval
 from ..store import COLUMNS, FLOOR, Cell, Floors, ResultFolder, Row, device_name, result_rows
@@ -45,6 +46,8 @@ class Point:
     label: str
     floor: Cell | None
     parameters: frozenset[str]  # parameter names of any cell of the folder
+    drawn: Interval | None = None  # what a figure shows instead of the measure that its y names
+    folder: ResultFolder | None = None
 
     @property
     def method(self) -> str:
@@ -92,6 +95,15 @@ class Point:
     def pass_ms(self, names: Iterable[str]) -> Interval:
         """Interval of the first of these passes that the method has."""
         return next((self.passes_ms[name] for name in names if name in self.passes_ms), NOTHING)
+
+    def shown(self, name: str) -> Interval:
+        """What a figure of the measure shows of the point."""
+        return self.measure(name) if self.drawn is None else self.drawn
+
+    @cached_property
+    def arrays(self) -> dict[str, Any]:
+        """The arrays that the cell kept, by name."""
+        return read_arrays(self.folder, self.cell["key"]) if self.folder else {}
 
     def measure(self, name: str) -> Interval:
         """A measure (see MEASURES) between the ends of its interval, which are None where it has none."""
@@ -148,9 +160,14 @@ class Result:
         paper = ", ".join(str(v) for v in (source.get("paper"), _figure_of(source)) if v)
         version = (manifest.get("versions") or {}).get("mfr-bench")
         parts = [paper and f"after {paper}", device.get("renderer"), device.get("version"),
-                 manifest.get("timer") and f"timer: {manifest['timer']}", str(manifest.get("started") or "")[:10],
+                 manifest.get("timer") and f"timer: {manifest['timer']}", self.dates,
                  version and f"mfr-bench {version}"]
         return " · ".join(str(part) for part in parts if part)
+
+    @property
+    def dates(self) -> str:
+        """The days on which the measuring began."""
+        return "; ".join(part[:10] for part in str(self.manifest.get("started") or "").split("; "))
 
     @property
     def unmeasured(self) -> int:
@@ -189,7 +206,7 @@ def load(folder: ResultFolder) -> Result:
     cells = _current(folder.cells())
     floors, labels = Floors(cells), _labels(cells)
     parameters = frozenset(name for cell in cells for name in cell["params"])
-    points = tuple(Point(cell, row, label, floors.of(cell), parameters)
+    points = tuple(Point(cell, row, label, floors.of(cell), parameters, folder=folder)
                    for cell, row, label in zip(cells, result_rows(cells), labels, strict=True))
     return Result(folder, manifest, points)
 
@@ -204,6 +221,30 @@ def time_ratio(over: Cell, under: Cell, confidence: float = 0.95) -> Interval:
     in_turns = all(over[name] == under[name] for name in ("scene", "measure")) and least and most
     return (interleaved_ratio(above, below, least, most, confidence) if in_turns
             else ratio_interval(above, below, confidence))
+
+
+def join(results: Sequence[Result]) -> Result:
+    """The points of one experiment from several folders, so that `device` is one of its axes.
+
+    What a manifest says is the first's, its devices and dates all of theirs.
+    """
+    first, *others = results
+    points = [p for result in results for p in result.points]
+    parameters = frozenset().union(*(p.parameters for p in points))
+    labels = _labels([p.cell for p in points])
+    made = tuple(replace(p, label=label, parameters=parameters) for p, label in zip(points, labels, strict=True))
+    devices = [dict(r.manifest.get("device") or {}) for r in results]
+    manifest = dict(first.manifest) | {
+        "device": {"renderer": _together(d.get("renderer") for d in devices),
+                   "version": _together(d.get("version") for d in devices)},
+        "started": _together(str(r.manifest.get("started") or "")[:10] for r in results),
+        "timer": _together(r.manifest.get("timer") for r in results),
+        "cells": [p.cell["key"] for p in points]}
+    return Result(first.folder, manifest, made) if others else first
+
+
+def _together(values: Iterable[Any]) -> str:
+    return "; ".join(dict.fromkeys(str(v) for v in values if v))
 
 
 def series(result: Result, points: Sequence[Point], used: Iterable[str]) -> list[Point]:

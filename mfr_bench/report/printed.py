@@ -68,13 +68,13 @@ class Match:
     """A cell that a printed number is about, and the scale between the paper's viewport and this one."""
 
     point: Point
-    scale: int | None  # the paper's width / this one's; None where the viewports cannot be compared
+    scale: int  # the paper's width / this one's
 
     def printed_here(self, row: Printed) -> float | None:
-        """The printed value as a mark in a figure of these cells; None where it is for another viewport."""
-        if row.value is None or self.scale is None:
+        """The printed value as a mark in a figure of these cells, by pixels where it grows with them."""
+        if row.value is None:
             return None
-        return row.value / self.scale**2 if row.quantity in BY_PIXELS else row.value if self.scale == 1 else None
+        return row.value / self.scale**2 if row.quantity in BY_PIXELS else row.value
 
 
 def matches(row: Printed, points: Iterable[Point]) -> list[Match]:

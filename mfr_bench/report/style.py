@@ -43,6 +43,12 @@ MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "*", "d", "8",
 LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1)), (0, (5, 1, 1.2, 1)), (0, (3, 1, 1, 1, 1, 1)))
 HATCHES = ("", "////", "\\\\\\\\", "xxxx", "----", "||||", "++++", "//", "\\\\", "xx", "--", "||", "++", "////----",
            "\\\\\\\\||||")  # straight lines only: dots make vector files large
+HISTOGRAM = "#8fa3b8"
+MAP_COLOURS = "inferno"  # of maps: grows in lightness, whatever the sight
+PRINTED = {"linestyle": "", "marker": "D", "markersize": 4.2, "markerfacecolor": "white", "markeredgecolor": "#1a1a1a",
+           "markeredgewidth": 0.9}  # the papers' own numbers
+OVER = {"linestyle": "", "marker": "X", "markersize": 5.0, "markeredgecolor": "white", "markeredgewidth": 0.4,
+        "zorder": 5, "clip_on": False}  # cells without a value for lack of memory
 HATCH_INK = (1.0, 1.0, 1.0, 0.6)
 
 RC = {

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..store import ResultFolder, csv_text, write_file
-from . import data
+from . import data, printed
 from .data import Point, Result, number
 
 WIDTH = 120  # columns of a terminal
@@ -21,6 +21,10 @@ TIME_NOTE = ("median of whole frames, ± half of its 95 % interval; ~ stopped be
 RATIO_NOTE = "time / time of the same geometry with plain blending, ± half of an interval of at least 95 %"
 MEMORY_NOTE = "measured / by the paper's formula"
 PASS_NOTE = "medians of separate frames: their sum may differ from the whole frame's time"
+
+
+PRINTED_NOTE = ("as the paper prints them, on its device; here: of the cells that they are about; speed-ups and gains "
+                "are judged by mfr-bench claims")
 
 
 @dataclass(frozen=True)
@@ -208,6 +212,13 @@ def _worst(points: Sequence[Point], column: str, worst) -> str:
     return number(worst(found, default=None), 2 if column == "max_abs_error" else 4)
 
 
+def _printed_grid(result: Result) -> Grid:
+    rows = [(row.quantity.replace("_", " "), row.name or "", _cut(printed.place_text(row)), printed.value_text(row),
+             printed.here_text(row, result.points) or ABSENT, row.device or "") for row in printed.rows(result)]
+    return Grid("The paper's numbers", PRINTED_NOTE, ("quantity", "of", "for", "printed", "here", "device"),
+                tuple(rows), left=3)
+
+
 # --- text ----------------------------------------------------------------------------------------
 
 
@@ -249,6 +260,7 @@ def _sections(result: Result, passes: bool) -> list[Grid]:
     blocks = _blocks(result)
     grids = [_image_grid(result), *(grid for block in blocks for grid in block.measure_grids())]
     grids += [block.pass_grid() for block in blocks] if passes else []
+    grids.append(_printed_grid(result))
     return [grid for grid in grids if grid.rows]
 
 

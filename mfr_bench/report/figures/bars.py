@@ -6,12 +6,14 @@ import math
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from .. import data, style
 from ..data import Point, Result, number
+from .marks import Mark, draw_marks, marks_of
 from .scales import log_axes, log_axis, log_base, nothing, y_label
-from .series import Options, is_drawn, labels_of, panels_of, series_of
+from .series import Options, is_drawn, labels_of, panels_of, series_of, y_text
 from .sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, RIGHT, legend_columns, sheet_of, widest
 
 if TYPE_CHECKING:
@@ -106,9 +108,9 @@ def stacked_passes(result: Result, options: Options) -> Figure:
 
 
 def bars(result: Result, options: Options) -> Figure:
-    """Bars of one measure grouped by x, one per method, coloured by method."""
+    """Bars of one measure grouped by x, one per method, coloured by method; kplus_2015 Figs. 7 and 8."""
     def segments(point: Point) -> list[Segment]:
-        return [Segment("", point.measure(options["y"])[1], style.method_colour(point.method))]
+        return [Segment("", point.shown(options["y"])[1], style.method_colour(point.method))]
 
     return _bar_figure(Chart(result, options, tuple(series_of(result, options)), segments, {}, {}), [])
 
@@ -128,6 +130,11 @@ class Chart:
     def y(self) -> str:
         return self.options["y"]
 
+    @cached_property
+    def marks(self) -> list[Mark]:
+        """The paper's printed numbers at their bars."""
+        return marks_of(self.result, self.options, self.points)
+
     @property
     def log(self) -> bool:
         return "y" in log_axes(self.options)
@@ -141,7 +148,8 @@ class Chart:
     def limits(self) -> tuple[float, float]:
         """One range for all rows, so that bars of different rows compare. Room above is for the numbers."""
         drawn = [p for p in self.points if is_drawn(p, self.y)]
-        tops = [max(sum(s.height for s in self.segments(p)), *(v or 0 for v in p.measure(self.y))) for p in drawn]
+        tops = [max(sum(s.height for s in self.segments(p)), *(v or 0 for v in p.shown(self.y))) for p in drawn]
+        tops += [mark.value for mark in self.marks]
         firsts = [self.segments(p)[0].height for p in drawn]
         if max(tops, default=0) <= 0:
             return (0.1, 10.0) if self.log else (0.0, 1.0)
@@ -162,7 +170,8 @@ def _bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
     slots = max(_extent(groups) for _, groups in rows)
     width = min(style.WIDTH_IN, max(style.NARROW_IN, LEFT + RIGHT + 0.3 * slots))
     slot_width = (width - LEFT - RIGHT) / slots
-    legend = [*chart.legend, *(["floor"] if chart.floors_ms(chart.points) else [])]
+    legend = [*chart.legend, *(["floor"] if chart.floors_ms(chart.points) else []),
+              *dict.fromkeys(mark.text for mark in chart.marks)]
     columns = legend_columns(legend, width - 2 * EDGE)
     legend_height = LEGEND_LINE_IN * math.ceil(len(legend) / columns) + 0.08 if legend else 0.0
     label_lines = (line for label in labels_of(chart.points) for line in _broken(label, slot_width).splitlines())
@@ -193,7 +202,9 @@ def _legend_entries(chart: Chart, names: Sequence[str]):
     from matplotlib.patches import Patch
 
     floor = Line2D([], [], color=style.INK, linewidth=0.9, linestyle="--")
-    handles = [Patch(facecolor=chart.legend[n], edgecolor="none") if n in chart.legend else floor for n in names]
+    printed = Line2D([], [], **style.PRINTED)
+    handles = [Patch(facecolor=chart.legend[n], edgecolor="none") if n in chart.legend
+               else floor if n == "floor" else printed for n in names]
     return handles, [name.replace("_", " ") for name in names]
 
 
@@ -203,13 +214,14 @@ def _bar_row(axes: Axes, chart: Chart, groups: Sequence[Group], slot_width: floa
     axes.set_xlim(-1.0, _extent(groups) - 1.0)
     if chart.log:
         log_axis(axes, "y", log_base(chart.options))
-    y_label(axes, str(chart.options.get("y_label") or data.MEASURES[chart.y]))
+    y_label(axes, y_text(chart.options))
     _headings(axes, chart, groups, slot_width)
     drawn = [slot for slot in slots if slot.point is not None and is_drawn(slot.point, chart.y)]
     for slot in drawn:
         _bar(axes, slot, chart.segments(slot.point), chart.hatches.get(slot.label, ""))
     if chart.y != "share":  # every bar's is 1
         _totals(axes, drawn, chart.y)
+    draw_marks(axes, ((slot.x, mark) for slot in slots for mark in chart.marks if mark.point is slot.point))
     for slot in slots:
         if slot not in drawn or slot.point.status == "wrong":
             _sign(axes, slot)
@@ -266,7 +278,7 @@ def _bar(axes: Axes, slot: Slot, segments: Sequence[Segment], hatch: str) -> Non
 
 def _totals(axes: Axes, slots: Sequence[Slot], y: str) -> None:
     """The measured value of each bar with its interval, and its number above. A wrong image has none."""
-    intervals = [(slot.x, *slot.point.measure(y)) for slot in slots if slot.point.status == "ok"]
+    intervals = [(slot.x, *slot.point.shown(y)) for slot in slots if slot.point.status == "ok"]
     with_ends = [interval for interval in intervals if interval[1] is not None]
     if with_ends:
         xs, lows, middles, highs = zip(*with_ends, strict=True)

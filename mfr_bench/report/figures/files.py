@@ -8,6 +8,7 @@ import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,10 +33,32 @@ def write_figures(folder: ResultFolder, processes: int = 1) -> list[Path]:
 
     With 2 `processes` a forked child draws every other figure; not where the process holds a GL context.
     """
-    result = data.load(folder)
+    return _draw_all(data.load(folder), folder.path / "figures", processes)
+
+
+def write_together(folders: Sequence[ResultFolder], target: Path) -> list[Path]:
+    """Write the figures of each experiment that several folders hold, a panel or a series for each device.
+
+    Raises StoreError.
+    """
+    found: dict[str, list[Result]] = {}
+    for folder in folders:
+        result = data.load(folder)
+        found.setdefault(result.name, []).append(result)
+    return [path for results in found.values() if len(results) > 1
+            for path in _draw_all(_by_device(data.join(results)), target, 1)]
+
+
+def _by_device(result: Result) -> Result:
+    """Figures without panels of their own get one for each device."""
+    panelled = [options if options.get("panels") else {**options, "panels": "device"} for options in result.figures]
+    return replace(result, manifest={**result.manifest, "figures": panelled})
+
+
+def _draw_all(result: Result, target: Path, processes: int) -> list[Path]:
     name = re.sub(r"[^\w.-]+", "-", result.name).strip("-.") or "figure"
     several = len(result.figures) > 1
-    tasks = [(folder.path / "figures" / (f"{name}-{i}" if several else name), options)
+    tasks = [(target / (f"{name}-{i}" if several else name), options)
              for i, options in enumerate(result.figures, 1)]
     with _uncollected():
         if processes > 1 and several:

@@ -2,12 +2,16 @@
 
 `build` returns the matplotlib Figure of one entry of the config's `figures`:
 
-    kind     stacked_passes | bars | lines
+    kind     stacked_passes | bars | lines | maps | histogram
     x, y     a swept key or column (see `data.Point.at`), a measure (see `data.MEASURES`)
     log      x | y | xy; log_base 2 or 10
     panels   a swept key or column: one panel for each of its values
     methods  labels or ids: only these series
     floor    true: the floor as a dashed line
+    passes   the time of the first of these passes that a method has, instead of y
+    gain_of  what a parameter gains over its first value, instead of y
+    fit      linear | quadratic: a polynomial through each line
+    printed  the paper's numbers of this quantity, as marks
     title, x_label, y_label
 """
 
@@ -16,11 +20,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from ...arrays import KEPT
 from ...errors import StoreError, nearest
 from .. import data
 from ..data import Result
 from .bars import bars, stacked_passes
+from .histogram import histogram
 from .lines import lines
+from .maps import maps
 from .series import Options
 from .sheet import styled
 
@@ -28,7 +35,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 KINDS: Mapping[str, Callable[[Result, Options], Figure]] = {
-    "stacked_passes": stacked_passes, "bars": bars, "lines": lines}
+    "stacked_passes": stacked_passes, "bars": bars, "lines": lines, "maps": maps, "histogram": histogram}
 
 
 def build(result: Result, options: Options) -> Figure:
@@ -37,8 +44,15 @@ def build(result: Result, options: Options) -> Figure:
     kind = options.get("kind")
     if kind not in KINDS:
         raise StoreError(f"{where}: kind: {kind!r} unknown; allowed: {', '.join(KINDS)}{nearest(str(kind), KINDS)}")
-    y = data.drawn_measure(str(options.get("y") or "time_ms"), where)
+    y = str(options.get("y") or "time_ms")
+    y = _array(y, where) if kind == "maps" else data.drawn_measure(y, where)
     if not options.get("x"):
         raise StoreError(f"{where}: x: missing; allowed: a swept key such as k, or a column of results.csv")
     with styled():
         return KINDS[kind](result, {**options, "y": y})
+
+
+def _array(name: str, where: str) -> str:
+    if name not in KEPT:
+        raise StoreError(f"{where}: y: {name!r} is no kept array; allowed: {', '.join(KEPT)}{nearest(name, KEPT)}")
+    return name

@@ -11,24 +11,27 @@ from typing import TYPE_CHECKING, Any
 
 from .. import data, style
 from ..data import Point, Result
+from .fits import Fit, draw_fit, fits_of
+from .marks import Mark, draw_marks, marks_of
 from .scales import log_axes, log_axis, log_base, nothing, y_label
-from .series import Options, axis_label, gaps, labels_of, panels_of, series_of
+from .series import Options, axis_label, gaps, labels_of, panels_of, series_of, y_text
 from .sheet import EDGE, HEADING_IN, LEFT, sheet_of, text_width, widest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+OVER = ("over_budget", "out_of_memory", "overflow")
 LONG_LABEL = 24  # characters from which a label is broken where there is room
 
 
 def lines(result: Result, options: Options) -> Figure:
-    """x against y, one line per method with its interval; kplus_2015 Figs. 8 and 9."""
+    """x against y, one line per method with its interval; kplus_2015 Fig. 9, gpupro5 Figs. 1.4 to 1.7."""
     plot = Plot(result, options, tuple(series_of(result, options)))
     panels = panels_of(plot.points, options)
     columns = min(3, len(panels)) or 1
     rows = math.ceil(len(panels) / columns)
-    entries = {label: "\n".join(textwrap.wrap(label, LONG_LABEL + 4)) for label in [*plot.labels, "floor"]}
+    entries = {label: "\n".join(textwrap.wrap(label, LONG_LABEL + 4)) for label in plot.entries}
     legend_width = widest((line for entry in entries.values() for line in entry.splitlines()), 7.5) + 0.52
     plot_height = 2.2 if rows > 1 else max(2.7, 0.13 * sum(1.3 + e.count("\n") for e in entries.values()))
     heading = HEADING_IN if any(panel for panel, _ in panels) else 0.06
@@ -77,6 +80,16 @@ class Plot:
         return labels_of(self.points)
 
     @cached_property
+    def marks(self) -> list[Mark]:
+        return marks_of(self.result, self.options, self.points)
+
+    @property
+    def entries(self) -> list[str]:
+        """Everything that the legend may have to name."""
+        over = dict.fromkeys(p.sign for p in self.points if p.status in OVER)
+        return [*self.labels, "floor", *over, *dict.fromkeys(mark.text for mark in self.marks)]
+
+    @cached_property
     def numeric(self) -> bool:
         return all(isinstance(v, (int, float)) for v in data.values(self.points, self.x))
 
@@ -92,18 +105,35 @@ class Plot:
 
     def draw(self, axes: Axes, points: Sequence[Point]) -> None:
         for label in labels_of(points):
-            members = [p for p in points if p.label == label and p.status == "ok" and p.measure(self.y)[1] is not None]
+            members = [p for p in points if p.label == label and p.status == "ok" and p.shown(self.y)[1] is not None]
             if members:
                 self._line(axes, label, members)
         if self.options.get("floor") and self.y == "time_ms":
             self._floor(axes, points)
+        self._over(axes, points)
+        draw_marks(axes, ((self.places[p.at(self.x)], mark) for mark in self.marks for p in points
+                          if p is mark.point and p.at(self.x) is not None))
+        draw_fit(axes, self._fits(points), self.log_x)
+
+    def _fits(self, points: Sequence[Point]) -> list[Fit]:
+        return fits_of(points, self.x, self.y, str(self.options.get("fit"))) if self.options.get("fit") else []
+
+    def _over(self, axes: Axes, points: Sequence[Point]) -> None:
+        """Cells for which there is no memory: crosses on the axis, in their method's colour, beside each other's."""
+        risen: dict[float, int] = {}
+        for p in points:
+            if p.status in OVER and p.at(self.x) is not None:
+                x = self.places[p.at(self.x)]
+                risen[x] = risen.get(x, 0) + 1
+                axes.plot([x], [0.035 * risen[x] - 0.01], transform=axes.get_xaxis_transform(), label=p.sign,
+                          color=style.method_colour(p.method), **style.OVER)
 
     def _line(self, axes: Axes, label: str, members: Sequence[Point]) -> None:
         """One series, broken where a value is missing; level and unmarked where x does not touch the method."""
-        found = {self.places[p.at(self.x)]: p.measure(self.y) for p in members if p.at(self.x) is not None}
+        found = {self.places[p.at(self.x)]: p.shown(self.y) for p in members if p.at(self.x) is not None}
         level = not found
         if level:
-            found = dict.fromkeys(self.places.values() or [0.0], members[0].measure(self.y))
+            found = dict.fromkeys(self.places.values() or [0.0], members[0].shown(self.y))
         xs = [v for v in self.places.values() if min(found) <= v <= max(found)] or list(found)
         intervals = [found.get(v, (None, math.nan, None)) for v in xs]
         lows = [0.0 if low is None else middle - low for low, middle, _ in intervals]
@@ -125,8 +155,10 @@ class Plot:
         """Scales, ticks and labels, once every panel is drawn: the panels share them."""
         if "y" in log_axes(self.options):
             log_axis(axes, "y", log_base(self.options))
-        else:
+        elif not self.options.get("gain_of"):
             axes.set_ylim(bottom=0)
+        else:
+            axes.axhline(0, color=style.QUIET, linewidth=0.8, zorder=1)
         if self.log_x:
             log_axis(axes, "x", log_base(self.options))
         low, high = self._x_limits()
@@ -137,7 +169,7 @@ class Plot:
         if lowest:
             axes.set_xlabel(str(self.options.get("x_label") or axis_label(self.x)))
         if leftmost:
-            y_label(axes, str(self.options.get("y_label") or data.MEASURES[self.y]))
+            y_label(axes, y_text(self.options))
 
     def _x_limits(self) -> tuple[float, float]:
         first, last = min(self.places.values(), default=1.0), max(self.places.values(), default=1.0)
@@ -165,10 +197,10 @@ class Plot:
         found: dict[str, Any] = {}
         for axes in grid:
             for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-                found.setdefault(label, handle.lines[0] if label != "floor" else handle)
+                found.setdefault(label, handle.lines[0] if hasattr(handle, "lines") else handle)
         ends = {}
         for p in sorted(self.points, key=lambda p: self.places.get(p.at(self.x), 0.0)):
-            if p.label in found and p.status == "ok" and p.measure(self.y)[1] is not None:
-                ends[p.label] = p.measure(self.y)[1]
+            if p.label in found and p.status == "ok" and p.shown(self.y)[1] is not None:
+                ends[p.label] = p.shown(self.y)[1]
         ordered = [*sorted(ends, key=lambda label: -ends[label]), *(label for label in found if label not in ends)]
         return {label: found[label] for label in ordered}

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
+from ...stats import Interval
 from .. import data
 from ..data import Point, Result
 
@@ -16,7 +19,40 @@ def series_of(result: Result, options: Options) -> list[Point]:
     wanted = options.get("methods")
     points = [p for p in result.points if (p.method in wanted or p.label in wanted or p.cell["label"] in wanted
                                            if wanted else not data.is_floor(p))]
-    return data.series(result, points, [n for n in (options["x"], options.get("panels")) if n])
+    labelled = data.series(result, points, [n for n in (options["x"], options.get("panels")) if n])
+    if options.get("gain_of"):
+        return _gains(labelled, str(options["gain_of"]))
+    passes = options.get("passes")
+    return [replace(p, drawn=p.pass_ms(passes)) for p in labelled] if passes else labelled
+
+
+def _gains(points: Sequence[Point], name: str) -> list[Point]:
+    """The points at any but the first value of a parameter, with what they gain over it, in percent of its speed."""
+    first = next((p.at(name) for p in points if p.at(name) is not None), None)
+    bases = {_but(p, name): p for p in points if p.at(name) == first}
+    return [replace(p, drawn=_gain(bases.get(_but(p, name)), p)) for p in points if p.at(name) not in (first, None)]
+
+
+def _but(point: Point, name: str) -> str:
+    """All that makes a point but one parameter."""
+    params = {key: value for key, value in point.cell["params"].items() if key != name}
+    return json.dumps([point.method, params, point.cell["scene"], point.row["device"]], sort_keys=True)
+
+
+def _gain(base: Point | None, point: Point) -> Interval:
+    if base is None or base.status != "ok" or point.status != "ok":
+        return data.NOTHING
+    return tuple(None if end is None else 100 * (end - 1) for end in data.time_ratio(base.cell, point.cell))
+
+
+def y_text(options: Options) -> str:
+    """The label of the y axis."""
+    if options.get("y_label"):
+        return str(options["y_label"])
+    if options.get("gain_of"):
+        return f"gain by {data.short(options['gain_of'])} (%)"
+    passes = options.get("passes")
+    return f"time of the {passes[0]} pass (ms)" if passes else data.MEASURES[options["y"]]
 
 
 def panels_of(points: Sequence[Point], options: Options) -> list[tuple[str, list[Point]]]:
@@ -33,7 +69,7 @@ def labels_of(points: Iterable[Point]) -> list[str]:
 
 
 def is_drawn(point: Point, y: str) -> bool:
-    return point.status in ("ok", "wrong") and point.measure(y)[1] is not None
+    return point.status in ("ok", "wrong") and point.shown(y)[1] is not None
 
 
 def axis_label(name: str) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from .. import style
+from .. import printed, style
 from ..data import Result
 from .series import Options
 
@@ -93,7 +93,8 @@ class Sheet:
 
 def sheet_of(result: Result, options: Options, notes: Iterable[str], width: float, body: float) -> Sheet:
     title = str(options.get("title") or result.manifest.get("title") or result.name)
-    small = [part for line in (*notes, result.provenance) if line for part in fitted(line, style.SMALL_PT, width)]
+    lines = *notes, *printed.notes(result), result.provenance
+    small = [part for line in lines if line for part in fitted(line, style.SMALL_PT, width)]
     return Sheet(width, tuple(fitted(title, style.TITLE_PT, width, "bold")), tuple(small), body)
 
 

@@ -1,0 +1,116 @@
+"""Pixels by their number of fragments, with the k that was chosen from them; kplus_2015 Figs. 3 and 4."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from .. import data, style
+from ..data import Point, Result
+from .scales import log_axes, log_axis, log_base, nothing, y_label
+from .series import Options, series_of
+from .sheet import EDGE, HEADING_IN, LEFT, sheet_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLUMNS = 4
+PLOT_HEIGHT, GAP, BELOW = 1.75, 0.16, 0.36  # inches
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One scene's histogram: pixels[i] have i fragments. `chosen`: k by the words that tell its cell apart."""
+
+    heading: str
+    pixels: tuple[int, ...]
+    chosen: tuple[tuple[str, int], ...]
+
+
+def histogram(result: Result, options: Options) -> Figure:
+    """A panel for each scene that the figure's cells share, and for each frame of an animation."""
+    points = [p for p in series_of(result, options) if p.status in ("ok", "wrong")]
+    panels = _panels(result, points)
+    columns = min(COLUMNS, max(1, len(panels)))
+    rows = max(1, math.ceil(len(panels) / columns))
+    step = HEADING_IN + PLOT_HEIGHT + BELOW
+    sheet = sheet_of(result, options, _notes(points), style.WIDTH_IN, rows * step)
+    figure = sheet.figure()
+    width = (style.WIDTH_IN - LEFT - EDGE - GAP * (columns - 1)) / columns
+    grid: list[Axes] = []
+    for i in range(max(1, len(panels))):
+        shared = {"sharex": grid[0], "sharey": grid[0]} if grid else {}
+        left, top = LEFT + i % columns * (width + GAP), i // columns * step + HEADING_IN
+        axes = sheet.axes(figure, left, top, width, PLOT_HEIGHT, **shared)
+        grid.append(axes)
+        if panels:
+            _draw(axes, panels[i])
+        else:
+            nothing(axes)
+    for i, axes in enumerate(grid):
+        _finish(axes, options, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
+    return figure
+
+
+def _panels(result: Result, points: Iterable[Point]) -> list[Panel]:
+    found: dict[tuple, list[tuple[str, int]]] = {}
+    for point in points:
+        for heading, pixels, k in _frames(point):
+            chosen = found.setdefault((heading, pixels), [])
+            if k is not None:
+                chosen.append((_told(result, point), k))
+    return [Panel(heading, pixels, tuple(chosen)) for (heading, pixels), chosen in found.items()]
+
+
+def _frames(point: Point) -> list[tuple[str, tuple[int, ...], int | None]]:
+    """Heading, histogram and chosen k: of each frame of an animation, else of the scene."""
+    frames = [f for f in point.cell.get("frames") or [] if isinstance(f, dict) and _counts(f.get("histogram"))]
+    return [(f"frame {f.get('frame', i)}" if len(frames) > 1 else "", tuple(f["histogram"]), f.get("chosen_k"))
+            for i, f in enumerate(frames)]
+
+
+def _counts(histogram: object) -> bool:
+    return isinstance(histogram, list) and bool(histogram) and all(isinstance(v, int) and v >= 0 for v in histogram)
+
+
+def _told(result: Result, point: Point) -> str:
+    """The parameters that were swept: 'memory mb 50, hit ratio 0.9'."""
+    names = [n for n in result.axes if n in point.cell["params"]]
+    return ", ".join(data.heading(n, point.at(n), " ") for n in names) or point.label
+
+
+def _draw(axes: Axes, panel: Panel) -> None:
+    depths = range(1, len(panel.pixels))
+    axes.bar(list(depths), panel.pixels[1:], width=1.0, color=style.HISTOGRAM, linewidth=0, zorder=2)
+    axes.set_title(panel.heading, loc="left")
+    by_k: dict[int, list[str]] = {}
+    for words, k in panel.chosen:
+        by_k.setdefault(k, []).append(words)
+    for place, (k, words) in enumerate(sorted(by_k.items())):
+        axes.axvline(k, color=style.ALARM, linewidth=0.9, zorder=3)
+        axes.annotate(f"k = {k}: " + "; ".join(words), (k, 0.98 - 0.075 * place), (2.5, 0), ha="left", va="top",
+                      xycoords=axes.get_xaxis_transform(), textcoords="offset points", fontsize=style.NUMBER_PT,
+                      color=style.INK, zorder=5, annotation_clip=False,
+                      bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.75})
+
+
+def _finish(axes: Axes, options: Options, leftmost: bool, lowest: bool) -> None:
+    if "y" in log_axes(options):
+        axes.set_ylim(bottom=0.7)
+        log_axis(axes, "y", log_base(options))
+    axes.set_xlim(left=0.4)
+    axes.grid(axis="y", which="major")
+    axes.tick_params(labelbottom=lowest, labelleft=leftmost)
+    if lowest:
+        axes.set_xlabel(str(options.get("x_label") or "fragments of the pixel"))
+    if leftmost:
+        y_label(axes, str(options.get("y_label") or "pixels"))
+
+
+def _notes(points: Iterable[Point]) -> list[str]:
+    lacking = list(dict.fromkeys(p.label for p in points if not _frames(p)))
+    return [f"No histogram of {'; '.join(lacking)}."] if lacking else []
+
