@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from mfr_bench.arrays import write_arrays
 from mfr_bench.config import columns
 from mfr_bench.errors import StoreError
 from mfr_bench.methods import catalog
@@ -418,3 +419,200 @@ def test_bytes_are_drawn_as_mib(tmp_path):
     cells = [cell("kb", "KB", 4.0, params={"k": 4}, point={"k": 4}, values={"memory_bytes": 3 * 2**20})]
     axes, = built(tmp_path, cells, {"kind": "bars", "x": "k", "y": "memory_bytes"}).axes
     assert [p.get_height() for p in axes.patches if p.get_label() == "KB"] == [3] and "MiB" in axes.get_ylabel()
+
+
+# --- what papers print -----------------------------------------------------------------------------
+
+MEMORY_2012 = {"source": {"paper": "sbuffer2012", "figure": "§4", "prints": ["memory", "memory_saved"]}}
+
+
+def memory_cells(*sizes):
+    return [cell(m, label, 4.0, scene={"size": list(size), "pixel_density": 0.45}, point={"scene.size": list(size)},
+                 values={"memory_bytes": 20 * size[0] * size[1]})
+            for size in sizes for m, label in (("ab-sb", "AB_SB"), ("ab-ll", "AB_LL"))]
+
+
+def diamonds(axes):
+    return [(line.get_ydata()[0], line.get_label()) for line in axes.lines if line.get_marker() == "D"
+            and line.get_label().startswith("printed")]
+
+
+@pytest.mark.parametrize(("size", "scale", "words"), [((640, 480), 1, "printed, GTX 480"), (
+    (80, 60), 64, "printed, GTX 480 (viewport 8 times as wide by pixels)")])
+def test_printed_numbers_stand_as_diamonds_at_their_bars(tmp_path, size, scale, words):
+    """At the paper's viewport as they are; at a whole fraction of it, memory by pixels, and the legend says so."""
+    options = {"kind": "bars", "x": "width", "y": "memory_mib", "log": "y", "printed": "memory"}
+    figure = built(tmp_path, memory_cells(size), options, **MEMORY_2012)
+    assert diamonds(figure.axes[0]) == [(pytest.approx(6.99 / scale), words), (pytest.approx(8.73 / scale), words)]
+    assert words in [t.get_text() for t in figure.legends[0].get_texts()]
+
+
+def test_printed_numbers_of_other_viewports_are_only_quoted(tmp_path):
+    options = {"kind": "bars", "x": "width", "y": "memory_mib", "printed": "memory"}
+    figure = built(tmp_path, memory_cells((50, 50)), options, **MEMORY_2012)
+    assert diamonds(figure.axes[0]) == []
+    text = " ".join(all_texts(figure)).replace("\n", " ")
+    assert "The paper prints memory on GTX 480: FreePipe 60.94 MiB" in text
+    assert "159 MiB (slip: 156 follows)" in text
+
+
+def test_printed_times_are_marks_beside_the_pass(tmp_path):
+    cells = [cell("ab-precalc-fixed", "PreCalc_Fixed", 4.0, {"scan": 0.5, "store": 3.0},
+                  scene={"size": [640, 480], "pixel_density": 0.45}, point={"scene.size": [640, 480]})]
+    options = {"kind": "bars", "x": "width", "passes": ["referencing", "scan"], "printed": "referencing_time"}
+    axes, = built(tmp_path, cells, options, source=MEMORY_2012["source"] | {"prints": ["referencing_time"]}).axes
+    assert [p.get_height() for p in axes.patches if p.get_label() == "PreCalc_Fixed"] == [pytest.approx(0.5)]
+    assert diamonds(axes) == [(0.027, "printed, GTX 480")]
+    assert axes.get_ylabel() == "time of the referencing pass (ms)"
+
+
+# --- fits, gains, lack of memory ---------------------------------------------------------------------
+
+
+def test_a_fit_says_its_coefficients_and_how_well_it_fits(tmp_path):
+    cells = [cell("kb", "KB", 2 + 0.25 * n**2, scene={"depth_complexity": n}, point={"scene.depth_complexity": n})
+             for n in (4, 8, 16, 32)]
+    axes, = built(tmp_path, cells, {"kind": "lines", "x": "depth_complexity", "fit": "quadratic"}).axes
+    text, = (t for t in texts_of(axes) if "R²" in t)
+    constant, slope, square = (float(part.split("·")[0]) for part in text.split(": ")[1].split(", ")[0]
+                               .replace("− ", "+ -").split(" + "))
+    assert (constant, square) == (pytest.approx(2, abs=0.01), pytest.approx(0.25)) and abs(slope) < 1e-6
+    assert text.endswith("R² 1.0000")
+
+
+def test_too_few_points_have_no_fit(tmp_path):
+    cells = [cell("kb", "KB", n, scene={"depth_complexity": n}, point={"scene.depth_complexity": n}) for n in (4, 8)]
+    axes, = built(tmp_path, cells, {"kind": "lines", "x": "depth_complexity", "fit": "linear"}).axes
+    assert not any("R²" in t for t in texts_of(axes))
+
+
+def test_a_gain_is_the_speed_over_the_first_value_with_its_interval(tmp_path):
+    cells = [cell("kplus-array", f"K⁺B {d}", ms, params={"k": k, "occupancy": d}, point={"k": k})
+             for k in (4, 8) for d, ms in ((0, 6.0), (32, 4.0))]
+    axes, = built(tmp_path, cells, {"kind": "lines", "x": "k", "gain_of": "occupancy"}).axes
+    line = curves(axes)["K⁺B 32"]
+    assert list(curves(axes)) == ["K⁺B 32"] and list(line.get_ydata()) == pytest.approx([50, 50])
+    (_, low), (_, high) = axes.collections[0].get_segments()[0]
+    assert 45 < low < 50 < high < 55 and axes.get_ylabel() == "gain by occupancy (%)"
+
+
+@pytest.mark.parametrize("status", ["over_budget", "out_of_memory", "overflow"])
+def test_cells_without_memory_are_crosses_on_the_axis(tmp_path, status):
+    cells = [*two_methods(), cell("kb-ll", "KB-LL", None, status=status, params={"k": 8}, point={"k": 8})]
+    figure = built(tmp_path, cells, {"kind": "lines", "x": "k", "y": "time_ms"})
+    cross, = (line for line in figure.axes[0].lines if line.get_marker() == "X" and len(line.get_xdata()) == 1
+              and line.get_label() == status.replace("_", " "))
+    assert list(cross.get_xdata()) == [8] and cross.get_color() == style.method_colour("kb-ll")
+    assert status.replace("_", " ") in [t.get_text() for t in figure.legends[0].get_texts()]
+    assert any("KB-LL" in text and status.replace("_", " ") in text for text in all_texts(figure))
+
+
+# --- maps and histograms ----------------------------------------------------------------------------
+
+MAPS = {"kind": "maps", "x": "k", "y": "error"}
+
+
+def mapped(tmp_path, options, arrays, **more):
+    """A folder of one cell for each entry of `arrays`, which maps (label, k) to arrays; the figure of it."""
+    cells = [cell("kb", label, 4.0, params={"k": k}, point={"k": k}, **more) for label, k in arrays]
+    folder = planted.folder(tmp_path, cells, [options])
+    for record, kept in zip(cells, arrays.values(), strict=True):
+        write_arrays(folder, record["key"], kept)
+    return figures.build(data.load(folder), options)
+
+
+def test_maps_share_a_scale_and_stand_upright(tmp_path):
+    low, high = np.zeros((4, 6)), np.zeros((4, 6))
+    low[0, 0], high[3, 5] = 0.25, 0.5
+    figure = mapped(tmp_path, MAPS, {("KB", 8): {"error": low}, ("KB-SR", 8): {"error": high}})
+    images = [axes.images[0] for axes in figure.axes if axes.images]
+    assert [image.get_clim() for image in images] == [(0, 0.5)] * 2
+    assert images[0].get_array()[0, 0] == 0.25 and images[0].origin == "lower"
+    assert [axes.get_title(loc="left") for axes in figure.axes[:2]] == ["KB, mean 0.0104", "KB-SR, mean 0.0208"]
+
+
+def test_maps_have_rows_by_label_and_columns_by_x(tmp_path):
+    arrays = {(label, k): {"error": np.full((4, 4), k / 32)} for label in ("A", "B") for k in (4, 8)}
+    figure = mapped(tmp_path, MAPS, arrays)
+    places = {axes.get_title(loc="left").partition(", mean")[0]: axes.get_position() for axes in figure.axes
+              if axes.images}
+    assert list(places) == ["A, k = 4", "A, k = 8", "B, k = 4", "B, k = 8"]
+    assert places["A, k = 4"].y0 == places["A, k = 8"].y0 > places["B, k = 4"].y0
+    assert places["A, k = 4"].x0 == places["B, k = 4"].x0 < places["A, k = 8"].x0
+
+
+def test_an_image_is_shown_over_a_checkerboard(tmp_path):
+    image = np.zeros((32, 32, 4), dtype=np.uint8)
+    image[:16] = (255, 0, 0, 255)
+    figure = mapped(tmp_path, MAPS | {"y": "image"}, {("KB", 8): {"image": image}})
+    shown = figure.axes[0].images[0].get_array()
+    assert shown[0, 0].tolist() == [1, 0, 0] and len(np.unique(shown[16:].reshape(-1, 3), axis=0)) == 2
+
+
+def test_a_cell_without_its_array_says_so(tmp_path):
+    figure = mapped(tmp_path, MAPS, {("KB", 8): {"error": np.ones((4, 4))}, ("KB-SR", 8): {}})
+    assert "error not measured" in texts_of(figure.axes[1])
+
+
+def test_shares_of_discarded_fragments_stand_in_the_heading(tmp_path):
+    figure = mapped(tmp_path, MAPS | {"y": "discarded"}, {("KB", 8): {"discarded": np.full((8, 8), 3)}},
+                    values={"fragments": 8 * 8 * 4})
+    assert figure.axes[0].get_title(loc="left") == "KB, 75.0 %"
+
+
+FRAMES = [{"frame": 0, "chosen_k": 8, "histogram": [10, 4, 2, 1]}, {"frame": 1, "chosen_k": 3, "histogram": [9, 8]}]
+
+
+def histograms(tmp_path, *frames, **options):
+    cells = [cell("kplus-sb-dynamic", "dynamic", 4.0, params={"memory_mb": mb}, point={"memory_mb": mb}, frames=f)
+             for mb, f in zip((50.0, 200.0), frames, strict=False)]
+    return built(tmp_path, cells, {"kind": "histogram", "x": "memory_mb", "log": "y", "log_base": 2} | options,
+                 sweep={"memory_mb": [50.0, 200.0]})
+
+
+def test_a_histogram_counts_pixels_and_marks_the_chosen_k(tmp_path):
+    one, other = [FRAMES[0]], [FRAMES[0] | {"chosen_k": 12}]
+    axes, = histograms(tmp_path, one, other).axes
+    assert [p.get_height() for p in axes.patches] == [4, 2, 1] and axes.get_yscale() == "log"
+    assert texts_of(axes) == ["k = 8: memory mb 50", "k = 12: memory mb 200"]
+
+
+def test_an_animation_has_a_panel_for_each_frame(tmp_path):
+    figure = histograms(tmp_path, FRAMES)
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["frame 0", "frame 1"]
+    assert [texts_of(axes)[0].partition(":")[0] for axes in figure.axes] == ["k = 8", "k = 3"]
+
+
+@pytest.mark.parametrize("frames", [None, [], "no", [7], [{"histogram": "x"}], [{"histogram": [1, -2]}]], ids=str)
+def test_a_histogram_that_is_none_is_named(tmp_path, frames):
+    figure = histograms(tmp_path, frames)
+    assert "nothing measured" in texts_of(figure.axes[0])
+    assert any("No histogram of dynamic" in text for text in all_texts(figure))
+
+
+@pytest.mark.parametrize("options", [MAPS, MAPS | {"y": "image"}])
+def test_maps_are_the_same_bytes_each_time(tmp_path, options):
+    rng = np.random.default_rng(1)
+    arrays = {("KB", 8): {"error": rng.random((64, 64)), "image": rng.integers(0, 255, (64, 64, 4))}}
+    first = figures.render(mapped(tmp_path / "a", options, arrays))
+    assert first == figures.render(mapped(tmp_path / "b", options, arrays))
+
+
+# --- several devices -----------------------------------------------------------------------------
+
+
+def test_devices_stand_side_by_side(tmp_path):
+    devices = [planted.DEVICE, planted.DEVICE | {"slug": "h200", "renderer": "NVIDIA H200", "version": "4.6"}]
+    folders = [planted.folder(tmp_path / d["slug"], [c | {"device": d} for c in two_methods()], [STACKED], device=d)
+               for d in devices]
+    written = figures.write_together(folders, tmp_path / "out")
+    assert [path.name for path in written] == ["planted.png", "planted.svg"]
+    joined = data.join([data.load(f) for f in folders])
+    figure = figures.build(joined, STACKED | {"panels": "device"})
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["device = llvmpipe", "device = h200"]
+    assert "NVIDIA H200" in " ".join(all_texts(figure)) and "llvmpipe" in " ".join(all_texts(figure))
+
+
+def test_an_experiment_of_one_folder_is_not_drawn_together(tmp_path):
+    folders = [planted.folder(tmp_path / name, two_methods(), [STACKED], name=name) for name in ("a", "b")]
+    assert figures.write_together(folders, tmp_path / "out") == []
