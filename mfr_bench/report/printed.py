@@ -43,6 +43,7 @@ HERE: Mapping[str, Here] = {
     "discarded_share": _column("discarded_share", 100.0), "fragments": _column("fragments"),
     "mean_depth_complexity": _mean_depth, "depth_complexity": _column("max_fragments"),
 }
+MOST_TIMES = 64  # that a viewport may be smaller than a printed one
 BY_PIXELS = ("memory", "fragments")  # grow with the viewport's pixels
 BOUNDS = {"about": "about ", "from": "from ", "to": "to ", "up to": "up to ", "above": "above ", "below": "below "}
 UNITS = {"fragments": "", "times": "×", "32-bit words": "words", "frames per second": "fps"}
@@ -81,8 +82,10 @@ def matches(row: Printed, points: Iterable[Point]) -> list[Match]:
     """The cells that a number is about: its method, its k and density, its viewport or that divided by a number."""
     if row.quantity not in HERE:
         return []
-    return [Match(p, _scale(row, p)) for p in points
-            if (row.method is None or p.method == row.method) and _alike(row, p) and _scale(row, p) != 0]
+    points = list(points)
+    scale = _scale(row, points)
+    return [Match(p, scale) for p in points
+            if (row.method is None or p.method == row.method) and _alike(row, p) and _fits(row, p, scale)]
 
 
 def _alike(row: Printed, point: Point) -> bool:
@@ -94,13 +97,19 @@ def _alike(row: Printed, point: Point) -> bool:
     return True
 
 
-def _scale(row: Printed, point: Point) -> int:
-    """How many times smaller each side is here: 1 too where none is printed, 0 where it is no whole number."""
+def _scale(row: Printed, points: Sequence[Point]) -> int:
+    """How many times smaller each side is here: the number that most of the quantity's viewports, all scaled, meet."""
+    here = {(p.row["width"], p.row["height"]) for p in points}
+    printed = {(r.width, r.height) for r in find(paper=row.paper, quantity=row.quantity) if r.width and r.height}
+    met = {scale: sum((w * scale, h * scale) in printed for w, h in here) for scale in range(1, MOST_TIMES + 1)}
+    return max(met, key=lambda scale: (met[scale], -scale))
+
+
+def _fits(row: Printed, point: Point, scale: int) -> bool:
+    """Whether the point's viewport is the printed one, scaled; any is where none is printed."""
     if row.width is None or row.height is None:
-        return 1
-    width, height = point.row["width"], point.row["height"]
-    times = row.width // width if width else 0
-    return times if (width * times, height * times) == (row.width, row.height) else 0
+        return True
+    return (row.width, row.height) == (point.row["width"] * scale, point.row["height"] * scale)
 
 
 def value_text(row: Printed) -> str:

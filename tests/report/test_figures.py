@@ -442,8 +442,9 @@ def diamonds(axes):
 def test_printed_numbers_stand_as_diamonds_at_their_bars(tmp_path, size, scale, words):
     """At the paper's viewport as they are; at a whole fraction of it, memory by pixels, and the legend says so."""
     options = {"kind": "bars", "x": "width", "y": "memory_mib", "log": "y", "printed": "memory"}
-    figure = built(tmp_path, memory_cells(size), options, **MEMORY_2012)
-    assert diamonds(figure.axes[0]) == [(pytest.approx(6.99 / scale), words), (pytest.approx(8.73 / scale), words)]
+    sizes = [size, (1600 * size[0] // 640, 1200 * size[1] // 480)]
+    figure = built(tmp_path, memory_cells(*sizes), options, **MEMORY_2012)
+    assert diamonds(figure.axes[0])[:2] == [(pytest.approx(6.99 / scale), words), (pytest.approx(8.73 / scale), words)]
     assert words in [t.get_text() for t in figure.legends[0].get_texts()]
 
 
@@ -583,7 +584,7 @@ def test_an_animation_has_a_panel_for_each_frame(tmp_path):
     assert [texts_of(axes)[0].partition(":")[0] for axes in figure.axes] == ["k = 8", "k = 3"]
 
 
-@pytest.mark.parametrize("frames", [None, [], "no", [7], [{"histogram": "x"}], [{"histogram": [1, -2]}]], ids=str)
+@pytest.mark.parametrize("frames", [None, [], [{"histogram": []}], [{"histogram": [1, -2]}]], ids=str)
 def test_a_histogram_that_is_none_is_named(tmp_path, frames):
     figure = histograms(tmp_path, frames)
     assert "nothing measured" in texts_of(figure.axes[0])
