@@ -1,0 +1,39 @@
+"""`python planted_run.py FOLDER`: a run with the fake worker, all but the reading of a config and the reports."""
+
+from __future__ import annotations
+
+import sys
+
+from mfr_bench.config.model import Measure, Scene
+from mfr_bench.methods import catalog
+from mfr_bench.plan import Cell
+from mfr_bench.run import process
+from mfr_bench.run.jobs import jobs
+from mfr_bench.run.ledger import Ledger, Sheet
+from mfr_bench.run.supervisor import Supervisor
+from mfr_bench.store import ResultFolder
+
+SCENES, METHODS = range(1, 13), ("floor", "ab-array", "kplus-array", "kplus-heap")
+CELLS = len(SCENES) * len(METHODS)
+
+
+def planned() -> list[Cell]:
+    return [Cell("planted", m, m, catalog()[m].complete({}), Scene(size=(8, 8), depth_complexity=n), Measure(), {})
+            for n in SCENES for m in METHODS]
+
+
+def main() -> None:
+    process.PROGRAM = ("import sys; sys.path[:] = sys.argv.pop().split(':'); "
+                       "from tests.run.fake_worker import main; main()")
+    folder = ResultFolder(sys.argv[1])
+    with Supervisor("auto") as supervisor, folder.lock():
+        ready = supervisor.ready()
+        ledger = Ledger([Sheet(folder, jobs(planned(), catalog(), ready.device, ready.timer))], ready.device)
+        ledger.settle()
+        print("measuring", flush=True)
+        supervisor.measure(ledger.groups(), ledger)
+        ledger.close()
+
+
+if __name__ == "__main__":
+    main()
