@@ -1,4 +1,4 @@
-"""`plot`, `table`, `configs`: from the store and the config files alone, no GL."""
+"""`plot`, `table`, `conformance`, `configs`: from the store and the config files alone, no GL."""
 
 from __future__ import annotations
 
@@ -97,4 +97,22 @@ def configs() -> None:
         say(f"{name:{longest}}  {experiment.title}{f' ({source})' if source else ''}")
 
 
-COMMANDS = (plot, table, configs)
+@click.command()
+@FOLDERS
+def conformance(folders: tuple[str, ...]) -> None:
+    """Print docs/conformance.md from all results at or below DIR.
+
+    Which images were right, and what each method kept, lost and repeated.
+
+    \b
+    Example: mfr-bench run conformance determinism --out out
+             mfr-bench conformance out >docs/conformance.md
+    """
+    from ..methods import catalog
+    from ..report import conformance_page
+    from ..report.data import load
+
+    say(conformance_page(map(load, _results(folders)), catalog()).rstrip("\n"))
+
+
+COMMANDS = (plot, table, conformance, configs)

@@ -1,6 +1,7 @@
 """Tables and figures of result folders. This package reads the store and nothing else."""
 
+from .conformance import conformance_page
 from .figures import write_figures, write_together
 from .tables import terminal_table, write_tables
 
-__all__ = ["terminal_table", "write_figures", "write_tables", "write_together"]
+__all__ = ["conformance_page", "terminal_table", "write_figures", "write_tables", "write_together"]

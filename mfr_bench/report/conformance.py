@@ -1,0 +1,92 @@
+"""docs/conformance.md from results: which images were right, and what methods with hazards kept, lost and repeated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from ..methods.spec import Method, Variant
+from . import data
+from .data import Point, Result, number
+from .tables import Grid
+
+HEAD = """# Conformance
+
+Every method against the float64 oracle, as `mfr-bench conformance DIR...` prints it from results of
+`mfr-bench run conformance determinism`. Each number is the worst of all cells of its row: wrong pixels are those with a
+channel error above 1/512 in one image; kept is how many fragments the method held, counted in its memory, over how many
+it promises to; lost fragments are those that it counted itself; images are the distinct ones of {frames} frames. A cell
+that the device cannot run is not counted as ok.
+"""
+HEADER = ("method", "id", "promise", "ok", "not run", "wrong", "max error", "wrong pixels", "kept", "lost", "images")
+HAZARDS = ("method", "id", "known failure", "exact images", "wrong pixels", "kept", "lost", "images")
+IN_ORDER = ("llvmpipe rasterizes each tile in order by one thread: hazards and races between the fragments of a pixel "
+            "do not show there.")
+
+
+def conformance_page(results: Iterable[Result], catalog: Mapping[str, Method]) -> str:
+    """The page as Markdown. Results must name methods of the catalog (KeyError)."""
+    results = [r for r in results if r.points]
+    series: dict[str, list[Point]] = {}
+    for point in (p for r in results for p in r.points):
+        series.setdefault(point.label, []).append(point)
+    variants = {label: catalog[points[0].method].variant(points[0].cell["params"]) for label, points in series.items()}
+    frames = max((p.cell["measure"].get("repeat_images", 1) for points in series.values() for p in points), default=1)
+    parts = [HEAD.format(frames=frames), *map(_about, results), "## All methods",
+             _grid(HEADER, [_row(variants[label], label, points) for label, points in series.items()]),
+             "## Methods with a known failure",
+             _grid(HAZARDS, [_hazard(variants[label], label, points) for label, points in series.items()
+                             if variants[label].guarantee == "approximate"]),
+             "## What was not run", "\n".join(_not_run(series))]
+    return "\n\n".join(part.rstrip("\n") for part in parts) + "\n"
+
+
+def _about(result: Result) -> str:
+    """Name, cells, axes and device of one result."""
+    swept = (result.manifest.get("sweep") or {}).items()
+    axes = "; ".join(f"{data.short(axis)} {', '.join(map(data.plain, found))}" for axis, found in swept)
+    lines = [f"`{result.name}`, {len(result.points)} cells ({axes}). {result.provenance}."]
+    if "llvmpipe" in result.provenance:
+        lines.append(IN_ORDER)
+    if result.unmeasured:
+        lines.append(f"{result.unmeasured} planned cells have no record yet.")
+    return " ".join(lines)
+
+
+def _grid(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+    return Grid("", "", header, tuple(rows), left=3).markdown()
+
+
+def _worst(points: Sequence[Point], column: str, worst=max, digits: int = 3) -> str:
+    return number(worst((p.row[column] for p in points if p.row[column] is not None), default=None), digits)
+
+
+def _kept(points: Sequence[Point]) -> str:
+    shares = [p.row["hit_ratio"] / p.row["promised_ratio"] for p in points
+              if p.row["hit_ratio"] is not None and p.row["promised_ratio"]]
+    return number(min(shares, default=None), 4)
+
+
+def _row(variant: Variant, label: str, points: Sequence[Point]) -> tuple[str, ...]:
+    ok, wrong = (sum(p.status == status for p in points) for status in ("ok", "wrong"))
+    return (label, f"`{variant.method.id}`", variant.guarantee, str(ok), str(len(points) - ok - wrong), str(wrong),
+            _worst(points, "max_abs_error", digits=2), _worst(points, "wrong_pixels"), _kept(points),
+            _worst(points, "lost_fragments"), _worst(points, "distinct_images"))
+
+
+def _hazard(variant: Variant, label: str, points: Sequence[Point]) -> tuple[str, ...]:
+    checked = [p.exact for p in points if p.exact is not None]
+    failure = "; ".join(filter(None, (variant.method.failure, *variant.weaknesses)))
+    return (label, f"`{variant.method.id}`", failure, f"{sum(checked)} of {len(checked)}",
+            _worst(points, "wrong_pixels"), _kept(points), _worst(points, "lost_fragments"),
+            _worst(points, "distinct_images"))
+
+
+def _not_run(series: Mapping[str, Sequence[Point]]) -> list[str]:
+    """A line for each label and reason."""
+    counts: dict[tuple[str, str], int] = {}
+    for label, points in series.items():
+        for p in points:
+            if p.status not in ("ok", "wrong"):
+                told = f"{p.sign}: {p.cell.get('reason')}"
+                counts[label, told] = counts.get((label, told), 0) + 1
+    return [f"- {label}: {count} cells {told}" for (label, told), count in counts.items()] or ["Nothing."]

@@ -1,0 +1,49 @@
+"""docs/conformance.md is what results say: the worst cell of each method, and what could not be run."""
+
+import pytest
+
+from mfr_bench.methods import catalog
+from mfr_bench.report import conformance_page
+from mfr_bench.report.data import load
+
+from .planted import MEASURE, cell, folder
+
+SHARES = {"hit_ratio": 0.2, "promised_ratio": 0.25, "lost_fragments": 3, "distinct_images": 7, "wrong_pixels": 41,
+          "max_abs_error": 0.02}
+SOUND = {"hit_ratio": 0.25, "promised_ratio": 0.25, "lost_fragments": 0, "distinct_images": 1}
+
+
+@pytest.fixture
+def page(tmp_path):
+    """Of two folders: a hazard in one cell of `kb`, an exact method, one that is not run."""
+    repeated = MEASURE | {"repeat_images": 50}
+    cells = [cell("kb", "KB", params={"k": 4}, point={"k": 4}, values=SOUND, measure=repeated),
+             cell("kb", "KB", params={"k": 8}, point={"k": 8}, values=SHARES, measure=repeated),
+             cell("kb", "KB", None, params={"k": 64}, point={"k": 64}, status="unsupported", reason="needs slots"),
+             cell("ab-array", "AB_Array", values={**SOUND, "hit_ratio": 1.0, "promised_ratio": 1.0})]
+    made = [folder(tmp_path / "one", cells), folder(tmp_path / "two", [cell("ab-array", "AB_Array", status="wrong",
+                                                                            values={"max_abs_error": 0.5})])]
+    return conformance_page(map(load, made), catalog())
+
+
+def row(page, section, label):
+    table = page.split(f"## {section}")[1].split("\n## ")[0]
+    return next([f.strip() for f in line.strip("|").split("|")] for line in table.splitlines() if f"| {label} " in line)
+
+
+def test_a_row_is_the_worst_of_all_cells(page):
+    assert row(page, "All methods", "KB") == ["KB", "`kb`", "approximate", "2", "1", "0", "0.020", "41", "0.8000", "3",
+                                              "7"]
+    assert row(page, "All methods", "AB_Array")[3:8] == ["1", "0", "1", "0.50", "0"]
+
+
+def test_hazards_are_told_with_the_failure_that_is_known(page):
+    found = row(page, "Methods with a known failure", "KB")
+    assert found[2:] == [catalog()["kb"].failure, "1 of 2", "41", "0.8000", "3", "7"]
+    assert "AB_Array" not in page.split("## Methods with a known failure")[1]
+
+
+def test_what_was_not_run_has_its_reason(page):
+    assert "- KB: 1 cells unsupported: needs slots" in page
+    assert "distinct ones of 50 frames" in page
+    assert "races between the fragments of a pixel do" in page
