@@ -104,6 +104,7 @@ COLUMNS = (
     Column("promised_ratio", "float", "", "fragments that the method promises to keep / generated"),
     Column("geometry_passes", "int", "", "times the geometry was drawn in a frame"),
     Column("chosen_k", "int", "fragments", "k, where the method chooses it from the scene"),
+    Column("error_bound", "float", "", "largest max_abs_error that rounding explains, where the method is exact"),
     Column("glsl_hash", "str", "", "hash of the shaders that ran", "cell"),
     Column("key", "str", "", "name of the cell file", "cell"),
     Column("device", "str", "", "short name of the device", "joined"),

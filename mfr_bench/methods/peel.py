@@ -58,7 +58,7 @@ METHODS = [
         ),
     ),
     Method(
-        id="peel-dual", name="DUAL", family="peel",
+        id="peel-dual", name="DUAL", family="peel", roundings=5,
         source="Bavoil & Myers 2008; kplus_2015 §2",
         summary="dual peeling: the nearest and the furthest layer per geometry pass, by MAX blending",
         guarantee="exact all", words="20", cost="one geometry pass for every two layers",
@@ -84,7 +84,7 @@ METHODS = [
         ),
     ),
     Method(
-        id="peel-bucket", name="BUN", family="peel",
+        id="peel-bucket", name="BUN", family="peel", roundings=5,
         source="Liu et al. 2009; Vasilakis & Fudos 2013; kplus_2015 §2",
         summary="bucket peeling: the pixel's depth range in uniform buckets, the nearest and the furthest fragment of "
                 "each per geometry pass, by MAX blending into as many targets",

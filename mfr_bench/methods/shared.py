@@ -25,8 +25,10 @@ from .spec import (
 )
 
 K = Param("k", 8, "fragments kept per pixel, the nearest", low=1, high=1024)
-SYNC = Param("sync", "spin", "mutual exclusion per pixel: spin lock with a semaphore, or fragment shader interlock",
-             choices=("spin", "interlock"), needs={"interlock": "fragment_shader_interlock"})
+SYNC = Param("sync", "spin", "mutual exclusion per pixel: spin lock with a semaphore, fragment shader interlock, or "
+             "none, to see what it is there for", choices=("spin", "interlock", "none"),
+             needs={"interlock": "fragment_shader_interlock"},
+             weakens={"none": "fragments of a pixel in flight at once lose each other's changes"})
 CULLING = Param("culling", "on", "refuse fragments beyond the furthest kept before the critical section",
                 choices=ON_OFF)
 SORT = Param("sort", "hybrid", "sort of the resolve; hybrid: insertion up to 16 fragments, shell above; lplus: batches "
@@ -38,7 +40,13 @@ BMA = Param("bma", "off", "backwards memory allocation: one resolve for each pow
             "shallow pixel does not pay for the deepest one's local array", choices=ON_OFF)
 STAGE = Param("resolve", "fragment", "the resolve as a full-screen draw, or as a compute shader that writes the image",
               choices=("fragment", "compute"))
-RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE)  # the parameters of `resolve`; a method may offer some or all
+ACCUMULATE = Param(
+    "accumulate", "float32", "the colour that fragments are added to, front to back: 32-bit floats; the same with what "
+    "each addition rounds away carried along; rounded after each fragment to 16-bit floats, or to 8 bits",
+    choices=("float32", "compensated", "float16", "unorm8"),
+    weakens={"float16": "rounded to 11 bits after each fragment: a layer behind an opacity of 0.9995 is lost",
+             "unorm8": "rounded to 8 bits after each fragment, an error of up to n/510"})
+RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE, ACCUMULATE)  # of `resolve`; a method may offer some or all
 ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emulated by 32-bit ones",
                  choices=("native", "emulated"), needs={"native": "shader_atomic_int64"})
 EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of 0.95", choices=ON_OFF,

@@ -21,6 +21,8 @@ Value = int | float | str
 Params = Mapping[str, Value]
 
 ON_OFF = ("on", "off")
+UNIT_ROUNDOFF = 2.0**-24  # of float32, to nearest
+LEAF_ROUNDINGS = 21  # unit roundoffs of a fragment's own colour and of the last terms (docs/accuracy.md)
 EMPTY = 0xFFFFFFFF  # no fragment, no next node: above the bits of every depth in [0, 1]
 SAMPLE_FEATURES: Mapping[str, int] = {f"samples_{count}": count for count in (4, 8, 16, 32)}  # of multisample targets
 SAMPLE_STENCIL = "sample_stencil"  # the feature of testing each sample's stencil with multisampling off
@@ -389,6 +391,7 @@ class Method:
     deepest: int | None = None  # most fragments of a pixel that the method can hold
     mixes: bool = False  # its image stands for every fragment, whatever its k; few or none are held as they were
     exact_where: str | None = None  # where an approximate method is exact all the same: a formula, e.g. "n <= k"
+    roundings: float = 1.0  # unit roundoffs of error that each fragment may add to a colour (docs/accuracy.md)
 
     def param(self, name: str) -> Param | None:
         return next((p for p in self.params if p.name == name), None)
@@ -524,6 +527,13 @@ class Variant:
         if not isinstance(decided, Decided):
             return None
         return decided.rule(sizes.histogram[1:], sizes.F, sizes.P, self.scope)
+
+    def error_bound(self, sizes: Sizes) -> float | None:
+        """Largest channel error that float32 rounding explains (docs/accuracy.md); None where no image is promised."""
+        if not self.guarantee.startswith("exact"):
+            return None
+        layers = min(sizes.n, self.promise(sizes).layers or sizes.n)
+        return (self.method.roundings * layers + LEAF_ROUNDINGS) * UNIT_ROUNDOFF
 
     def _values(self, sizes: Sizes) -> Params:
         """What resource formulas see: the parameters, and the k that the host chooses."""

@@ -163,7 +163,7 @@ class CellWork:
             "time_ms_high": high, "noisy": sampler.noisy, "stop_reason": sampler.stop_reason,
             "memory_bytes": sum(frame.memory_bytes.values()),
             "lost_fragments": self.lost, "geometry_passes": frame.geometry_passes,
-            "distinct_images": distinct, **self._shares(),
+            "distinct_images": distinct, "error_bound": self.variant.error_bound(self.scene.sizes), **self._shares(),
         }
         arrays = self._kept_arrays()
         if "discarded" in arrays and self.scene.shown.F:

@@ -24,6 +24,11 @@
     } \
     if (waiting) atomicAdd(lost_fragments, 1u);
 
+#elif SYNC_NONE
+
+#define CRITICAL_BEGIN(p, wanted) if ((wanted) && !IS_HELPER) {
+#define CRITICAL_END(p) }
+
 #else
 
 #if defined(GL_ARB_fragment_shader_interlock)

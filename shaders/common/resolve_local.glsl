@@ -2,15 +2,16 @@
 // A driver that bounds the iterations of a shader (llvmpipe: 65,535) ends the loops early where a quadratic sort has
 // some 360 fragments: what is not composited counts as lost.
 #define BATCHES 0
+#include "common/accumulate.glsl"
 #include "common/gather.glsl"
 #include "common/sort.glsl"
 
 vec4 resolve_pixel(uint p) {
     uint count = gather(p);
     sort_fragments(count);
-    vec4 colour = vec4(0.0);
+    vec4 colour = nothing_yet();
     uint i = 0u;
-    for (; i < count; ++i) colour = under(colour, colour_of(fragments[i]));
+    for (; i < count; ++i) colour = onto(colour, colour_of(fragments[i]));
     if (i < count) atomicAdd(lost_fragments, count - i);
     return colour;
 }

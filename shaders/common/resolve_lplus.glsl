@@ -4,6 +4,7 @@
 // What a bound on the iterations of a shader leaves undone counts as lost, as in common/resolve_local.glsl.
 // Source: kplus_2015 §4.4, Alg. 4, which loses fragments of equal depth at a boundary.
 #define BATCHES 1
+#include "common/accumulate.glsl"
 #include "common/local.glsl"
 #include "common/sort.glsl"
 
@@ -35,7 +36,7 @@ void move_boundary(uint count) {
 }
 
 vec4 resolve_pixel(uint p) {
-    vec4 colour = vec4(0.0);
+    vec4 colour = nothing_yet();
     boundary = FIRST_FRAGMENT;
     repeats = 0u;
     uint done = 0u, expected = 0u, offered, room;
@@ -47,7 +48,7 @@ vec4 resolve_pixel(uint p) {
         if (done == 0u) expected = min(offered, uint(KEEP));
         sort_fragments(count);
         uint i = 0u;
-        for (; i < count; ++i) colour = under(colour, colour_of(fragments[i]));
+        for (; i < count; ++i) colour = onto(colour, colour_of(fragments[i]));
         done += i;
     } while (offered > room && done < uint(KEEP));
     if (done < expected) atomicAdd(lost_fragments, expected - done);

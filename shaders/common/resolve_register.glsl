@@ -3,6 +3,7 @@
 // Invariant: block b lies at fragments[b * NETWORK], sorted, filled up with empty fragments, which have no colour.
 // Source: Knowles, Leach and Zambetta 2014 (kplus_2015 [34]).
 #define BATCHES 0
+#include "common/accumulate.glsl"
 #include "common/network.glsl"
 
 // A fetch that does not know its count is a walk, too long to stand there for every register.
@@ -50,11 +51,11 @@ void count_lost() {
 
 #if LOCAL == NETWORK
 
-#define COMPOSITE(i) colour = under(colour, colour_of(block[i]));
+#define COMPOSITE(i) colour = onto(colour, colour_of(block[i]));
 
 vec4 resolve_pixel(uint p) {
     source_begin(p);
-    vec4 colour = vec4(0.0);
+    vec4 colour = nothing_yet();
     if (sorted_block()) count_lost();
     EACH(COMPOSITE)
     return colour;
@@ -83,7 +84,7 @@ vec4 resolve_pixel(uint p) {
     uint end = sort_blocks();
     uint heads[LOCAL / NETWORK];  // of each block, the fragments already composited
     for (uint b = 0u; b < uint(LOCAL / NETWORK); ++b) heads[b] = 0u;
-    vec4 colour = vec4(0.0);
+    vec4 colour = nothing_yet();
     while (true) {
         uint nearest = EMPTY, from = 0u;
         for (uint b = 0u; b * uint(NETWORK) < end; ++b) {
@@ -95,7 +96,7 @@ vec4 resolve_pixel(uint p) {
             }
         }
         if (nearest == EMPTY) break;
-        colour = under(colour, colour_of(fragments[from * uint(NETWORK) + heads[from]++]));
+        colour = onto(colour, colour_of(fragments[from * uint(NETWORK) + heads[from]++]));
     }
     return colour;
 }

@@ -10,7 +10,7 @@ from mfr_bench.quality import EXACT_ERROR
 from .cases import SCENES, Drawn, with_k
 
 FAULTS = [
-    ("zbuffer", "scene/quad.vert", "2.0 * in_depth - 1.0", "1.0 - 2.0 * in_depth"),
+    ("zbuffer", "scene/quad.vert", "? in_depth : 2.0 * in_depth - 1.0", "? 1.0 - in_depth : 1.0 - 2.0 * in_depth"),
     ("peel-f2b", "methods/peel/f2b.frag", "gl_FragCoord.z <= ", "gl_FragCoord.z < "),
     ("peel-dual", "methods/peel/dual.frag", "z > nearest && z < furthest", "z >= nearest && z < furthest"),
     ("peel-bucket", "methods/peel/bucket.frag", "z > -edge.x && z < edge.y", "z < edge.y"),
