@@ -95,6 +95,7 @@ COLUMNS = (
     Column("max_fragments", "int", "fragments", "most fragments in any pixel"),
     Column("noisy", "bool", "", "the interval was still wider than asked for when time or samples ran out"),
     Column("stop_reason", "str", "", "why sampling stopped"),
+    Column("repeats", "int", "frames", "frames within one sample, which is their mean: short frames need several"),
     Column("sessions", "int", "", "processes that took the samples: more than 1 where a run was resumed"),
     Column("lost_fragments", "int", "fragments", "fragments that the method counted as dropped"),
     Column("discarded_share", "float", "", "share of the fragments discarded before the store (occupancy)"),

@@ -16,13 +16,15 @@ PACKAGE = Path(mfr_bench.__file__).parent
 
 # From left to right; a module imports only from its own layer and those before it. Longer names bind first.
 LAYERS = (
-    "errors", "resources", "hashing", "stats",
+    "errors", "resources", "hashing", "stats", "environment",
     "methods.spec", "prediction", "methods.shared", "methods",
     "config", "plan", "scene", "oracle", "quality", "instrument", "glsl", "gpu", "measure",
-    "store", "arrays", "journal", "reference", "report", "claims", "run", "cli", "__main__",
+    "store", "arrays", "journal", "reference", "forecast", "report", "claims", "compare",
+    "run", "cli", "__main__",
 )
-WITHOUT_GL = ("errors", "resources", "hashing", "stats", "prediction", "methods", "config", "plan", "scene", "oracle",
-              "quality", "instrument", "glsl", "store", "arrays", "journal", "reference", "report", "claims")
+WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "prediction", "methods", "config", "plan",
+              "scene", "oracle", "quality", "instrument", "glsl", "store", "arrays", "journal", "reference", "forecast",
+              "report", "claims", "compare")
 PARENT = ("run.supervisor", "run.ledger", "run.process")  # of a run: another process has the device
 OF_THE_DEVICE = ("gpu", "run.cell", "run.measuring", "run.scene_work", "run.worker")
 GL_PACKAGES = {"moderngl", "glcontext", "OpenGL"}

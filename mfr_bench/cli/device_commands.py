@@ -133,9 +133,14 @@ def _doctor_text(record: dict) -> str:
              f"extensions  {len(record['extensions'])} (listed with --json)", ""]
     lines += [f"{marks[f['passed']]:4}  {f['name']}: {f['detail']}" for f in record["self_tests"]]
     lines += ["", f"timer: {calibration['timer']} ({calibration['reason']})"]
+    lines += [f"  {name:4} resolves {_said_ms(tick)}" for name, tick in calibration["resolution_ms"].items()]
     lines += [f"  work {i}: wall {wall:8.3f} ms, gpu {gpu:8.3f} ms"
               for i, (wall, gpu) in enumerate(zip(calibration["wall_ms"], calibration["gpu_ms"], strict=True), start=1)]
     return "\n".join(lines)
+
+
+def _said_ms(tick_ms: float | None) -> str:
+    return "unknown: its clock stands still without work" if tick_ms is None else f"{1e6 * tick_ms:.3g} ns"
 
 
 @click.command()

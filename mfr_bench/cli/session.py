@@ -13,7 +13,8 @@ from .output import note, say, width
 from .report_commands import write_report
 
 # What a manifest tells of the run that measured: a run that finds everything measured leaves it alone.
-OF_THE_MEASURING = ("started", "calibration", "versions", "split_s", "noise_floor_rel")
+OF_THE_MEASURING = ("started", "calibration", "versions", "environment", "calibration_end", "calibration_drift",
+                    "split_s", "noise_floor_rel")
 
 
 @dataclass(frozen=True)
@@ -111,11 +112,13 @@ class Session:
         from .progress import Progress
 
         groups = ledger.groups()
+        measuring = [part for part in parts if part.sheet.pending]
         name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
         try:
             with Progress(sum(map(len, groups)), name, self.asked) as progress:
                 ledger.report = progress.row
                 self.supervisor.measure(groups, ledger, progress.sampled, self.choices.try_hopeless)
+            self._at_the_end(measuring)
             for part in parts:
                 self._tell(part)
         except KeyboardInterrupt:
@@ -124,6 +127,18 @@ class Session:
             raise
         except DeviceError as error:
             raise DeviceError(f"{error}; {self._kept(parts)}") from None
+
+    def _at_the_end(self, parts: Sequence[Part]) -> None:
+        """What is to be compared with the start of the run: the timer and the device's speed, load and clocks."""
+        from ..environment import passing
+        from ..measure.calibration import disagreement
+
+        again = self.supervisor.calibrate_again() if parts else None
+        for part in parts:
+            part.manifest["environment"]["end"] = passing(part.manifest["device"])
+            if again:
+                part.manifest["calibration_end"] = dict(again)
+                part.manifest["calibration_drift"] = disagreement(part.manifest["calibration"], again)
 
     def _tell(self, part: Part) -> None:
         """Print an experiment's tables, write what is derived from its cells, say how it ended."""
@@ -179,6 +194,8 @@ def _ok_first(entry: tuple[str, int]) -> tuple[bool, str]:
 
 def manifest(experiment, todo, ready) -> dict[str, Any]:
     """What a result folder tells of its experiment, device and run."""
+    from .. import environment
+
     return {
         "name": experiment.name, "title": experiment.title, "source": dict(experiment.source),
         "config": str(experiment.path), "scene": experiment.scene.as_dict(), "params": dict(experiment.params),
@@ -186,17 +203,7 @@ def manifest(experiment, todo, ready) -> dict[str, Any]:
         "zip": {name: list(values) for name, values in experiment.zip.items()},
         "measure": experiment.measure.as_dict(), "figures": [f.as_dict() for f in experiment.figures],
         "cells": list(dict.fromkeys(job.key for job in todo)), "device": dict(ready.device),
-        "timer": ready.timer, "calibration": dict(ready.calibration), "versions": versions(),
+        "timer": ready.timer, "calibration": dict(ready.calibration),
+        "versions": environment.versions(), "environment": environment.at_the_start(ready.device),
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }
-
-
-def versions() -> dict[str, str]:
-    import platform
-    from importlib.metadata import version
-
-    from .. import __version__
-
-    packages = ("moderngl", "glcontext", "numpy", "flip-evaluator")
-    return {"mfr-bench": __version__, "python": platform.python_version(), "system": platform.platform(),
-            **{name: version(name) for name in packages}}

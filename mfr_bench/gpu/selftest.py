@@ -6,7 +6,7 @@ The tests are small methods, declared and run like the methods under test.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -159,6 +159,7 @@ class Calibration:
     wall_ms: tuple[float, ...]
     gpu_ms: tuple[float, ...]
     reason: str
+    resolution_ms: dict[str, float | None] = field(default_factory=dict)  # tick of each timer's clock
 
 
 def calibrate(device: Device) -> Calibration:
@@ -176,7 +177,7 @@ def calibrate(device: Device) -> Calibration:
         frame.release()
         rounds *= 2
     bench.release()
-    return Calibration(*_verdict(wall_ms, gpu_ms))
+    return Calibration(*_verdict(wall_ms, gpu_ms), {timer.name: timer.resolution_ms for timer in (wall, gpu)})
 
 
 def _verdict(wall_ms: list[float], gpu_ms: list[float]) -> tuple[str, tuple[float, ...], tuple[float, ...], str]:

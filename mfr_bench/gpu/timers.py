@@ -2,13 +2,32 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import cached_property
+from itertools import pairwise
 
 from . import rawgl
 from .device import Device
 
 Draw = Callable[[Callable[[str], None] | None], object]
+
+TICKS = 200  # of the clock in a sample, at least: one of them is half a percent
+MOST_REPEATS = 1000
+LOOKS = 256  # at a clock, to see its tick
+
+
+def tick(readings: Iterable[float]) -> float | None:
+    """The smallest step between readings of a clock one after another; None where it never moved."""
+    return min((later - earlier for earlier, later in pairwise(readings) if later > earlier), default=None)
+
+
+def repeats_for(frame_ms: float, resolution_ms: float | None) -> int:
+    """Frames to draw within one sample so that the clock resolves it to half a percent."""
+    if not resolution_ms:
+        return 1
+    return max(1, math.ceil(min(MOST_REPEATS, TICKS * resolution_ms / frame_ms if frame_ms > 0 else MOST_REPEATS)))
 
 
 class WallTimer:
@@ -19,12 +38,20 @@ class WallTimer:
     def __init__(self, device: Device):
         self.device = device
 
-    def frame_ms(self, draw: Draw) -> float:
+    @cached_property
+    def resolution_ms(self) -> float | None:
+        """The clock's tick, as measured."""
+        step_ns = tick([time.perf_counter_ns() for _ in range(LOOKS)])
+        return None if step_ns is None else step_ns / 1e6
+
+    def frame_ms(self, draw: Draw, repeats: int = 1) -> float:
+        """Time of one frame: of `repeats` drawn one after another, divided by their number."""
         self.device.finish()
         start = time.perf_counter()
-        draw(None)
+        for _ in range(repeats):
+            draw(None)
         self.device.finish()
-        return (time.perf_counter() - start) * 1e3
+        return (time.perf_counter() - start) * 1e3 / repeats
 
     def passes_ms(self, draw: Draw) -> dict[str, float]:
         """Time of each pass by name, summed over its draws; a finish after every pass slows the frame down."""
@@ -60,12 +87,22 @@ class GpuTimer:
     def _read_ns(self, index: int) -> int:
         return self.gl.query_result(self._queries[index])
 
-    def frame_ms(self, draw: Draw) -> float:
+    @cached_property
+    def resolution_ms(self) -> float | None:
+        """The clock's tick, as measured; None where it stands still without work."""
+        for index in range(LOOKS):
+            self._stamp(index)
+        step_ns = tick([self._read_ns(index) for index in range(LOOKS)])
+        return None if step_ns is None else step_ns / 1e6
+
+    def frame_ms(self, draw: Draw, repeats: int = 1) -> float:
+        """Time of one frame: of `repeats` drawn one after another, divided by their number."""
         self.device.finish()
         self._stamp(0)
-        draw(None)
+        for _ in range(repeats):
+            draw(None)
         self._stamp(1)
-        return (self._read_ns(1) - self._read_ns(0)) / 1e6
+        return (self._read_ns(1) - self._read_ns(0)) / 1e6 / repeats
 
     def passes_ms(self, draw: Draw) -> dict[str, float]:
         """Time of each pass by name, summed over its draws."""

@@ -248,7 +248,8 @@ def _about(result: Result) -> list[str]:
     title = f"{result.name}: {manifest['title']}" if manifest.get("title") else result.name
     noise = manifest.get("noise_floor_rel")
     noise_line = "" if noise is None else f"noise floor {100 * noise:.2g} % (the same method measured twice)"
-    return [line for line in (title, result.provenance, noise_line) if line]
+    drift = manifest.get("calibration_drift")
+    return [line for line in (title, result.provenance, noise_line, drift and f"unsteady: {drift}") if line]
 
 
 def _wrapped(lines: Iterable[str], width: int) -> list[str]:

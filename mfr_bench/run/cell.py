@@ -13,7 +13,7 @@ from .. import quality
 from ..errors import CapacityError, MfrError
 from ..gpu.device import Device
 from ..gpu.frame import Frame
-from ..gpu.timers import Timer
+from ..gpu.timers import Timer, repeats_for
 from ..gpu.work import entered_map
 from ..journal import Partial
 from ..measure.sampling import Sampler
@@ -56,6 +56,7 @@ class CellWork:
         self.passes = {name: list(times_ms) for name, times_ms in partial.passes.items()}
         self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
         self.done = False  # its row is told
+        self.repeats: int | None = None  # frames in a sample; known from the first one's time
         self._told = len(self.sampler.samples_ms)  # samples that are no news
         self.frame = self._drawn()
         try:
@@ -120,9 +121,17 @@ class CellWork:
             self.bench.stop_if_asked()
             self.frame.show(self.scene.show(len(sampler.samples_ms)))
             with self.bench.split.work("measure" if sampler.warm else "warm-up"):
-                time_ms = self.bench.timer.frame_ms(self.frame.draw)
-            sampler.add(time_ms)
+                sampler.add(self._sample())
         self._tell(self._time_passes(1) if sampler.warm else {})
+
+    def _sample(self) -> float:
+        """The time of a frame, in ms."""
+        timer = self.bench.timer
+        if self.repeats is None:
+            tick_ms = timer.resolution_ms
+            first_ms = min(timer.frame_ms(self.frame.draw) for _ in range(2)) if tick_ms else 0.0
+            self.repeats = repeats_for(first_ms, tick_ms)
+        return timer.frame_ms(self.frame.draw, self.repeats)
 
     def _tell(self, passes: Mapping[str, float]) -> None:
         """What is new since the last batch."""
@@ -161,7 +170,7 @@ class CellWork:
         values = scene_values(self.variant, self.scene.sizes) | self.conformance | self.quality | {
             "samples": len(sampler.samples_ms), "timer": self.bench.timer.name, "time_ms": middle, "time_ms_low": low,
             "time_ms_high": high, "noisy": sampler.noisy, "stop_reason": sampler.stop_reason,
-            "memory_bytes": sum(frame.memory_bytes.values()),
+            "repeats": self.repeats, "memory_bytes": sum(frame.memory_bytes.values()),
             "lost_fragments": self.lost, "geometry_passes": frame.geometry_passes,
             "distinct_images": distinct, "error_bound": self.variant.error_bound(self.scene.sizes), **self._shares(),
         }

@@ -26,6 +26,11 @@ class Group:
 
 
 @dataclass(frozen=True)
+class Calibrate:
+    """Time the work of known size again; the answer is `Calibrated`."""
+
+
+@dataclass(frozen=True)
 class Stop:
     """End between two frames; cells with samples enough are finished."""
 
@@ -45,6 +50,13 @@ class Ready:
     device: Mapping[str, str]
     limits: Limits
     timer: str
+    calibration: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """`Ready.calibration` once more."""
+
     calibration: Mapping[str, Any]
 
 

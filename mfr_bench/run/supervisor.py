@@ -9,7 +9,21 @@ import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from ..errors import DeviceError
-from .events import Begun, Ended, Failed, Finished, Go, Group, Ready, Sampled, Share, Stop, Synced
+from .events import (
+    Begun,
+    Calibrate,
+    Calibrated,
+    Ended,
+    Failed,
+    Finished,
+    Go,
+    Group,
+    Ready,
+    Sampled,
+    Share,
+    Stop,
+    Synced,
+)
 from .jobs import Job
 from .ledger import Ledger
 from .memory import FREE_SHARE, MIB, free_bytes
@@ -100,6 +114,21 @@ class Supervisor:
             if self.asked():
                 raise KeyboardInterrupt
         raise DeviceError(f"the OpenGL device cannot be opened: no answer within {START_S:g} s")
+
+    def calibrate_again(self) -> Mapping[str, object] | None:
+        """The worker's calibration now; None where it dies of it, does not answer, or the user asks to stop."""
+        if self._worker is None:
+            return None
+        self._worker.send(Calibrate())
+        start = time.monotonic()
+        while time.monotonic() - start < START_S and not self.asked():
+            try:
+                event = self._worker.receive(LOOK_S)
+            except Died:
+                return None
+            if isinstance(event, Calibrated):
+                return event.calibration
+        return None
 
     def measure(self, groups: Iterable[Sequence[Job]], ledger: Ledger, share: Callable[[float], None] = lambda _: None,
                 try_hopeless: bool = False) -> None:

@@ -18,7 +18,7 @@ from ..gpu.timers import GpuTimer, WallTimer
 from ..measure.split import Split
 from ..methods import catalog
 from .cell import Bench
-from .events import Ended, Failed, Go, Ready, Synced
+from .events import Calibrate, Calibrated, Ended, Failed, Go, Ready, Synced
 from .measuring import DeviceLost, Measuring
 
 PR_SET_PDEATHSIG = 1
@@ -61,6 +61,9 @@ def serve(link: Connection, want: str, timer: str) -> int:
     link.send(Ready(device.info, device.limits, timer, calibration))
     while True:
         group = link.recv()
+        if isinstance(group, Calibrate):
+            link.send(Calibrated(asdict(calibrate(device))))
+            continue
         interrupted = False
         try:
             measuring.group(group)

@@ -67,6 +67,23 @@ def test_progress_is_a_line_per_cell_with_the_time_left(mfr, tiny):
     assert any("K+B-Array k=4: " in line and line.endswith(" ms") for line in lines)
 
 
+def test_the_manifest_tells_of_the_machine_and_the_timer_at_both_ends(measured):
+    manifest = json.loads((measured / "manifest.json").read_text())
+    found = manifest["environment"]
+    assert found["gpu"] == manifest["device"]["renderer"] and found["cores"] >= 1 and found["kernel"]
+    assert set(found["start"]) == set(found["end"]) == {"load", "gpu"}
+    assert set(manifest["calibration"]) == set(manifest["calibration_end"])
+    assert manifest["calibration"]["resolution_ms"]["wall"] > 0
+    assert "calibration_drift" in manifest
+
+
+def test_an_unsteady_device_is_told_of(measured, mfr):
+    path = measured / "manifest.json"
+    manifest = json.loads(path.read_text()) | {"calibration_drift": "the same work took twice as long"}
+    path.write_text(json.dumps(manifest))
+    assert "unsteady: the same work took twice as long" in mfr("table", measured).out
+
+
 def test_the_manifest_keeps_the_split_and_the_noise_floor(measured):
     manifest = json.loads((measured / "manifest.json").read_text())
     assert {"start-up", "scene", "compile", "oracle", "check", "warm-up", "measure", "passes", "report"} <= set(

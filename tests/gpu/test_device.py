@@ -60,3 +60,5 @@ def test_timers_name_every_pass_in_order(device, frame, kind):
     assert tuple(passes) == frame.variant.pass_names
     assert all(time_ms >= 0 for time_ms in passes.values())
     assert re.fullmatch("wall|gpu", timer.name)
+    assert timer.resolution_ms is None or 0 < timer.resolution_ms < 1
+    assert timer.frame_ms(frame.draw, repeats=3) > 0

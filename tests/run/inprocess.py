@@ -9,7 +9,7 @@ from mfr_bench.gpu import device as devices
 from mfr_bench.gpu.selftest import calibrate
 from mfr_bench.methods import catalog
 from mfr_bench.run.cell import Bench
-from mfr_bench.run.events import Ended, Group, Ready
+from mfr_bench.run.events import Calibrate, Calibrated, Ended, Group, Ready
 from mfr_bench.run.measuring import Measuring
 from mfr_bench.run.process import Died
 from mfr_bench.run.worker import TIMERS
@@ -29,6 +29,8 @@ class InProcess:
             bench = Bench(self.device, TIMERS[self.timer](self.device), self.events.append)
             Measuring(bench, catalog()).group(request)
             self.events.append(Ended(bench.split.rounded()))
+        elif isinstance(request, Calibrate):
+            self.events.append(Calibrated(asdict(calibrate(self.device))))
 
     def receive(self, timeout_s: float):
         if not self.events:

@@ -29,14 +29,16 @@ class Clock:
     """A timer whose frames take 1 ms, and `noise` more or twice that; `at` runs before the frame of that number."""
 
     name = "wall"
+    resolution_ms = None
 
     def __init__(self, noise=0.0, at=None):
         self.frames, self.noise, self.at = 0, noise, at or {}
 
-    def frame_ms(self, draw):
+    def frame_ms(self, draw, repeats=1):
         self.frames += 1
         self.at.get(self.frames, lambda: None)()
-        draw(None)
+        for _ in range(repeats):
+            draw(None)
         return 1 + self.noise * (self.frames % 3)
 
     def passes_ms(self, draw):
@@ -104,11 +106,20 @@ def test_frames_are_interleaved(run):
     order = []
     timer = Clock(0.01)
     frame_ms = timer.frame_ms
-    timer.frame_ms = lambda draw: (order.append(draw.__self__.variant.method.id), frame_ms(draw))[1]
+    timer.frame_ms = lambda draw, repeats: (order.append(draw.__self__.variant.method.id), frame_ms(draw))[1]
     longer = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=15)
     run([cell(m, measure=longer) for m in ("floor", "zbuffer", "ab-array")], timer)
     assert sorted(order.count(m) for m in set(order)) == [17, 17, 34]  # one of them has a twin
     assert sorted(order[:36].count(m) for m in set(order)) == [9, 9, 18]
+
+
+def test_frames_too_short_for_the_clock_are_drawn_several_times_in_a_sample(run):
+    """Ticks of 0.02 ms: four frames of 1 ms make 200 of them."""
+    timer = Clock()
+    timer.resolution_ms = 0.02
+    rows, _ = run([cell()], timer)
+    values = rows["ab-array", None]["values"]
+    assert (values["repeats"], values["samples"], values["time_ms"]) == (4, 7, 1.0)
 
 
 def test_the_same_cell_twice_gives_the_noise_floor(run):
