@@ -153,7 +153,8 @@ class Ledger:
                 self._done(sheet, sheet.jobs[job.key], row)
         if finished.noise_floor_rel is not None:
             for sheet in self.sheets:
-                sheet.noise_floor_rel = finished.noise_floor_rel
+                if sheet.pending or job.key in sheet.jobs:
+                    sheet.noise_floor_rel = finished.noise_floor_rel
         self.report(row)
 
     def close(self) -> None:

@@ -12,6 +12,9 @@ import termios
 
 import pytest
 
+from mfr_bench.journal import Journal
+from mfr_bench.store import ResultFolder
+
 from .conftest import CELLS, FIGURE, TINY, Ended, apart, cells, command, environment, sabotaged
 
 SLOW = """\
@@ -70,6 +73,26 @@ def test_kill_and_a_lost_connection_end_as_ctrl_c_does(here, signal_):
     complaint = err.splitlines()[-1]
     assert re.match(rf"interrupted: [123] of {SLOW_CELLS} cells are kept in out; ", complaint)
     assert "Traceback" not in err
+
+
+def test_a_run_that_was_killed_goes_on_within_its_cells(here):
+    (here / "slow.yaml").write_text(SLOW.replace("100000, time_limit_s: 0.2", "300, time_limit_s: 60"))
+    process = begun("run", "slow.yaml", "--out", "out")
+    journal = here / "out" / "unfinished.jsonl"
+    while not any(partial.samples_ms for partial in Journal(journal).partials.values()):
+        assert process.poll() is None
+    process.kill()
+    process.communicate()
+    before = Journal(journal).partials
+
+    assert apart("run", "slow.yaml", "--out", "out").status == 0
+    after = {cell["key"]: cell for cell in ResultFolder(here / "out").cells()}
+    assert len(after) == SLOW_CELLS
+    for key, partial in before.items():
+        assert partial.samples_ms == [] or after[key]["values"]["sessions"] == 2
+        assert after[key]["samples_ms"][:len(partial.samples_ms)] == partial.samples_ms
+    assert all(len(cell["samples_ms"]) == cell["values"]["samples"] == 300 for cell in after.values())
+    assert not journal.exists()
 
 
 # --- a full disk ---------------------------------------------------------------------------------

@@ -1,0 +1,279 @@
+"""The loop over groups, with workers that act out what goes wrong; no process, no device, no time."""
+
+from __future__ import annotations
+
+import pickle
+
+import pytest
+
+from mfr_bench.config.model import Measure, Scene
+from mfr_bench.errors import DeviceError
+from mfr_bench.methods import catalog
+from mfr_bench.plan import Cell
+from mfr_bench.run import supervisor as supervisors
+from mfr_bench.run.events import Begun, Ended, Failed, Finished, Go, Group, Ready, Sampled, Stop, Synced
+from mfr_bench.run.jobs import jobs
+from mfr_bench.run.ledger import Ledger, Sheet
+from mfr_bench.run.process import Died
+from mfr_bench.run.supervisor import Supervisor
+from mfr_bench.store import ResultFolder
+
+from .fake_worker import DEVICE
+
+READY = Ready(DEVICE, None, "wall", {"timer": "wall"})
+CRASH = ("crashed", "killed by SIGSEGV")
+MIB = 2**20
+
+
+def cell(method, n=4, measure=None, **params):
+    return Cell("test", method, method, catalog()[method].complete(params), Scene(size=(8, 8), depth_complexity=n),
+                measure or Measure(), {})
+
+
+class Actor:
+    """A worker that plays a script: events, causes of its death, and functions of the group that give more of both."""
+
+    def __init__(self, script, opening=READY):
+        self.script, self.opening, self.events = script, opening, [opening]
+        self.sent, self.killed, self.held, self.closed = [], None, 0, False
+
+    def send(self, request):
+        request = pickle.loads(pickle.dumps(request))  # noqa: S301 - as between processes
+        self.sent.append(request)
+        if isinstance(request, Group):
+            self.events += self.script(request)
+
+    def receive(self, timeout_s):
+        if not self.events:
+            if self.killed:
+                raise Died(self.killed)
+            return None
+        event = self.events.pop(0)
+        if isinstance(event, tuple):
+            raise Died(event)
+        return event() if callable(event) else event
+
+    def resident_bytes(self):
+        return self.held
+
+    def kill(self, cause):
+        self.killed = self.killed or cause
+
+    def close(self):
+        self.closed = True
+
+
+def finished(job, time_ms=1.0):
+    return Finished(job.key, "ok", None, {"time_ms": time_ms, "timer": "wall"}, {"samples_ms": [time_ms]})
+
+
+def well(group, taken=3):
+    """Everything as it should be: in turns, then the rows."""
+    sampled = [event for job in group.jobs for event in
+               (Begun(job.key, "sampling"), Sampled(job.key, (1.0,) * taken), Synced())]
+    rows = [event for job in group.jobs for event in (Begun(job.key, "passes"), finished(job), Synced())]
+    return [*sampled, *rows, Ended({})]
+
+
+class Stage:
+    """A supervisor whose workers are actors, and its ledger."""
+
+    def __init__(self, folder, monkeypatch, cells, *actors, asked=lambda: False, **more):
+        self.actors, waiting = actors, list(actors)
+        monkeypatch.setattr(supervisors, "Worker", lambda want, timer=None: waiting.pop(0))
+        monkeypatch.setattr(supervisors, "PAUSE_S", 0)
+        self.sheet = Sheet(ResultFolder(folder), jobs(cells, catalog(), DEVICE, "wall"))
+        self.ledger = Ledger([self.sheet], DEVICE)
+        self.ledger.settle()
+        with Supervisor("auto", asked) as supervisor:
+            supervisor.measure(self.ledger.groups(), self.ledger, **more)
+        self.ledger.close()
+
+    def rows(self):
+        return {(c["method"], c["scene"]["depth_complexity"]): c for c in self.sheet.folder.cells()}
+
+
+@pytest.fixture
+def play(tmp_path, monkeypatch):
+    return lambda *args, **more: Stage(tmp_path / "out", monkeypatch, *args, **more)
+
+
+CELLS = [cell("floor"), cell("ab-array"), cell("kplus-array", k=2)]
+
+
+def test_every_cell_is_a_row_and_each_sync_is_answered(play):
+    stage = play(CELLS, Actor(well))
+    assert {row["status"] for row in stage.rows().values()} == {"ok"}
+    assert [row["values"]["sessions"] for row in stage.rows().values()] == [1, 1, 1]
+    sent = stage.actors[0].sent
+    assert sum(isinstance(request, Go) for request in sent) == 6
+    assert stage.actors[0].closed
+
+
+def test_a_crash_costs_the_cell_in_hand_and_the_others_go_on_from_their_samples(play):
+    def crashes(group):
+        first, second, _ = group.jobs
+        return [Begun(first.key, "sampling"), Sampled(first.key, (1.0, 2.0)), Begun(second.key, "sampling"), CRASH]
+
+    stage = play(CELLS, Actor(crashes), Actor(well))
+    rows = stage.rows()
+    assert (rows["ab-array", 4]["status"], rows["ab-array", 4]["reason"]) == ("crashed", "sampling: killed by SIGSEGV")
+    assert rows["floor", 4]["status"] == rows["kplus-array", 4]["status"] == "ok"
+    assert (rows["floor", 4]["values"]["sessions"], rows["kplus-array", 4]["values"]["sessions"]) == (2, 1)
+    again, = [request for request in stage.actors[1].sent if isinstance(request, Group)]
+    assert {job.cell.method for job in again.jobs} == {"floor", "kplus-array"}
+    assert [partial.samples_ms for partial in again.partials.values()] == [[1.0, 2.0]]
+
+
+def test_a_crash_while_the_scene_is_made_costs_its_cells_and_no_other_scene(play):
+    def crashes(group):
+        return [Begun(None, "scene"), CRASH] if group.jobs[0].cell.scene.depth_complexity == 4 else well(group)
+
+    rows = play([*CELLS, cell("floor", n=9)], Actor(crashes), Actor(crashes)).rows()
+    assert {row["reason"] for (_, n), row in rows.items() if n == 4} == {"scene: killed by SIGSEGV"}
+    assert rows["floor", 9]["status"] == "ok"
+
+
+def test_a_row_that_was_told_before_the_death_stands(play):
+    def leaves(group):
+        first, *_ = group.jobs
+        return [Begun(first.key, "compile"), Finished(first.key, "crashed", "GL_CONTEXT_LOST", {}), ("crashed", "lost")]
+
+    rows = play(CELLS, Actor(leaves), Actor(well)).rows()
+    assert rows["floor", 4]["reason"] == "GL_CONTEXT_LOST"
+    assert rows["ab-array", 4]["status"] == "ok"
+
+
+
+def test_a_cell_that_takes_too_long_is_ended(play, monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(supervisors.time, "monotonic", lambda: now[0])
+    measure = Measure(time_limit_s=2, hard_limit_s=30)
+
+    def later():
+        now[0] += 4  # less than what counts as a parent that was stopped
+
+    def hangs(group):
+        return [Begun(group.jobs[0].key, "first frame"), *[later] * 20]
+
+    stage = play([cell("floor", measure=measure), cell("ab-array", measure=measure)], Actor(hangs), Actor(well))
+    rows = stage.rows()
+    assert (rows["floor", 4]["status"], rows["floor", 4]["reason"]) == (
+        "timeout", "first frame: no end within 30 s (measure.hard_limit_s)")
+    assert rows["ab-array", 4]["status"] == "ok"
+
+
+def test_time_in_which_the_parent_was_stopped_does_not_count(play, monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(supervisors.time, "monotonic", lambda: now[0])
+
+    def stopped():
+        now[0] += 3600
+
+    def patient(group):
+        first, *_ = well(group)
+        return [first, stopped, *well(group)]
+
+    assert {row["status"] for row in play(CELLS, Actor(patient)).rows().values()} == {"ok"}
+
+
+def test_the_default_limit_leaves_room_for_ten_time_limits():
+    assert Measure(time_limit_s=10).longest_s == 220
+    assert Measure(time_limit_s=10, hard_limit_s=15).longest_s == 15
+
+
+def test_a_worker_that_takes_too_much_memory_is_ended(play):
+    measure = Measure(hard_limit_mb=100)
+    greedy = Actor(lambda group: [Begun(group.jobs[0].key, "sampling"), grows])
+
+    def grows():
+        greedy.held = 101 * MIB
+
+    rows = play([cell("floor", measure=measure), cell("ab-array", measure=measure)], greedy, Actor(well)).rows()
+    assert (rows["floor", 4]["status"], rows["floor", 4]["reason"]) == (
+        "out_of_memory", "sampling: the process that measures took 101 MiB, allowed: 100 MiB (measure.hard_limit_mb)")
+    assert rows["ab-array", 4]["status"] == "ok"
+
+
+def test_deaths_that_no_cell_is_to_blame_for_are_tried_again_but_not_for_ever(play):
+    assert {r["status"] for r in play(CELLS, Actor(lambda group: [CRASH]), Actor(well)).rows().values()} == {"ok"}
+    with pytest.raises(DeviceError, match="again and again"):
+        play([cell("floor", n=9)], *[Actor(lambda group: [CRASH]) for _ in range(9)])
+
+
+OTHER = Ready({**DEVICE, "renderer": "other"}, None, "wall", {})
+
+
+@pytest.mark.parametrize("opening", [Failed("no driver"), CRASH, OTHER])
+def test_a_device_that_does_not_come_back_ends_the_run(play, opening):
+    def crashes(group):
+        return [Begun(group.jobs[0].key, "compile"), CRASH]
+
+    with pytest.raises(DeviceError, match=r"^the OpenGL device fake is gone: "):
+        play(CELLS, Actor(crashes), *[Actor(well, opening) for _ in range(supervisors.STARTS)])
+
+
+def test_a_device_that_comes_back_late_is_used(play):
+    def crashes(group):
+        return [Begun(group.jobs[0].key, "compile"), CRASH]
+
+    rows = play(CELLS, Actor(crashes), Actor(well, Failed("not yet")), Actor(well)).rows()
+    assert sorted(row["status"] for row in rows.values()) == ["crashed", "ok", "ok"]
+
+
+@pytest.mark.parametrize(("opening", "said"), [(Failed("no driver; install one"), "^no driver; install one$"),
+                                              (CRASH, "cannot be opened: killed by SIGSEGV")])
+def test_without_a_device_there_is_one_line(play, opening, said):
+    with pytest.raises(DeviceError, match=said):
+        play(CELLS, Actor(well, opening))
+
+
+def test_a_wish_to_stop_reaches_the_worker_once(play):
+    wish = []
+    actor = Actor(lambda group: [Begun(group.jobs[0].key, "sampling"), lambda: wish.append(1), None, None,
+                                 Ended({}, interrupted=True)])
+    with pytest.raises(KeyboardInterrupt):
+        play(CELLS, actor, asked=lambda: bool(wish))
+    assert sum(isinstance(request, Stop) for request in actor.sent) == 1
+
+
+# --- what is hopeless ----------------------------------------------------------------------------
+
+
+def slow(group):
+    """Frames of 3 s a fragment per pixel."""
+    return [*[finished(job, 3000.0 * job.cell.scene.depth_complexity) for job in group.jobs], Ended({})]
+
+
+def test_what_took_too_long_is_not_tried_on_more_work(play):
+    cells = [cell(m, n=n, k=2) for n in (9, 1, 4, 5) for m in ("floor", "kplus-array")]
+    stage = play(cells, Actor(slow))
+    rows = stage.rows()
+    assert {n for (_, n), row in rows.items() if row["status"] == "timeout"} == {5, 9}
+    assert rows["floor", 5]["reason"].startswith("floor at 8 x 8 pixels, n = 4 took 12 s a frame, where time_limit_s "
+                                                 "allows 10 s for all frames; --try-hopeless")
+    assert rows["kplus-array", 9]["reason"].startswith("kplus-array at 8 x 8 pixels, n = 4, k = 2 took 12 s")
+    groups = [request for request in stage.actors[0].sent if isinstance(request, Group)]
+    assert [group.jobs[0].cell.scene.depth_complexity for group in groups] == [1, 4]  # small ones first
+
+
+def test_hopeless_cells_are_tried_where_that_is_asked_for(play):
+    rows = play([cell("floor", n=n) for n in (4, 9)], Actor(slow), try_hopeless=True).rows()
+    assert {row["status"] for row in rows.values()} == {"ok"}
+
+
+def test_what_is_hopeless_is_known_from_before(play):
+    play([cell("floor", n=4)], Actor(slow))
+    stage = play([cell("floor", n=4), cell("floor", n=9)], Actor(slow))
+    assert stage.rows()["floor", 9]["status"] == "timeout"
+    assert not any(isinstance(request, Group) for request in stage.actors[0].sent)
+
+
+def test_after_a_timeout_larger_k_of_the_same_scene_are_left_out(play):
+    def hangs(group):
+        return [Begun(group.jobs[0].key, "first frame"), ("timeout", "no end within 220 s")]
+
+    stage = play([cell("kplus-heap", k=k) for k in (2, 1, 8)], Actor(hangs), Actor(well))
+    rows = {row["params"]["k"]: row for row in stage.sheet.folder.cells()}
+    assert {k: row["status"] for k, row in rows.items()} == {1: "ok", 2: "timeout", 8: "timeout"}
+    assert "n = 4, k = 2 timed out" in rows[8]["reason"]
