@@ -19,7 +19,8 @@ MIB = 2**20
 NOTHING: Interval = (None, None, None)
 
 ALIASES = {"n": "depth_complexity", "p_d": "pixel_density", "f_p": "fragment_probability"}
-SHORT = {"depth_complexity": "n", "pixel_density": "p_d", "fragment_probability": "f_p"}  # in headings
+SHORT = {"depth_complexity": "n", "pixel_density": "p_d", "fragment_probability": "f_p",
+         "memory_mb": "M_b", "hit_ratio": "R_h"}  # in headings
 
 MEASURES = {
     "time_ms": "time (ms)",
@@ -64,13 +65,14 @@ class Point:
 
     def at(self, name: str) -> Any:
         """Coordinate of the point along a swept key or column; None where its method has no such parameter."""
-        if name in self.cell["point"] and "." in name:
+        if name in self.cell["point"] and "." in name and bare(name) != "alpha":
             return _hashable(self.cell["point"][name])
         name = bare(name)
         if name in self.cell["params"]:
             return self.cell["params"][name]
         if name in self.cell["scene"]:
-            return _hashable(self.cell["scene"][name])
+            value = _hashable(self.cell["scene"][name])
+            return value[0] if name == "alpha" and isinstance(value, tuple) and len(set(value)) == 1 else value
         if name in self.row:
             return self.row[name]
         return None if name in self.parameters else _hashable(self.cell["point"].get(name))

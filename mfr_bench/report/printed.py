@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from ..methods.spec import Sizes, evaluate
 from ..reference import Printed, find
 from ..stats import Interval
 from .data import Point, Result, number
@@ -74,8 +75,20 @@ class Match:
     def printed_here(self, row: Printed) -> float | None:
         """The printed value as a mark in a figure of these cells, by pixels where it grows with them."""
         if row.value is None:
-            return None
+            return _by_formula(row.formula, self.point) if row.formula else None
         return row.value / self.scale**2 if row.quantity in BY_PIXELS else row.value
+
+
+def _by_formula(formula: str, point: Point) -> float | None:
+    """A printed formula's value for the cell: n, k, f, and f_k, the mean of the fragments that are kept."""
+    row, k = point.row, point.at("k")
+    if not row["fragments"] or not row["max_fragments"] or not isinstance(k, int):
+        return None
+    sizes = Sizes(W=row["width"], H=row["height"], n=row["max_fragments"], F=row["fragments"], quads=1)
+    if "f_k" not in formula:
+        return evaluate(formula, sizes, {"k": k})
+    share = row["promised_ratio"] if row["promised_ratio"] is not None else row["hit_ratio"]
+    return None if share is None else evaluate(formula, sizes, {"f_k": share * sizes.F / sizes.P})
 
 
 def matches(row: Printed, points: Iterable[Point]) -> list[Match]:
@@ -115,17 +128,27 @@ def _fits(row: Printed, point: Point, scale: int) -> bool:
 def value_text(row: Printed) -> str:
     """'up to 3.5 ×', '2*k + 2 words'; what the paper's own formula gives where that differs from the print."""
     unit = UNITS.get(row.unit or "", row.unit or "")
-    value = row.formula if row.value is None else f"{row.value:.10g}"
+    value = row.formula if row.value is None else f"{row.value:,.10g}"
     text = f"{BOUNDS.get(row.bound or '', '')}{value}{f' {unit}' if unit else ''}"
     return f"{text} (slip: {number(row.recomputed)} follows)" if row.recomputed is not None else text
 
 
 def place_text(row: Printed) -> str:
     """For what it was printed: '640×480, n 25, k 8, 30 counters'."""
+    return ", ".join(_places(row))
+
+
+def _places(row: Printed) -> list[str]:
     parts = [f"{row.width}×{row.height}" if row.width and row.height else None]
     parts += [f"{short} {value:g}" for short, value in (("p_d", row.pixel_density), ("f_p", row.fragment_probability),
                                                         ("n", row.n), ("k", row.k)) if value is not None]
-    return ", ".join(part for part in (*parts, row.condition) if part)
+    return [part for part in (*parts, row.condition) if part]
+
+
+def _shared(members: Sequence[Printed]) -> str:
+    """What all of several numbers were printed for."""
+    first, *others = map(_places, members)
+    return ", ".join(part for part in first if others and all(part in other for other in others))
 
 
 def here_text(row: Printed, points: Sequence[Point]) -> str:
@@ -147,7 +170,8 @@ def notes(result: Result) -> list[str]:
     groups: dict[tuple[str, str], list[Printed]] = {}
     for row in rows(result):
         groups.setdefault((row.quantity, row.device or ""), []).append(row)
-    texts = [f"{quantity.replace('_', ' ')}{f' on {device}' if device else ''}: {'; '.join(_named(members))}"
+    texts = [f"{quantity.replace('_', ' ')}{f' on {device}' if device else ''}"
+             f"{f' ({shared})' if (shared := _shared(members)) else ''}: {'; '.join(_named(members))}"
              for (quantity, device), members in groups.items()]
     return [f"The paper prints {'. '.join(texts)}."] if texts else []
 
@@ -157,10 +181,11 @@ def _named(members: Sequence[Printed]) -> list[str]:
     by_name: dict[str, list[Printed]] = {}
     for row in members:
         by_name.setdefault(row.name or "", []).append(row)
-    return [" ".join(part for part in (name, ", ".join(_with_condition(row) for row in of_name)) if part)
+    shared = _shared(members).split(", ")
+    return [" ".join(part for part in (name, ", ".join(_with_condition(row, shared) for row in of_name)) if part)
             for name, of_name in by_name.items()]
 
 
-def _with_condition(row: Printed) -> str:
-    place = place_text(row)
+def _with_condition(row: Printed, told: Sequence[str]) -> str:
+    place = ", ".join(part for part in _places(row) if part not in told)
     return f"{value_text(row)} ({place})" if place else value_text(row)

@@ -568,20 +568,20 @@ def histograms(tmp_path, *frames, **options):
     cells = [cell("kplus-sb-dynamic", "dynamic", 4.0, params={"memory_mb": mb}, point={"memory_mb": mb}, frames=f)
              for mb, f in zip((50.0, 200.0), frames, strict=False)]
     return built(tmp_path, cells, {"kind": "histogram", "x": "memory_mb", "log": "y", "log_base": 2} | options,
-                 sweep={"memory_mb": [50.0, 200.0]})
+                 sweep={"memory_mb": [50.0, 200.0][:len(frames)]})
 
 
 def test_a_histogram_counts_pixels_and_marks_the_chosen_k(tmp_path):
     one, other = [FRAMES[0]], [FRAMES[0] | {"chosen_k": 12}]
     axes, = histograms(tmp_path, one, other).axes
     assert [p.get_height() for p in axes.patches] == [4, 2, 1] and axes.get_yscale() == "log"
-    assert texts_of(axes) == ["k = 8: memory mb 50", "k = 12: memory mb 200"]
+    assert texts_of(axes) == ["k = 8 by M_b 50", "k = 12 by M_b 200"]
 
 
 def test_an_animation_has_a_panel_for_each_frame(tmp_path):
     figure = histograms(tmp_path, FRAMES)
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["frame 0", "frame 1"]
-    assert [texts_of(axes)[0].partition(":")[0] for axes in figure.axes] == ["k = 8", "k = 3"]
+    assert [texts_of(axes)[0] for axes in figure.axes] == ["k = 8", "k = 3"]
 
 
 @pytest.mark.parametrize("frames", [None, [], [{"histogram": []}], [{"histogram": [1, -2]}]], ids=str)

@@ -112,7 +112,17 @@ def bars(result: Result, options: Options) -> Figure:
     def segments(point: Point) -> list[Segment]:
         return [Segment("", point.shown(options["y"])[1], style.method_colour(point.method))]
 
-    return _bar_figure(Chart(result, options, tuple(series_of(result, options)), segments, {}, {}), [])
+    points = tuple(series_of(result, options))
+    return _bar_figure(Chart(result, options, points, segments, _variant_hatches(points), {}), [])
+
+
+def _variant_hatches(points: Iterable[Point]) -> dict[str, str]:
+    """Hatching by label: none for the first of a method, so that variants of one colour can be told apart."""
+    variants: dict[str, dict[str, None]] = {}
+    for p in points:
+        variants.setdefault(p.method, {})[p.label] = None
+    return {label: style.HATCHES[i % len(style.HATCHES)] for labels in variants.values()
+            for i, label in enumerate(labels)}
 
 
 @dataclass(frozen=True)
@@ -145,6 +155,15 @@ class Chart:
             return []
         return sorted({p.floor["values"]["time_ms"] for p in points if p.floor and is_drawn(p, self.y)})
 
+    def above(self, point: Point, top: float) -> float:
+        """Where a bar's number stands: on its top, or on a mark that would hide it there."""
+        low, high = self.limits
+        share = (lambda v: math.log(v / low) / math.log(high / low)) if self.log else lambda v: v / high
+        hiding = [mark.value for mark in self.marks if mark.point is point and mark.value > 0
+                  and -0.03 < share(mark.value) - share(top) < 0.14]
+        return max([top, *hiding])
+
+    @cached_property
     def limits(self) -> tuple[float, float]:
         """One range for all rows, so that bars of different rows compare. Room above is for the numbers."""
         drawn = [p for p in self.points if is_drawn(p, self.y)]
@@ -210,7 +229,7 @@ def _legend_entries(chart: Chart, names: Sequence[str]):
 
 def _bar_row(axes: Axes, chart: Chart, groups: Sequence[Group], slot_width: float) -> None:
     slots = [slot for group in groups for slot in group.slots]
-    axes.set_ylim(*chart.limits())
+    axes.set_ylim(*chart.limits)
     axes.set_xlim(-1.0, _extent(groups) - 1.0)
     if chart.log:
         log_axis(axes, "y", log_base(chart.options))
@@ -220,7 +239,7 @@ def _bar_row(axes: Axes, chart: Chart, groups: Sequence[Group], slot_width: floa
     for slot in drawn:
         _bar(axes, slot, chart.segments(slot.point), chart.hatches.get(slot.label, ""))
     if chart.y != "share":  # every bar's is 1
-        _totals(axes, drawn, chart.y)
+        _totals(axes, drawn, chart)
     draw_marks(axes, ((slot.x, mark) for slot in slots for mark in chart.marks if mark.point is slot.point))
     for slot in slots:
         if slot not in drawn or slot.point.status == "wrong":
@@ -276,17 +295,20 @@ def _bar(axes: Axes, slot: Slot, segments: Sequence[Segment], hatch: str) -> Non
                                   hatch=hatch, linewidth=0, zorder=2.5, label=f"hatch {hatch}"))
 
 
-def _totals(axes: Axes, slots: Sequence[Slot], y: str) -> None:
+def _totals(axes: Axes, slots: Sequence[Slot], chart: Chart) -> None:
     """The measured value of each bar with its interval, and its number above. A wrong image has none."""
-    intervals = [(slot.x, *slot.point.shown(y)) for slot in slots if slot.point.status == "ok"]
+    measured = [slot for slot in slots if slot.point.status == "ok"]
+    intervals = [(slot.x, *slot.point.shown(chart.y)) for slot in measured]
     with_ends = [interval for interval in intervals if interval[1] is not None]
     if with_ends:
         xs, lows, middles, highs = zip(*with_ends, strict=True)
         axes.vlines(xs, lows, highs, colors=style.INK, linewidth=0.7, zorder=4)
         axes.hlines(middles, [x - 0.42 for x in xs], [x + 0.42 for x in xs], colors=style.INK, linewidth=0.9, zorder=4)
-    for x, _, middle, high in intervals:
-        axes.annotate(number(middle), (x, high or middle), (0, 2.5), textcoords="offset points", rotation=90,
-                      ha="center", va="bottom", fontsize=style.NUMBER_PT, annotation_clip=False, zorder=5)
+    for slot, (x, _, middle, high) in zip(measured, intervals, strict=True):
+        top = chart.above(slot.point, high or middle)
+        axes.annotate(number(middle), (x, top), (0, 2.5 if top == (high or middle) else 4.5), rotation=90,
+                      ha="center", va="bottom", textcoords="offset points", fontsize=style.NUMBER_PT,
+                      annotation_clip=False, zorder=5)
 
 
 def _sign(axes: Axes, slot: Slot) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -23,7 +23,7 @@ PLOT_HEIGHT, GAP, BELOW = 1.75, 0.16, 0.36  # inches
 
 @dataclass(frozen=True)
 class Panel:
-    """One scene's histogram: pixels[i] have i fragments. `chosen`: k by the words that tell its cell apart."""
+    """One scene's histogram: pixels[i] have i fragments. `chosen`: k, with the words that tell its cell apart."""
 
     heading: str
     pixels: tuple[int, ...]
@@ -33,7 +33,7 @@ class Panel:
 def histogram(result: Result, options: Options) -> Figure:
     """A panel for each scene that the figure's cells share, and for each frame of an animation."""
     points = [p for p in series_of(result, options) if p.status in ("ok", "wrong")]
-    panels = _panels(result, points)
+    panels = _panels(result, points, options["x"])
     columns = min(COLUMNS, max(1, len(panels)))
     rows = max(1, math.ceil(len(panels) / columns))
     step = HEADING_IN + PLOT_HEIGHT + BELOW
@@ -55,11 +55,14 @@ def histogram(result: Result, options: Options) -> Figure:
     return figure
 
 
-def _panels(result: Result, points: Iterable[Point]) -> list[Panel]:
+def _panels(result: Result, points: Sequence[Point], x: str) -> list[Panel]:
+    """By scene, which x tells apart where it is a key of it, and by frame."""
     found: dict[tuple, list[tuple[str, int]]] = {}
+    several = len(data.values(points, x)) > 1
     for point in points:
-        for heading, pixels, k in _frames(point):
-            chosen = found.setdefault((heading, pixels), [])
+        where = data.heading(x, point.at(x)) if several and data.bare(x) in point.cell["scene"] else ""
+        for frame, pixels, k in _frames(point):
+            chosen = found.setdefault((", ".join(part for part in (where, frame) if part), pixels), [])
             if k is not None:
                 chosen.append((_told(result, point), k))
     return [Panel(heading, pixels, tuple(chosen)) for (heading, pixels), chosen in found.items()]
@@ -77,9 +80,9 @@ def _counts(histogram: object) -> bool:
 
 
 def _told(result: Result, point: Point) -> str:
-    """The parameters that were swept: 'memory mb 50, hit ratio 0.9'."""
+    """The parameters that were swept: 'M_b 50, R_h 0.9'."""
     names = [n for n in result.axes if n in point.cell["params"]]
-    return ", ".join(data.heading(n, point.at(n), " ") for n in names) or point.label
+    return ", ".join(data.heading(n, point.at(n), " ") for n in names)
 
 
 def _draw(axes: Axes, panel: Panel) -> None:
@@ -91,10 +94,17 @@ def _draw(axes: Axes, panel: Panel) -> None:
         by_k.setdefault(k, []).append(words)
     for place, (k, words) in enumerate(sorted(by_k.items())):
         axes.axvline(k, color=style.ALARM, linewidth=0.9, zorder=3)
-        axes.annotate(f"k = {k}: " + "; ".join(words), (k, 0.98 - 0.075 * place), (2.5, 0), ha="left", va="top",
-                      xycoords=axes.get_xaxis_transform(), textcoords="offset points", fontsize=style.NUMBER_PT,
+        left = k > 0.6 * len(panel.pixels)
+        axes.annotate(_words(k, words), (k, 0.98 - 0.085 * place), (-2.5 if left else 2.5, 0), va="top",
+                      ha="right" if left else "left", xycoords=axes.get_xaxis_transform(),
+                      textcoords="offset points", fontsize=style.NUMBER_PT,
                       color=style.INK, zorder=5, annotation_clip=False,
                       bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.75})
+
+
+def _words(k: int, told: Sequence[str]) -> str:
+    told = [words for words in told if words]
+    return f"k = {k}" + (f" by {'; '.join(told)}" if told else "")
 
 
 def _finish(axes: Axes, options: Options, leftmost: bool, lowest: bool) -> None:

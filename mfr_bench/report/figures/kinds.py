@@ -49,7 +49,7 @@ def build(result: Result, options: Options) -> Figure:
     if not options.get("x"):
         raise StoreError(f"{where}: x: missing; allowed: a swept key such as k, or a column of results.csv")
     with styled():
-        return KINDS[kind](result, {**options, "y": y})
+        return KINDS[kind](result, {**options, "y": y, "zip": tuple(result.manifest.get("zip") or ())})
 
 
 def _array(name: str, where: str) -> str:

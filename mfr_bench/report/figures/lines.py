@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 OVER = ("over_budget", "out_of_memory", "overflow")
+MOST_TICKS = 13  # each value of x has one, up to so many
 LONG_LABEL = 24  # characters from which a label is broken where there is room
 
 
@@ -29,11 +30,12 @@ def lines(result: Result, options: Options) -> Figure:
     """x against y, one line per method with its interval; kplus_2015 Fig. 9, gpupro5 Figs. 1.4 to 1.7."""
     plot = Plot(result, options, tuple(series_of(result, options)))
     panels = panels_of(plot.points, options)
-    columns = min(3, len(panels)) or 1
+    columns = 1 if options.get("fit") else min(3, len(panels)) or 1
     rows = math.ceil(len(panels) / columns)
     entries = {label: "\n".join(textwrap.wrap(label, LONG_LABEL + 4)) for label in plot.entries}
     legend_width = widest((line for entry in entries.values() for line in entry.splitlines()), 7.5) + 0.52
-    plot_height = 2.2 if rows > 1 else max(2.7, 0.13 * sum(1.3 + e.count("\n") for e in entries.values()))
+    alone = max(2.7, 0.13 * sum(1.3 + e.count("\n") for e in entries.values()))
+    plot_height = 1.6 if rows > 2 else 2.2 if rows > 1 else alone
     heading = HEADING_IN if any(panel for panel, _ in panels) else 0.06
     step = heading + plot_height + 0.24
     sheet = sheet_of(result, options, gaps(plot.points, plot.x, plot.y), style.WIDTH_IN, rows * step + 0.18)
@@ -41,7 +43,7 @@ def lines(result: Result, options: Options) -> Figure:
     panel_width = (sheet.width - LEFT - legend_width - 2 * EDGE - 0.12 * (columns - 1)) / columns
     grid: list[Axes] = []
     for i, (panel, members) in enumerate(panels):
-        shared = {"sharex": grid[0], "sharey": grid[0]} if grid else {}
+        shared = {name: grid[0] for name in ("sharex", *(() if options.get("fit") else ("sharey",))) if grid}
         axes = sheet.axes(figure, LEFT + i % columns * (panel_width + 0.12), i // columns * step + heading, panel_width,
                           plot_height, **shared)
         grid.append(axes)
@@ -107,7 +109,8 @@ class Plot:
         for label in labels_of(points):
             members = [p for p in points if p.label == label and p.status == "ok" and p.shown(self.y)[1] is not None]
             if members:
-                self._line(axes, label, members)
+                self._line(axes, label, members, sorted({self.places[p.at(self.x)] for p in points
+                                                         if p.at(self.x) is not None}))
         if self.options.get("floor") and self.y == "time_ms":
             self._floor(axes, points)
         self._over(axes, points)
@@ -128,13 +131,13 @@ class Plot:
                 axes.plot([x], [0.035 * risen[x] - 0.01], transform=axes.get_xaxis_transform(), label=p.sign,
                           color=style.method_colour(p.method), **style.OVER)
 
-    def _line(self, axes: Axes, label: str, members: Sequence[Point]) -> None:
+    def _line(self, axes: Axes, label: str, members: Sequence[Point], places: Sequence[float]) -> None:
         """One series, broken where a value is missing; level and unmarked where x does not touch the method."""
         found = {self.places[p.at(self.x)]: p.shown(self.y) for p in members if p.at(self.x) is not None}
         level = not found
         if level:
             found = dict.fromkeys(self.places.values() or [0.0], members[0].shown(self.y))
-        xs = [v for v in self.places.values() if min(found) <= v <= max(found)] or list(found)
+        xs = [v for v in places if min(found) <= v <= max(found)] or list(found)
         intervals = [found.get(v, (None, math.nan, None)) for v in xs]
         lows = [0.0 if low is None else middle - low for low, middle, _ in intervals]
         highs = [0.0 if high is None else high - middle for _, middle, high in intervals]
@@ -164,7 +167,8 @@ class Plot:
         low, high = self._x_limits()
         axes.set_xlim(low, high)
         axes.grid(which="major")
-        axes.set_xticks(list(self.places.values()), self._tick_labels(width))
+        if len(self.places) <= MOST_TICKS or not self.numeric:
+            axes.set_xticks(list(self.places.values()), self._tick_labels(width))
         axes.tick_params(labelbottom=lowest, labelleft=leftmost)
         if lowest:
             axes.set_xlabel(str(self.options.get("x_label") or axis_label(self.x)))

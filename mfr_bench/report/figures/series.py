@@ -61,7 +61,12 @@ def panels_of(points: Sequence[Point], options: Options) -> list[tuple[str, list
     if not name:
         return [("", list(points))]
     found = data.values(points, name)
-    return [(data.heading(name, v), [p for p in points if p.at(name) in (v, None)]) for v in found]
+    panels = [(v, [p for p in points if p.at(name) in (v, None)]) for v in found]
+    zipped = options.get("zip") or ()
+    beside = [n for n in zipped if data.bare(n) not in (data.bare(name), data.bare(options["x"]))
+              and name in zipped and all(len(data.values(members, n)) == 1 for _, members in panels)]
+    return [(", ".join([data.heading(name, v), *(data.heading(n, *data.values(members, n)) for n in beside)]), members)
+            for v, members in panels]
 
 
 def labels_of(points: Iterable[Point]) -> list[str]:
@@ -74,7 +79,7 @@ def is_drawn(point: Point, y: str) -> bool:
 
 def axis_label(name: str) -> str:
     names = {"n": "fragments per pixel, n", "k": "fragments kept per pixel, k", "p_d": "pixel density, p_d",
-             "f_p": "fragment probability, f_p"}
+             "f_p": "fragment probability, f_p", "alpha": "opacity"}
     return names.get(data.short(name), data.short(name))
 
 
