@@ -26,6 +26,7 @@ LOCK_TRIES = 60000  # below the 65,535 iterations at which llvmpipe ends a loop 
 # The uniform block `Frame`, one uint each, in order.
 FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k")
 FRAME_BINDING = 0
+COLOURS_BINDING = 1  # of the uniform block `Colours`: the base colours of a payload of two channels, as light
 
 FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
     "fragment_shader_interlock": ("GL_ARB_fragment_shader_interlock", "GL_NV_fragment_shader_interlock",
@@ -252,6 +253,8 @@ def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None,
     prelude += TYPES[variant.payload_words]
     prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "
                    + " ".join(f"uint {name};" for name in FRAME_FIELDS) + " };")
+    if "base_a" in words:
+        prelude.append(f"layout(std140, binding = {COLOURS_BINDING}) uniform Colours {{ vec4 base_a; vec4 base_b; }};")
     if not entry.endswith(".vert"):
         by_name = {b.name: b for b in variant.buffers}
         prelude += [_buffer_block(by_name[split_ref(b.ref)[0]], b.index, b.name, b.ref not in step.writes)

@@ -87,17 +87,19 @@ def _mask(scene: Scene, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.nda
     return True if scene.keep_threshold >= 2**32 else scene.kept(quad, x0, y0, x1, y1)
 
 
-def composite(scene: Scene, layers: int | None = None, criterion: str = "nearest") -> np.ndarray:
+def composite(scene: Scene, layers: int | None = None, criterion: str = "nearest",
+              payload: np.ndarray | None = None) -> np.ndarray:
     """float64 (H, W, 4), premultiplied over transparent black, row 0 at the bottom.
 
     Every fragment takes part, or with `layers` the best so many of each pixel by `criterion` (a key of CRITERIA).
+    `payload`: float64 (n, 4), straight, instead of the colours of the quads.
     """
     grid = _grid(scene)
     shape = (len(grid.y) - 1, len(grid.x) - 1)
     colour = np.zeros((*shape, 3))
     transmittance = np.ones(shape)
     taken = np.zeros(shape, dtype=np.int64)
-    payload = scene.rgba / 255.0
+    payload = scene.rgba / 255.0 if payload is None else payload
     rects = _cell_rects(scene, grid)
     place = np.argsort(CRITERIA[criterion](scene))
     last = _last_taken(scene, grid, place, layers) if layers is not None and criterion != "nearest" else None
@@ -176,9 +178,10 @@ class Fragments:
             depth[part], primitive[part], tied[pixels] = _in_order(flat[pixels], depth[part], primitive[part])
         return cls(scene, counts, depth, primitive, tied.reshape(counts.shape))
 
-    def composite(self, layers: int | None = None, criterion: str = "nearest") -> np.ndarray:
+    def composite(self, layers: int | None = None, criterion: str = "nearest",
+                  payload: np.ndarray | None = None) -> np.ndarray:
         """As `composite` of a scene of flat quads."""
-        flat, payload = self.counts.ravel(), self.scene.rgba / 255.0
+        flat, payload = self.counts.ravel(), self.scene.rgba / 255.0 if payload is None else payload
         image = np.empty((flat.size, 4))
         for pixels, part in in_chunks(flat):
             counts, primitive = flat[pixels], self.primitive[part]

@@ -101,6 +101,10 @@ COLUMNS = (
     Column("discarded_share", "float", "", "share of the fragments discarded before the store (occupancy)"),
     Column("culled_share", "float", "", "share of the fragments that never ask for the lock: discarded by early z, or "
            "refused by the test before it; counted where the map of `discarded` is kept"),
+    Column("luminance_error", "float", "", "largest error of a primitive's luminance in [0,1], where payloads have two "
+           "channels"),
+    Column("hue_error", "float", "degrees", "mean angle between a primitive's light and that of its payload, where "
+           "payloads have two channels"),
     Column("distinct_images", "int", "", "different images among those of measure.repeat_images untimed frames"),
     Column("promised_ratio", "float", "", "fragments that the method promises to keep / generated"),
     Column("geometry_passes", "int", "", "times the geometry was drawn in a frame"),

@@ -18,13 +18,13 @@ PACKAGE = Path(mfr_bench.__file__).parent
 LAYERS = (
     "errors", "resources", "hashing", "stats", "environment",
     "methods.spec", "prediction", "methods.shared", "methods",
-    "config", "plan", "scene", "oracle", "quality", "instrument", "glsl", "gpu", "measure",
+    "config", "plan", "scene", "twochannel", "oracle", "quality", "instrument", "glsl", "gpu", "measure",
     "store", "arrays", "journal", "reference", "forecast", "report", "claims", "compare",
     "run", "cli", "__main__",
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "prediction", "methods", "config", "plan",
-              "scene", "oracle", "quality", "instrument", "glsl", "store", "arrays", "journal", "reference", "forecast",
-              "report", "claims", "compare")
+              "scene", "twochannel", "oracle", "quality", "instrument", "glsl", "store", "arrays", "journal",
+              "reference", "forecast", "report", "claims", "compare")
 PARENT = ("run.supervisor", "run.ledger", "run.process")  # of a run: another process has the device
 OF_THE_DEVICE = ("gpu", "run.cell", "run.measuring", "run.scene_work", "run.worker")
 GL_PACKAGES = {"moderngl", "glcontext", "OpenGL"}

@@ -8,8 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
+from .. import twochannel
 from ..errors import CapacityError
 from ..glsl import (
+    COLOURS_BINDING,
     DIAGNOSTICS,
     DIAGNOSTICS_BINDING,
     FRAME_BINDING,
@@ -45,24 +47,45 @@ class SceneBuffer:
     def __init__(self, device: Device, scene: Geometry):
         self.device, self.scene = device, scene
         self.buffer = device.ctx.buffer(_packed(scene))
+        self._two_channel: tuple | None = None  # of those who store colours so: codes of the primitives, base colours
 
-    def attributes(self, program) -> tuple:
+    def attributes(self, program) -> list[tuple]:
         """The per-instance attributes that the program uses, as moderngl's vertex_array takes them."""
         layout = LAYOUTS[self.scene.geometry]
         used = [name for name, *_ in layout if name in program]
         formats = " ".join(form if name in used else padding for name, form, padding, _ in layout)
-        return self.buffer, f"{formats} /i", *used
+        codes = [(self.two_channel[0], "4f1 /i", "in_code")] if "in_code" in program else []
+        return [(self.buffer, f"{formats} /i", *used), *codes]
+
+    @property
+    def two_channel(self) -> tuple:
+        """Buffers of the primitives' codes and of the base colours."""
+        if self._two_channel is None:
+            self._two_channel = tuple(map(self.device.ctx.buffer, _encoded(self.scene)))
+        return self._two_channel
 
     def replace(self, scene: Geometry) -> None:
         """The next frame of an animation."""
         self.scene = scene
-        data = _packed(scene)
-        if len(data) > self.buffer.size:
-            self.buffer.orphan(len(data))
-        self.buffer.write(data)
+        _write(self.buffer, _packed(scene))
+        for buffer, data in zip(self._two_channel or (), _encoded(scene) if self._two_channel else (), strict=True):
+            _write(buffer, data)
 
     def release(self) -> None:
-        self.buffer.release()
+        for buffer in (self.buffer, *(self._two_channel or ())):
+            buffer.release()
+
+
+def _write(buffer, data: bytes) -> None:
+    if len(data) > buffer.size:
+        buffer.orphan(len(data))
+    buffer.write(data)
+
+
+def _encoded(scene: Geometry) -> tuple[bytes, bytes]:
+    """Codes of the primitives, and the two base colours as vec4."""
+    encoding, stored = twochannel.words(scene.rgba)
+    return stored.tobytes() or bytes(4), np.float32([[*encoding.a, 0], [*encoding.b, 0]]).tobytes()
 
 
 def _packed(scene: Geometry) -> bytes:
@@ -159,6 +182,8 @@ class Frame:
         self._touched: set[str] = set(self._buffers)  # by the frame before
         self._uniforms.bind_to_uniform_block(FRAME_BINDING)
         self._diagnostics.bind_to_storage_buffer(DIAGNOSTICS_BINDING)
+        if self.variant.two_channel:
+            self.quads.two_channel[1].bind_to_uniform_block(COLOURS_BINDING)
         iteration = 0
         for step in self.variant.steps:
             if isinstance(step, Loop):
@@ -366,7 +391,7 @@ class PassRunner:
         if step.kind != "clear":
             self.program = frame.device.program(self._stages(), f"method {variant.method.id}, pass {step.name}")
         if step.kind in ("geometry", "fullscreen"):
-            content = [frame.quads.attributes(self.program)] if step.kind == "geometry" else []
+            content = frame.quads.attributes(self.program) if step.kind == "geometry" else []
             self.vao = frame.device.ctx.vertex_array(self.program, content)
         self.groups = int(evaluate(step.groups, sizes, variant.scope)) if step.groups else 0
         self.instances = variant.value(step.instances, sizes)

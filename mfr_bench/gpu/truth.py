@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from .. import twochannel
 from ..methods.spec import Promise, Sizes
 from ..oracle import Fragments, composite, fragment_counts, scene_sizes, sizes_of
 from ..scene import Scene
@@ -47,6 +48,7 @@ class Truth:
 
     def image(self, promise: Promise) -> np.ndarray:
         """float64 (H, W, 4), premultiplied: the promised fragments."""
+        payload = twochannel.straight(self.scene.rgba) if promise.two_channel else None
         if self._fragments:
-            return self._fragments.composite(promise.layers, promise.criterion)
-        return composite(self.scene, promise.layers, promise.criterion)
+            return self._fragments.composite(promise.layers, promise.criterion, payload)
+        return composite(self.scene, promise.layers, promise.criterion, payload)

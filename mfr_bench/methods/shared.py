@@ -51,8 +51,11 @@ ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emu
                  choices=("native", "emulated"), needs={"native": "shader_atomic_int64"})
 EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of 0.95", choices=ON_OFF,
                       weakens={"on": "fragments behind an opacity of 0.95 may be missing, an error of up to 0.05"})
-PAYLOAD = Param("payload", "rgba8", "stored colour, straight: 8 bits a channel, or 16-bit floats in two words, in "
-                "units of 1/255, which hold an 8-bit colour without error", choices=("rgba8", "rgba16f"))
+PAYLOAD = Param("payload", "rgba8", "stored colour, straight: 8 bits a channel; 16-bit floats in two words, in "
+                "units of 1/255, which hold an 8-bit colour without error; or two channels, luminance and a blend of "
+                "the scene's two base colours, with alpha 24 bits in a word",
+                choices=("rgba8", "rgba16f", "two_channel"),
+                weakens={"two_channel": "hues come from one plane through the scene's colours; luminance is kept"})
 
 MULTISAMPLING = Param(
     "multisampling", "on", "while fragments are routed. off, as in the source: a fragment covers all samples, whose "

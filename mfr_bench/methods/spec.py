@@ -213,7 +213,7 @@ class Decided:
 
 # FRAGMENT is a depth with its payload, PAYLOAD a payload; formulas count them with the plain payload of one word.
 ELEMENT_WORDS: Mapping[str, int] = {"uint": 1, "uvec2": 2, "uint64_t": 2, "vec4": 4, "FRAGMENT": 2, "PAYLOAD": 1}
-PAYLOAD_WORDS: Mapping[str, int] = {"rgba8": 1, "rgba16f": 2}
+PAYLOAD_WORDS: Mapping[str, int] = {"rgba8": 1, "rgba16f": 2, "two_channel": 1}
 
 
 @dataclass(frozen=True)
@@ -352,10 +352,14 @@ Guarantee = Literal["exact all", "exact k nearest", "exact k best", "approximate
 
 @dataclass(frozen=True)
 class Promise:
-    """The image that a method aims at: of each pixel the `layers` best fragments by `criterion`, or all of them."""
+    """The image that a method aims at: of each pixel the `layers` best fragments by `criterion`, or all of them.
+
+    two_channel: in the colours that a payload of two channels gives back.
+    """
 
     layers: int | None = None
     criterion: str = "nearest"
+    two_channel: bool = False
 
 
 @dataclass(frozen=True)
@@ -519,7 +523,13 @@ class Variant:
     def promise(self, sizes: Sizes) -> Promise:
         """The image that the method aims at in a scene, by which conformance is judged."""
         decision = self.decision(sizes)
-        return Promise(decision.k if decision else self.layers, str(self.scope.get("criterion", "nearest")))
+        return Promise(decision.k if decision else self.layers, str(self.scope.get("criterion", "nearest")),
+                       self.two_channel)
+
+    @property
+    def two_channel(self) -> bool:
+        """Whether fragments are stored with colours of two channels."""
+        return self.scope.get("payload") == "two_channel"
 
     def decision(self, sizes: Sizes) -> Choice | None:
         """What the host will choose in a scene, or None where nothing is chosen."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import quality
+from .. import quality, twochannel
 from ..errors import CapacityError, MfrError
 from ..gpu.device import Device
 from ..gpu.frame import Frame
@@ -174,6 +174,8 @@ class CellWork:
             "lost_fragments": self.lost, "geometry_passes": frame.geometry_passes,
             "distinct_images": distinct, "error_bound": self.variant.error_bound(self.scene.sizes), **self._shares(),
         }
+        if self.variant.two_channel:
+            values |= twochannel.errors(self.scene.quads.scene.rgba)
         arrays = self._kept_arrays()
         if "discarded" in arrays and self.scene.shown.F:
             values["culled_share"] = float(arrays["discarded"].sum() / self.scene.shown.F)

@@ -74,7 +74,7 @@ class SceneWork:
     def oracle(self, promise: Promise) -> np.ndarray:
         """The float64 image of the promised fragments of the scene on the device now; computed once."""
         if promise.layers is not None and promise.layers >= self.sizes.n:
-            promise = ALL
+            promise = replace(ALL, two_channel=promise.two_channel)
         which = id(self.quads.scene), promise
         if which not in self._oracles:
             with self.split.work("oracle"):

@@ -2,6 +2,8 @@
 // rgba8: four 8-bit channels, straight alpha. rgba16f: four 16-bit floats, straight alpha, in units of 1/255: halves
 // hold whole numbers up to 2048 exactly, so an 8-bit colour comes back bit for bit and the error is that of rgba8;
 // in units of 1, or premultiplied, rounding to halves would cost up to 2^-12 = 2.4e-4 a channel.
+// two_channel: bytes of luminance and of the blend of two base colours, both as gamma 2 and light have them, a byte
+// unused, a byte of alpha (gpupro5_ch2 §2.3, Listing 2.1). A colour may come back above 1.
 #if PAYLOAD_RGBA16F
 
 PAYLOAD payload_from(uint rgba8) {
@@ -32,12 +34,18 @@ uint ordered_alpha(FRAGMENT fragment) {
 
 #else
 
-PAYLOAD payload_from(uint rgba8) {
-    return rgba8;
+PAYLOAD payload_from(uint word) {
+    return word;
 }
 
 vec4 straight(PAYLOAD payload) {
-    return unpackUnorm4x8(payload);
+    vec4 stored = unpackUnorm4x8(payload);
+#if PAYLOAD_TWO_CHANNEL
+    vec3 colour = mix(base_a.rgb, base_b.rgb, stored.g);
+    float luminance = dot(colour, vec3(0.2126, 0.7152, 0.0722));
+    stored.rgb = stored.r * sqrt(colour / luminance);
+#endif
+    return stored;
 }
 
 FRAGMENT fragment_of(uint depth, PAYLOAD payload) {

@@ -1,19 +1,20 @@
 // One slanted primitive per instance, as a strip of four corners.
 // Invariant: the same depth for a pixel in every pass, whatever its shaders do; corners that primitives share are the
 // same numbers, so that no pixel between them is met twice.
+#include "scene/primitive.glsl"
+
 in vec4 in_corner0;  // clip space
 in vec4 in_corner1;
 in vec4 in_corner2;
 in vec4 in_corner3;
-in vec4 in_rgba;     // straight alpha
 
 invariant gl_Position;
 flat out uint quad;
-flat out uint payload8;  // RGBA8
+flat out uint payload8;
 
 void main() {
     quad = uint(gl_InstanceID);
-    payload8 = packUnorm4x8(in_rgba);
+    payload8 = PRIMITIVE_WORD;
     if (gl_VertexID == 0) gl_Position = in_corner0;
     else if (gl_VertexID == 1) gl_Position = in_corner1;
     else if (gl_VertexID == 2) gl_Position = in_corner2;
