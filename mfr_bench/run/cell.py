@@ -187,8 +187,6 @@ class CellWork:
         """What `measure.keep` asks for and the method has, of the last image and the scene on the device."""
         wanted, truth = self.job.cell.measure.keep, self.scene.truth
         found = {}
-        if "histogram" in wanted:
-            found["histogram"] = np.array(self.scene.shown.histogram)
         if "fragments" in wanted:
             found["fragments"] = truth.counts
         if "discarded" in wanted and (entered := entered_map(self.frame)) is not None:

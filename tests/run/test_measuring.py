@@ -335,7 +335,6 @@ def test_a_cell_keeps_the_arrays_that_are_asked_for(run, tmp_path):
     row, arrays = rows["kplus-array", 2], read_arrays(folder, rows["kplus-array", 2]["key"])
     assert set(arrays) == set(KEPT)
     assert arrays["fragments"].sum() == row["values"]["fragments"]
-    assert np.bincount(arrays["fragments"].ravel()).tolist() == arrays["histogram"].tolist()
     assert row["values"]["culled_share"] == pytest.approx(arrays["discarded"].sum() / row["values"]["fragments"])
     assert 0.3 < row["values"]["culled_share"] <= 1 - row["values"]["hit_ratio"]
     assert arrays["error"].max() < 1e-4 < arrays["loss"].max()
