@@ -22,6 +22,7 @@ ALARM = "#b3261e"
 ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
     "#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7")
 GREY = "#9aa0a6"
+VARIANT_COLOURS = (BLUE, ORANGE, GREEN, VERMILION, SKY, PURPLE, "#5f6368", "#993f00")  # of one method's variants, alone
 
 PASS_COLOURS = {  # the same step of a frame has one colour in every figure; legends keep this order
     "clear": GREY, "bounds": PURPLE, "count": YELLOW, "histogram": "#882255", "referencing": VERMILION,

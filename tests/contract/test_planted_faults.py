@@ -39,15 +39,64 @@ FAULTS = [
     ("peel-kplus", "methods/kplus/store_beyond.frag", "worse(fragment, last[p])", "worse(last[p], fragment)"),
     ("kb-ps", "common/insert_sorted.glsl", "fragment.x < held.x", "fragment.x > held.x"),
     ("kb-ll", "methods/ll/store.frag", "<= fragment.x", ">= fragment.x"),
+    ("kb", "methods/kb/store.frag", "incoming()", "incoming().yx"),
+    ("kb-multi", "methods/kb/tidy.frag", "held.x != EMPTY", "held.x == EMPTY"),
+    ("kb-mha", "methods/kb/coded.glsl", "code == coded", "code != coded"),
 ]
+OPTION_FAULTS = [
+    ("open-post", {"atomic64": "emulated"}, "methods/open/insert.frag", "atomicMax(ages[p], age)",
+     "atomicMax(ages[p], 1u)"),
+    ("open-pre", {"atomic64": "emulated"}, "methods/open/table.glsl", "less64(met, cell)", "less64(cell, met)"),
+    ("lin-post", {"packed": "on", "atomic64": "emulated"}, "methods/list/store_packed.frag", "~fragment.x",
+     "fragment.x"),
+    ("lin-pre", {"insert": "max64", "atomic64": "emulated"}, "methods/list/insert_max64.frag", "less64(old, record)",
+     "less64(record, old)"),
+    ("kb-mdt64", {"atomic64": "emulated"}, "methods/mdt/store64.frag", "less64(moving, held)", "less64(held, moving)"),
+    ("ab-array", {"sort": "shell"}, "common/sort.glsl", "hole >= gap", "hole > gap"),
+    ("ab-array", {"sort": "bubble"}, "common/sort.glsl", "met.x >= carried.x", "met.x <= carried.x"),
+    ("ab-array", {"sort": "register"}, "common/network.glsl", "high.x < low.x", "high.x > low.x"),
+    ("ab-array", {"bma": "on"}, "common/classify.frag", "findMSB(count - 1u) - 2", "findMSB(count - 1u) - 3"),
+    ("ab-array", {"payload": "rgba16f"}, "common/payload.glsl", "rgba8 >> 16 & 255u", "rgba8 >> 24 & 255u"),
+    ("ab-array", {"resolve": "compute"}, "common/resolve.comp", "xy.y * width + xy.x", "xy.y * width"),
+    ("ab-precalc", {"scan": "fullscreen"}, "methods/precalc/scan.frag", "+", "-"),
+    ("ab-sb", {"mapping": "forward"}, "methods/sbuffer/offset.frag", "group < to", "group <= to"),
+    ("kb-ab-array", {"occupancy": 32}, "common/occupancy/cull.frag", "wanted > 1u", "wanted > 2u"),
+    ("kb-multi", {"occupancy": 32}, "common/occupancy/cull.frag", "wanted > 1u", "wanted > 2u"),
+    ("kb-ab-sb", {"occupancy": 64}, "common/occupancy/mark.frag", "1u << (interval % 32u)", "3u << (interval % 32u)"),
+]
+IN_ORDER_OF_ARRIVAL = [("kb-sr", {}, "methods/routing/start.frag", "-1 << instance", "1 << instance")]
 
 
 @pytest.mark.parametrize(("method", "path", "right", "wrong"), FAULTS, ids=lambda text: text.replace("/", "."))
 def test_a_wrong_line_of_glsl_is_seen(device, plant, method, path, right, wrong):
     plant(path, right, wrong)
-    variant = with_k(catalog()[method].variant({}), 4)
-    drawn = [Drawn(device, variant, SCENES[name]) for name in ("sorted", "reverse-sorted", "tiles", "scattered")]
-    assert any(d.error > EXACT_ERROR or d.lost for d in drawn)
+    assert seen(device, method, {}, ("sorted", "reverse-sorted", "tiles", "scattered"))
+
+
+@pytest.mark.parametrize(("method", "params", "path", "right", "wrong"), OPTION_FAULTS,
+                         ids=[f"{m}-{'-'.join(map(str, params.values()))}" for m, params, *_ in OPTION_FAULTS])
+def test_a_wrong_line_in_an_option_is_seen(device, plant, method, params, path, right, wrong):
+    plant(path, right, wrong)
+    assert seen(device, method, params, ("sorted", "reverse-sorted", "tiles", "scattered"))
+
+
+@pytest.mark.parametrize(("method", "params", "path", "right", "wrong"), IN_ORDER_OF_ARRIVAL, ids=["kb-sr"])
+def test_a_wrong_line_of_routing_is_seen_where_order_of_arrival_is_order(device, plant, method, params, path, right,
+                                                                         wrong):
+    assert not seen(device, method, params, ("sorted",))
+    plant(path, right, wrong)
+    assert seen(device, method, params, ("sorted",))
+
+
+def seen(device, method, params, scenes) -> bool:
+    """Whether an image is not the promised one, or a loss is counted, in any of the scenes."""
+    drawn = [Drawn(device, with_k(catalog()[method].variant(params), 4), SCENES[name]) for name in scenes]
+    return any(d.error > EXACT_ERROR or d.lost for d in drawn)
+
+
+def test_every_family_that_promises_an_image_has_a_planted_fault():
+    planted = {catalog()[fault[0]].family for fault in (*FAULTS, *OPTION_FAULTS, *IN_ORDER_OF_ARRIVAL)}
+    assert {m.family for m in catalog().values() if m.guarantee.startswith("exact")} <= planted
 
 
 def test_an_undeclared_write_does_not_compile(device):

@@ -192,6 +192,13 @@ def test_a_method_keeps_its_colour_whatever_it_is_drawn_with(tmp_path):
     assert curves(few.axes[0])["K⁺B-Array"].get_color() == curves(many.axes[0])["K⁺B-Array"].get_color()
 
 
+def test_variants_of_one_method_have_colours_of_their_own(tmp_path):
+    cells = [cell("ab-sb", f"sort {i}", 2.0 + i, scene={"depth_complexity": n}, params={"sort": str(i)},
+                  point={"scene.depth_complexity": n}) for i in range(8) for n in (8, 16)]
+    axes, = built(tmp_path, cells, LINES).axes
+    assert len({line.get_color() for line in curves(axes).values()}) == 8
+
+
 def test_a_missing_value_breaks_the_line_and_is_told(tmp_path):
     axes, = (figure := built(tmp_path, planted.sweep((8, 16, 64), planted.METHODS[5:7], "n"), LINES)).axes
     ys = list(curves(axes)["KB-LL"].get_ydata())

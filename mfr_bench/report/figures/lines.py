@@ -85,6 +85,12 @@ class Plot:
     def marks(self) -> list[Mark]:
         return marks_of(self.result, self.options, self.points)
 
+    def colour(self, point: Point) -> str:
+        """Its method's; in a figure of one method, whose variants are compared, the variant's."""
+        if len({p.method for p in self.points}) > 1 or len(self.labels) == 1:
+            return style.method_colour(point.method)
+        return style.VARIANT_COLOURS[self.labels.index(point.label) % len(style.VARIANT_COLOURS)]
+
     @property
     def entries(self) -> list[str]:
         """Everything that the legend may have to name."""
@@ -129,7 +135,7 @@ class Plot:
                 x = self.places[p.at(self.x)]
                 risen[x] = risen.get(x, 0) + 1
                 axes.plot([x], [0.035 * risen[x] - 0.01], transform=axes.get_xaxis_transform(), label=p.sign,
-                          color=style.method_colour(p.method), **style.OVER)
+                          color=self.colour(p), **style.OVER)
 
     def _line(self, axes: Axes, label: str, members: Sequence[Point], places: Sequence[float]) -> None:
         """One series, broken where a value is missing; level and unmarked where x does not touch the method."""
@@ -143,7 +149,7 @@ class Plot:
         highs = [0.0 if high is None else high - middle for _, middle, high in intervals]
         i = self.labels.index(label)
         axes.errorbar(xs, [middle for _, middle, _ in intervals], (lows, highs), label=label,
-                      color=style.method_colour(members[0].method), linestyle=style.LINES[i % len(style.LINES)],
+                      color=self.colour(members[0]), linestyle=style.LINES[i % len(style.LINES)],
                       marker="" if level else style.MARKERS[i % len(style.MARKERS)], markeredgecolor="white",
                       markeredgewidth=0.4, elinewidth=0.8, capsize=1.8, capthick=0.8)
 
