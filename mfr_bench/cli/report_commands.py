@@ -80,21 +80,39 @@ def table(folders: tuple[str, ...]) -> None:
 
 
 @click.command()
-def configs() -> None:
+@click.option("--markdown", "as_markdown", is_flag=True, help="Print docs/experiments.md.")
+def configs(as_markdown: bool) -> None:
     """List the configs that come with the package.
 
     \b
-    Example: mfr-bench configs
+    Examples: mfr-bench configs
+              mfr-bench configs --markdown >docs/experiments.md
     """
     from ..config import load, shipped
     from ..methods import catalog
 
+    if as_markdown:
+        say(_experiments_page().rstrip("\n"))
+        return
     longest = max(map(len, shipped()))
     for name, path in shipped().items():
         experiment = load(str(path), catalog())[0]
         source = " ".join(filter(None, (experiment.source.get("paper"), f"figure {experiment.source['figure']}"
                                         if experiment.source.get("figure") else "")))
         say(f"{name:{longest}}  {experiment.title}{f' ({source})' if source else ''}")
+
+
+def _experiments_page() -> str:
+    from ..config import load, shipped
+    from ..methods import catalog
+    from ..plan import expand
+    from ..report import experiments
+
+    def sized(path: Path, profile: str | None) -> experiments.Sized:
+        experiment, = load(str(path), catalog(), profile)
+        return experiments.Sized(experiment, len(expand(experiment, catalog())))
+
+    return experiments.as_markdown((sized(path, None), sized(path, "smoke")) for path in shipped().values())
 
 
 @click.command()

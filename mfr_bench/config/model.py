@@ -183,12 +183,13 @@ class Figure(_Plain):
 
 @dataclass(frozen=True, kw_only=True)
 class Source(_Plain):
-    """Where an experiment comes from, and which quantities of results/reference belong beside it."""
+    """Where an experiment comes from, what stands for its scene, and which quantities of results/reference it has."""
 
     __pydantic_config__: ClassVar[dict] = STRICT
 
     paper: Text | None = None
     figure: Text | None = None
+    stand_in: Text | None = None
     prints: Annotated[tuple[Text, ...], Allowed("a list of quantities of results/reference")] = ()
 
 

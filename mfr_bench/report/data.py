@@ -161,7 +161,9 @@ class Result:
         source, device = manifest.get("source") or {}, manifest.get("device") or {}
         paper = ", ".join(str(v) for v in (source.get("paper"), _figure_of(source)) if v)
         version = (manifest.get("versions") or {}).get("mfr-bench")
-        parts = [paper and f"after {paper}", device.get("renderer"), device.get("version"),
+        stand_in = source.get("stand_in")
+        parts = [paper and f"after {paper}", stand_in and f"scene: {stand_in}",
+                 device.get("renderer"), device.get("version"),
                  manifest.get("timer") and f"timer: {manifest['timer']}", self.dates,
                  version and f"mfr-bench {version}"]
         return " · ".join(str(part) for part in parts if part)

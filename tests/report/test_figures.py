@@ -460,7 +460,7 @@ def test_printed_numbers_of_other_viewports_are_only_quoted(tmp_path):
     figure = built(tmp_path, memory_cells((50, 50)), options, **MEMORY_2012)
     assert diamonds(figure.axes[0]) == []
     text = " ".join(all_texts(figure)).replace("\n", " ")
-    assert "The paper prints memory on GTX 480: FreePipe 60.94 MiB" in text
+    assert "The paper prints memory on GTX 480 (p_d 0.45, n 25): FreePipe 60.94 MiB (640×480)" in text
     assert "159 MiB (slip: 156 follows)" in text
 
 

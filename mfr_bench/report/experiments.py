@@ -1,0 +1,85 @@
+"""The experiments as Markdown: docs/experiments.md, which a test holds to the configs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..config.model import Experiment
+from .data import plain, short
+
+HEAD = """# The experiments
+
+Every experiment of the papers that mfr-bench runs, from its own config (`mfr-bench configs --markdown` prints this
+page). Sizes are those of the config, which are the paper's, and of its profile `smoke`, which ends in seconds on two
+CPU cores. Where a paper used a mesh that is not free, the scene is a stand-in of the same depth complexity and density.
+The numbers that the papers print are in `results/reference/`, and stand beside the measured ones in tables and figures.
+
+`mfr-bench run NAME` runs one, `mfr-bench run configs/ --profile smoke` runs all of them; `mfr-bench claims results`
+tells which of the papers' sentences hold.
+"""
+COLUMNS = ("config", "source", "shows", "scene", "full size", "smoke")
+
+
+@dataclass(frozen=True)
+class Sized:
+    """An experiment and how many cells its profile has."""
+
+    experiment: Experiment
+    cells: int
+
+
+def as_markdown(pairs: Iterable[tuple[Sized, Sized]]) -> str:
+    """The page; each pair is an experiment at full size and in its profile `smoke`."""
+    rows = [_row(full, smoke) for full, smoke in pairs if full.experiment.source.get("paper")]
+    table = [f"| {' | '.join(COLUMNS)} |", f"|{'|'.join(' --- ' for _ in COLUMNS)}|", *rows]
+    return "\n".join([HEAD, *table]) + "\n"
+
+
+def _row(full: Sized, smoke: Sized) -> str:
+    e = full.experiment
+    figure = str(e.source.get("figure") or "")
+    source = f"{e.source['paper']} {f'Fig. {figure}' if figure[:1].isdigit() else figure}".strip()
+    fields = f"`{e.name}`", source, f"{e.title}: {_shown(e)}", _scene(e), _size(full), _size(smoke)
+    return f"| {' | '.join(f.replace('|', chr(92) + '|') for f in fields)} |"
+
+
+def _shown(experiment: Experiment) -> str:
+    """'time_ms by k, bars by pass; …': each figure in a few words."""
+    return "; ".join(_figure(f) for f in experiment.figures) or "a table"
+
+
+def _figure(figure: Any) -> str:
+    y = f"gain of {figure.gain_of}" if figure.gain_of else f"{figure.passes[0]} pass" if figure.passes else figure.y
+    if figure.kind == "histogram":
+        return "histograms of the fragments per pixel"
+    if figure.kind == "maps":
+        return f"maps of {y}"
+    kind = {"stacked_passes": "bars by pass"}.get(figure.kind, figure.kind)
+    fit = f" with {figure.fit} fit" if figure.fit else ""
+    scale = f", log{figure.log_base} {figure.log}" if figure.log else ""
+    return f"{y} by {short(figure.x)}, {kind}{fit}{scale}"
+
+
+def _scene(experiment: Experiment) -> str:
+    scene = experiment.scene
+    what = scene.kind if scene.kind != "quads" else f"quads, {scene.layout}"
+    return str(experiment.source.get("stand_in") or what)
+
+
+def _size(sized: Sized) -> str:
+    """Viewport, n, k and the number of cells; an axis as its first and last value."""
+    e = sized.experiment
+    axes = {**e.sweep, **e.zip}
+    viewport = _span(axes.get("scene.size") or [e.scene.size])
+    depth = axes.get("scene.depth_complexity") or [e.scene.depth_complexity]
+    k = axes.get("k") or ([e.params["k"]] if "k" in e.params else [])
+    r = axes.get("r") or ([e.params["r"]] if "r" in e.params else [])
+    n = f"n {_span(depth)}" if not r else "n = k" if list(r) == [1] else f"n = {plain(r[0])} k"
+    return ", ".join([viewport, n, *([f"k {_span(k)}"] if k else []), f"{sized.cells} cells"])
+
+
+def _span(values: Sequence[Any]) -> str:
+    ordered = sorted(set(values))
+    return plain(ordered[0]) if len(ordered) == 1 else f"{plain(ordered[0])} … {plain(ordered[-1])}"

@@ -1,0 +1,113 @@
+"""The experiments of the papers: every config is there, loads in both profiles, and its figures can be drawn."""
+
+from __future__ import annotations
+
+import os
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from mfr_bench.arrays import write_arrays
+from mfr_bench.config import load
+from mfr_bench.methods import catalog
+from mfr_bench.plan import expand
+from mfr_bench.reference import find
+from mfr_bench.report import data, figures
+
+from .report import planted
+
+ROOT = Path(__file__).parents[1]
+EXPERIMENTS = (
+    "sbuffer2012-fig3", "sbuffer2012-fig4", "sbuffer2012-referencing", "sbuffer2012-memory",
+    "kplus2014-k", "kplus2014-sorting", "kplus2014-memory", "kplus2014-abuffer",
+    "kplus2015-table1", "kplus2015-fig3", "kplus2015-fig4", "kplus2015-fig6", "kplus2015-fig7", "kplus2015-fig8",
+    "kplus2015-fig9-sync", "kplus2015-fig9-abuffer", "kplus2015-fig10", "kplus2015-lsort",
+    "gpupro5-fig3", "gpupro5-fig4", "gpupro5-fig5", "gpupro5-fig6", "gpupro5-fig7", "gpupro5-local-array",
+    "occupancy2015-fig1", "occupancy2015-fig4", "occupancy2015-fig5", "twochannel-fig4",
+)
+
+
+@pytest.fixture(autouse=True)
+def _no_wait_for_the_disk(monkeypatch):
+    monkeypatch.setattr(os, "fsync", lambda _: None)
+
+
+@cache
+def experiment(name: str, profile: str | None = None):
+    loaded, = load(str(ROOT / "configs" / f"{name}.yaml"), catalog(), profile)
+    return loaded
+
+
+def test_all_28_experiments_have_a_config_and_nothing_else_comes_from_a_paper():
+    of_papers = {path.stem for path in (ROOT / "configs").glob("*.yaml") if experiment(path.stem).source.get("paper")}
+    assert of_papers == set(EXPERIMENTS) and len(EXPERIMENTS) == 28
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_it_loads_in_both_profiles_under_its_own_name(name):
+    """At full size in the paper's viewport, in the profile smoke in one of at most a hundredth of its pixels."""
+    full, smoke = experiment(name), experiment(name, "smoke")
+    assert full.name == smoke.name == name and full.figures
+    pixels = [max(c.scene.size[0] * c.scene.size[1] for c in expand(e, catalog())) for e in (full, smoke)]
+    assert pixels[0] >= 854 * 480 and pixels[1] * 50 <= pixels[0]
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_the_printed_numbers_that_it_asks_for_are_there(name):
+    source = experiment(name).source
+    for quantity in source.get("prints") or ():
+        assert find(paper=source["paper"], quantity=quantity), (name, quantity)
+
+
+def made_up(name: str):
+    """A record for each cell of the profile smoke, with values that grow with what usually costs time."""
+    for i, c in enumerate(expand(experiment(name, "smoke"), catalog())):
+        scene, params = c.scene.as_dict(), dict(c.params)
+        pixels = scene["size"][0] * scene["size"][1]
+        fragments = round(pixels * scene["pixel_density"] * scene["depth_complexity"] * 0.9)
+        time_ms = 1 + fragments / 1e5 + int(params.get("k") or 0) / 9 + i % 7 / 5
+        passes = {p.name: time_ms / 3 for p in catalog()[c.method].variant(params).passes}
+        frames = [{"frame": f, "fragments": 70, "chosen_k": 2 + f, "histogram": [40, 30, 20, 1 + f]} for f in range(3)]
+        yield planted.cell(
+            c.method, c.label, time_ms, passes, scene, params, dict(c.point), experiment=name,
+            measure=c.measure.as_dict(), frames=frames if "memory_mb" in params else [],
+            values={"fragments": fragments, "covered_pixels": pixels, "max_fragments": scene["depth_complexity"],
+                    "memory_bytes": 8 * fragments, "rmse": 0.01 * (1 + i % 3)})
+
+
+@pytest.mark.parametrize("name", EXPERIMENTS)
+def test_its_figures_can_be_drawn_from_its_cells(tmp_path, name):
+    """Every series is in a figure, and nothing is left undrawn."""
+    whole = experiment(name, "smoke")
+    cells = list(made_up(name))
+    axes = {section: {n: list(v) for n, v in getattr(whole, section).items()} for section in ("sweep", "zip")}
+    folder = planted.folder(tmp_path, cells, [f.as_dict() for f in whole.figures], name=name, source=dict(whole.source),
+                            **axes)
+    for record in cells:
+        width, height = record["scene"]["size"]
+        write_arrays(folder, record["key"], {kept: np.ones((height, width) + ((4,) if kept == "image" else ()))
+                                             for kept in record["measure"]["keep"]})
+    result = data.load(folder)
+    for options in result.figures:
+        figure = figures.build(result, options)
+        said = " ".join(t.get_text() for t in figure.findobj(lambda a: hasattr(a, "get_text")))
+        assert "nothing measured" not in said and "not measured" not in said, (name, options)
+        assert set(figures.render(figure)) == {"png", "svg"}
+
+
+SHARING = (  # cells, at least
+    ("kplus2015-fig6", "kplus2015-fig7", 12), ("sbuffer2012-fig4", "sbuffer2012-memory", 24),
+    ("sbuffer2012-fig4", "sbuffer2012-referencing", 18), ("gpupro5-fig3", "gpupro5-local-array", 0),
+)
+
+
+@pytest.mark.parametrize("profile", [None, "smoke"])
+@pytest.mark.parametrize(("one", "other", "cells"), SHARING)
+def test_what_figures_share_is_the_same(one, other, cells, profile):
+    """Fig. 7 asks for cells of Fig. 6, the S-buffer's experiments for each other's: measured once, they serve both."""
+    sides = [expand(experiment(name, profile), catalog()) for name in (one, other)]
+    alike = [{(c.method, str(sorted(c.params.items())), c.scene, c.measure) for c in side} for side in sides]
+    assert {c.scene for c in sides[0]} & {c.scene for c in sides[1]}
+    assert len(alike[0] & alike[1]) >= cells
