@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from mfr_bench.arrays import write_arrays
+from mfr_bench.claims import CLAIMS, load_runs
 from mfr_bench.config import load
 from mfr_bench.methods import catalog
 from mfr_bench.plan import expand
@@ -61,9 +62,9 @@ def test_the_printed_numbers_that_it_asks_for_are_there(name):
         assert find(paper=source["paper"], quantity=quantity), (name, quantity)
 
 
-def made_up(name: str):
-    """A record for each cell of the profile smoke, with values that grow with what usually costs time."""
-    for i, c in enumerate(expand(experiment(name, "smoke"), catalog())):
+def made_up(name: str, profile: str | None = "smoke"):
+    """A record for each cell, with values that grow with what usually costs time."""
+    for i, c in enumerate(expand(experiment(name, profile), catalog())):
         scene, params = c.scene.as_dict(), dict(c.params)
         pixels = scene["size"][0] * scene["size"][1]
         fragments = round(pixels * scene["pixel_density"] * scene["depth_complexity"] * 0.9)
@@ -74,7 +75,19 @@ def made_up(name: str):
             c.method, c.label, time_ms, passes, scene, params, dict(c.point), experiment=name,
             measure=c.measure.as_dict(), frames=frames if "memory_mb" in params else [],
             values={"fragments": fragments, "covered_pixels": pixels, "max_fragments": scene["depth_complexity"],
-                    "memory_bytes": 8 * fragments, "rmse": 0.01 * (1 + i % 3)})
+                    "memory_bytes": 8 * fragments, "rmse": 0.01 * (1 + i % 3), "discarded_share": 0.5,
+                    "promised_ratio": 0.5})
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.id)
+def test_every_claim_finds_its_cells_in_a_config(tmp_path, claim):
+    """Each rule has something to compare, and no method that it speaks of is missing, in each config that it names."""
+    runs = [run for name in claim.experiments
+            for run in load_runs([planted.folder(tmp_path / name, list(made_up(name, None)), name=name)])]
+    for rule in claim.rules:
+        compared = [c for run in runs for c in rule.compare(run)]
+        assert compared, f"no cells of {rule.needs}"
+        assert set(rule.each) <= {method for c in compared for method in c.at["methods"]}, rule.needs
 
 
 @pytest.mark.parametrize("name", EXPERIMENTS)

@@ -27,6 +27,9 @@ def if_any(wanted: Any) -> Condition:
     return Condition(plain(wanted), lambda value, _: _same(value, wanted), optional=True)
 
 
+ANY = Condition("any", lambda value, _: True, optional=True)  # stated by both sides, it may differ between them
+
+
 def from_(low: float) -> Condition:
     return Condition(f"from {low:g}", lambda value, _: is_number(value) and value >= low)
 

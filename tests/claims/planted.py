@@ -144,7 +144,8 @@ def revised(good):
 
 
 def kplus_sb(good):
-    return [cell("kplus-sb", 6.0 if good else 4.0, {"k": N}), cell("ab-sb", 5.0)]
+    """Both hash pixels to counters, each in its own way."""
+    return [cell("kplus-sb", 6.0 if good else 4.0, {"k": N, "hash": "tile"}), cell("ab-sb", 5.0, {"hash": "pixel"})]
 
 
 def lplus(good):
@@ -162,8 +163,9 @@ def words(good):
             for m, w in needed.items()]
 
 
-FOUR = {"lin-post": {}, "lin-pre": {"early_culling": "off"}, "open-post": {"load_factor": 0.5},
-        "open-pre": {"early_culling": "off", "load_factor": 0.5}}
+FOUR = {"lin-post": {"atomic64": "native"}, "lin-pre": {"early_culling": "off", "atomic64": "native"},
+        "open-post": {"load_factor": 0.5, "atomic64": "emulated"},
+        "open-pre": {"early_culling": "off", "load_factor": 0.5, "atomic64": "emulated"}}
 
 
 def linear(good):
