@@ -87,7 +87,7 @@ class Session:
             ledger = Ledger([part.sheet for part in parts], ready.device, sources(plans, folders, self.choices),
                             split=self.split)
             stack.callback(ledger.close)
-            ledger.settle(self.choices.force, self.choices.keep_failed)
+            ledger.settle(self.choices.force, self.choices.keep_failed, self.choices.try_hopeless)
             for part in parts:
                 part.write_manifest_at_start()
             self._measure(parts, ledger)

@@ -65,22 +65,35 @@ class Ledger:
 
     # --- before ----------------------------------------------------------------------------------
 
-    def settle(self, force: bool = False, keep_failed: bool = False) -> None:
+    def settle(self, force: bool = False, keep_failed: bool = False, try_hopeless: bool = False) -> None:
         """Keep what the folders have, or with `force` nothing; copy what other folders have."""
-        for sheet in self.sheets:
-            for job in sheet.pending:
-                if force:
+        if force:
+            for sheet in self.sheets:
+                for job in sheet.pending:
                     self._journal(sheet).forget(job.key)
-                elif row := final(sheet.folder, job.key, keep_failed):
-                    self._keep(sheet, job, row)
-        for sheet in () if force else self.sheets:
-            for job in sheet.pending:
-                if found := self._copy_of(job.key, keep_failed):
-                    source, row = found
-                    write_arrays(sheet.folder, job.key, read_arrays(source, job.key) if job.cell.measure.keep else {})
-                    sheet.folder.write_cell(row | place(job))
-                    sheet.copied += 1
-                    self._done(sheet, job, row)
+            return
+        for settle in (self._settle_own, self._settle_copy, *(() if try_hopeless else (self._settle_hopeless,))):
+            for sheet in self.sheets:
+                for job in sheet.pending:
+                    settle(sheet, job, keep_failed)
+
+    def _settle_own(self, sheet: Sheet, job: Job, keep_failed: bool) -> None:
+        if row := final(sheet.folder, job.key, keep_failed):
+            self._keep(sheet, job, row)
+
+    def _settle_copy(self, sheet: Sheet, job: Job, keep_failed: bool) -> None:
+        if found := self._copy_of(job.key, keep_failed):
+            source, row = found
+            write_arrays(sheet.folder, job.key, read_arrays(source, job.key) if job.cell.measure.keep else {})
+            sheet.folder.write_cell(row | place(job))
+            sheet.copied += 1
+            self._done(sheet, job, row)
+
+    def _settle_hopeless(self, sheet: Sheet, job: Job, keep_failed: bool) -> None:
+        """What was left out before for the same reason is kept so."""
+        row = sheet.folder.cell(job.key)
+        if row and row["status"] == "timeout" and row["reason"] == self.hopeless(job):
+            self._keep(sheet, job, row)
 
     def _keep(self, sheet: Sheet, job: Job, row: Row) -> None:
         """Its place in the experiment is brought up to date."""

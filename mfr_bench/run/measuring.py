@@ -16,6 +16,7 @@ from .jobs import Job
 from .scene_work import SceneWork
 
 LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
+LIVE_SHARE = 0.5  # of the memory that the process may take, at most, for the same
 
 
 class DeviceLost(Exception):  # noqa: N818 - what happened, not what is wrong with a call
@@ -35,6 +36,7 @@ class Measuring:
     def group(self, group: Group) -> None:
         """Measure the cells of one scene. Raises DeviceLost, once the cell that it cost is told."""
         self._partials, self._twin = group.partials, group.twin
+        self._live_bytes = min(LIVE_BYTES, LIVE_SHARE * group.most_bytes)
         self.bench.emit(Begun(None, "scene"))
         try:
             scene = SceneWork(self.bench.device, group.jobs[0].cell.scene, self.bench.split)
@@ -69,7 +71,7 @@ class Measuring:
         held = 0
         for job in todo:
             needed = sum(self._variant(job).memory_bytes(sizes).values())
-            if chunk and held + needed > LIVE_BYTES:
+            if chunk and held + needed > self._live_bytes:
                 yield chunk
                 chunk, held = [], 0
             chunk.append(job)

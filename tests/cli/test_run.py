@@ -251,6 +251,9 @@ def test_a_method_that_took_too_long_is_not_tried_on_more_work(mfr, tiny, measur
     assert ended.status == 1
     assert "timeout, AB_Array at 32 x 24 pixels, n = 6 took 0.7 s a frame" in ended.err
     assert "8 cells: 7 ok, 1 timeout; 4 kept" in ended.out
+    again = mfr(*swept)
+    assert (again.status, again.err) == (1, "")
+    assert "8 kept from before" in again.out
     assert mfr(*swept, "--try-hopeless").status == 0
 
 

@@ -71,7 +71,7 @@ class Run:
         self.ledger.settle(force)
         try:
             for group in self.ledger.groups():
-                self.measuring.group(Group(tuple(group), self.ledger.partials(group)))
+                self.measuring.group(Group(tuple(group), self.ledger.partials(group), most_bytes=2**40))
         finally:
             self.ledger.close()
 
@@ -301,8 +301,9 @@ def test_an_animation_cycles_through_its_seeds(run, monkeypatch):
     assert set(seeds) >= {40, 41, 46}
 
 
-def test_cells_that_do_not_fit_together_are_measured_in_turns(run, monkeypatch):
-    monkeypatch.setattr(measuring, "LIVE_BYTES", 1)
+@pytest.mark.parametrize("limit", ["LIVE_BYTES", "LIVE_SHARE"])
+def test_cells_that_do_not_fit_together_are_measured_in_turns(run, monkeypatch, limit):
+    monkeypatch.setattr(measuring, limit, 0)
     alive = []
     monkeypatch.setattr(Frame, "__init__", lambda self, *a, real=Frame.__init__: (alive.append(1), real(self, *a))[1])
     monkeypatch.setattr(Frame, "release", lambda self, real=Frame.release: (alive.append(-1), real(self))[1])
