@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from ..methods.shared import HELD
 from ..methods.spec import Method, Variant
 from . import data
 from .data import Point, Result, number
@@ -14,8 +15,8 @@ HEAD = """# Conformance
 Every method against the float64 oracle, as `mfr-bench conformance DIR...` prints it from results of
 `mfr-bench run conformance determinism`. Each number is the worst of all cells of its row: wrong pixels are those with a
 channel error above 1/512 in one image; kept is how many fragments the method held, counted in its memory, over how many
-it promises to; lost fragments are those that it counted itself; images are the distinct ones of {frames} frames. A cell
-that the device cannot run is not counted as ok.
+it promises to, empty where it holds none; lost fragments are those that it counted itself; images are the distinct ones
+of {frames} frames. A cell that the device cannot run is not counted as ok.
 """
 HEADER = ("method", "id", "promise", "ok", "not run", "wrong", "max error", "wrong pixels", "kept", "lost", "images")
 HAZARDS = ("method", "id", "known failure", "exact images", "wrong pixels", "kept", "lost", "images")
@@ -60,7 +61,10 @@ def _worst(points: Sequence[Point], column: str, worst=max, digits: int = 3) -> 
     return number(worst((p.row[column] for p in points if p.row[column] is not None), default=None), digits)
 
 
-def _kept(points: Sequence[Point]) -> str:
+def _kept(variant: Variant, points: Sequence[Point]) -> str:
+    """Empty for a method that holds nothing to be counted."""
+    if not any(step.probes == HELD for step in variant.passes):
+        return ""
     shares = [p.row["hit_ratio"] / p.row["promised_ratio"] for p in points
               if p.row["hit_ratio"] is not None and p.row["promised_ratio"]]
     return number(min(shares, default=None), 4)
@@ -69,7 +73,7 @@ def _kept(points: Sequence[Point]) -> str:
 def _row(variant: Variant, label: str, points: Sequence[Point]) -> tuple[str, ...]:
     ok, wrong = (sum(p.status == status for p in points) for status in ("ok", "wrong"))
     return (label, f"`{variant.method.id}`", variant.guarantee, str(ok), str(len(points) - ok - wrong), str(wrong),
-            _worst(points, "max_abs_error", digits=2), _worst(points, "wrong_pixels"), _kept(points),
+            _worst(points, "max_abs_error", digits=2), _worst(points, "wrong_pixels"), _kept(variant, points),
             _worst(points, "lost_fragments"), _worst(points, "distinct_images"))
 
 
@@ -77,7 +81,7 @@ def _hazard(variant: Variant, label: str, points: Sequence[Point]) -> tuple[str,
     checked = [p.exact for p in points if p.exact is not None]
     failure = "; ".join(filter(None, (variant.method.failure, *variant.weaknesses)))
     return (label, f"`{variant.method.id}`", failure, f"{sum(checked)} of {len(checked)}",
-            _worst(points, "wrong_pixels"), _kept(points), _worst(points, "lost_fragments"),
+            _worst(points, "wrong_pixels"), _kept(variant, points), _worst(points, "lost_fragments"),
             _worst(points, "distinct_images"))
 
 

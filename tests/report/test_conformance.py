@@ -45,5 +45,5 @@ def test_hazards_are_told_with_the_failure_that_is_known(page):
 
 def test_what_was_not_run_has_its_reason(page):
     assert "- KB: 1 cells unsupported: needs slots" in page
-    assert "distinct ones of 50 frames" in page
+    assert "distinct ones\nof 50 frames" in page
     assert "races between the fragments of a pixel do" in page
