@@ -6,6 +6,7 @@ GLSL. Only those that the shader names are written, so that programs are shared 
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,7 +14,7 @@ from functools import cache
 
 from . import instrument
 from .errors import ShaderError
-from .methods.spec import ELEMENT_WORDS, EMPTY, FORMAT_WORDS, Buffer, Decided, Pass, Sizes, Target, Variant
+from .methods.spec import ELEMENT_WORDS, EMPTY, FORMAT_WORDS, IMAGE, Buffer, Decided, Pass, Sizes, Target, Variant
 from .resources import shaders_dir
 
 VERSION = "#version 430 core"
@@ -119,7 +120,7 @@ def define_values(variant: Variant, step: Pass, sizes: Sizes) -> dict[str, int]:
         "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
         "N": sizes.n, "KEEP": variant.value("keep", sizes), "LOCAL": variant.value("keep", sizes),
         "REJECTS": int(sizes.rejects), "COMPUTE": int(step.kind == "compute"),
-        "PAYLOAD_RGBA16F": 0, "CULLS": 0,
+        "PAYLOAD_RGBA16F": 0, "CULLS": 0, "STOP_OPACITY": 1.0,
         "ACCUMULATE_COMPENSATED": 0, "ACCUMULATE_FLOAT16": 0, "ACCUMULATE_UNORM8": 0,
     }
     for param in variant.all_params:
@@ -175,15 +176,17 @@ def buffer_bindings(variant: Variant, step: Pass) -> list[Binding]:
 
 def texture_bindings(variant: Variant, step: Pass) -> list[Binding]:
     """Texture units of a pass. A pass that reads both copies of a target sees `name` and `name_current`, say."""
-    names = {t.name for t in variant.targets}
+    names = {t.name for t in variant.targets} | {IMAGE}
     refs = [split_ref(r) for r in step.reads if split_ref(r)[0] in names]
     first = dict(reversed(refs))
     return [Binding(f"{name}.{role}" if role else name, name if role == first[name] else f"{name}_{role}", index)
             for index, (name, role) in enumerate(refs)]
 
 
-def _sampler(target: Target) -> str:
-    """GLSL type by which a target is read, texel by texel."""
+def _sampler(target: Target | None) -> str:
+    """GLSL type by which a target, or the image, is read, texel by texel."""
+    if target is None:
+        return "sampler2D"
     kind = "2DMS" if target.samples else "2DArray" if target.layers else "2D"
     return f"{_INTEGER.get(target.format, '')}sampler{kind}"
 
@@ -228,7 +231,8 @@ def _storage(variant: Variant) -> dict[str, instrument.Stored]:
         wider = variant.payload_words - 1 if buffer.type in ("FRAGMENT", "PAYLOAD") else 0
         found[buffer.name] = instrument.Stored(ELEMENT_WORDS[buffer.type] + wider, buffer.type != "uint")
     for target in variant.targets:
-        found[target.name] = instrument.Stored(FORMAT_WORDS[target.format])
+        found[target.name] = instrument.Stored(math.ceil(FORMAT_WORDS[target.format]))
+    found[IMAGE] = instrument.Stored(FORMAT_WORDS["rgba32f"])
     roles = {f"{name}_{role}": stored for name, stored in found.items() for role in ("current", "previous")}
     return found | roles
 
@@ -260,7 +264,7 @@ def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None,
         prelude += [_buffer_block(by_name[split_ref(b.ref)[0]], b.index, b.name, b.ref not in step.writes)
                     for b in buffer_bindings(variant, step)]
         targets = {t.name: t for t in variant.targets}
-        prelude += [f"layout(binding = {b.index}) uniform {_sampler(targets[split_ref(b.ref)[0]])} {b.name};"
+        prelude += [f"layout(binding = {b.index}) uniform {_sampler(targets.get(split_ref(b.ref)[0]))} {b.name};"
                     for b in texture_bindings(variant, step)]
         prelude += [macro] if "CLEAR" in words else []
         prelude += _outputs(variant, step, sizes)

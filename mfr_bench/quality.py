@@ -17,7 +17,8 @@ def conformance(image: np.ndarray, promised: np.ndarray, tied: np.ndarray | None
     that are `tied` (bool (H, W)) are left out of both, and counted.
     """
     error = pixel_errors(image, promised, tied)
-    return {"max_abs_error": float(error.max()), "wrong_pixels": int(np.count_nonzero(error > WRONG_PIXEL)),
+    worst, wrong = _worst(error)
+    return {"max_abs_error": worst, "wrong_pixels": wrong,
             "tied_pixels": 0 if tied is None else int(np.count_nonzero(tied))}
 
 
@@ -29,13 +30,22 @@ def pixel_errors(image: np.ndarray, oracle: np.ndarray, tied: np.ndarray | None 
     return error
 
 
-def quality(image: np.ndarray, full: np.ndarray) -> dict[str, float | None]:
+def quality(image: np.ndarray, full: np.ndarray) -> dict[str, float | int]:
     """Errors against the image of all fragments.
 
     rmse: over all channels. psnr_db: infinite where the images are equal. flip: mean of NVIDIA's FLIP over black.
+    max_error_all, wrong_pixels_all: as `conformance` has them against the promise.
     """
-    rmse = math.sqrt(float(np.mean(_error(image, full) ** 2)))
-    return {"rmse": rmse, "psnr_db": -20 * math.log10(rmse) if rmse > 0 else math.inf, "flip": _flip(image, full)}
+    error = _error(image, full)
+    rmse = math.sqrt(float(np.mean(error ** 2)))
+    worst, wrong = _worst(error.max(axis=-1))
+    return {"rmse": rmse, "psnr_db": -20 * math.log10(rmse) if rmse > 0 else math.inf, "flip": _flip(image, full),
+            "max_error_all": worst, "wrong_pixels_all": wrong}
+
+
+def _worst(error: np.ndarray) -> tuple[float, int]:
+    """Of the pixels' errors the largest, and how many are wrong."""
+    return float(error.max()), int(np.count_nonzero(error > WRONG_PIXEL))
 
 
 def _error(image: np.ndarray, oracle: np.ndarray) -> np.ndarray:

@@ -88,6 +88,9 @@ COLUMNS = (
     Column("wrong_pixels", "int", "pixels", "pixels with a channel error above 1/512"),
     Column("tied_pixels", "int", "pixels", "pixels with fragments of equal depth, left out of the errors against the "
            "promised image"),
+    Column("max_error_all", "float", "", "largest channel error against the full list's image"),
+    Column("wrong_pixels_all", "int", "pixels",
+           "pixels with a channel error above 1/512 against the full list's image"),
     Column("label", "str", "", "name of the method in tables and figures", "cell"),
     Column("layout", "str", "", "how quads are placed", "scene"),
     Column("point", "json", "", "values of the swept keys", "cell"),

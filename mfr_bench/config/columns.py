@@ -7,8 +7,8 @@ IDENTITY = ("experiment", "method", "label", "status", "width", "height", "pixel
 MEASURED = ("fragments", "covered_pixels", "max_fragments", "samples", "time_ms", "time_ms_low", "time_ms_high",
             "floor_ms", "memory_bytes", "memory_model_bytes", "max_abs_error", "error_bound", "rmse", "psnr_db", "flip",
             "hit_ratio", "promised_ratio", "distinct_images",
-            "wrong_pixels", "tied_pixels", "lost_fragments", "discarded_share", "culled_share", "luminance_error",
-            "hue_error", "geometry_passes",
+            "wrong_pixels", "tied_pixels", "max_error_all", "wrong_pixels_all", "lost_fragments", "discarded_share",
+            "culled_share", "luminance_error", "hue_error", "geometry_passes",
             # derived when a figure is drawn: report.data.MEASURES
             "fps", "floor_ratio", "memory_mib", "memory_model_mib", "ms_per_mib", "fps_per_mib", "words_per_pixel")
 PER_PASS = ("time_ms", "share")

@@ -1,14 +1,13 @@
 """Adaptive transparency: the visibility function of a pixel in k nodes, then every fragment shaded by it.
 
-The paper counts a depth and a transmittance for each node, 2k words; here both are floats. `sync: spin` has a semaphore
-beside them.
+The paper counts a depth and a transmittance for each node, 2k words; here both are floats.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import SYNC, K, clear
+from .shared import LOCK, SYNC, K, clear
 from .spec import ADD, IMAGE, Buffer, Method, Pass, State, when
 
 ORDER = 8
@@ -23,7 +22,7 @@ METHODS = [
         ties="kept, and they do not hide each other: each adds its colour unattenuated by the others",
         failure="a step that was moved hides what lies before its true place, so that colours come out darker; opacity "
                 "is right",
-        mixes=True, exact_where="n <= k",
+        beside=LOCK, mixes=True, exact_where="n <= k",
         params=(replace(K, doc="nodes of a pixel's visibility function"), SYNC), local="k",
         buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
                  Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True)),

@@ -1,13 +1,13 @@
 """Hybrid transparency: a k-buffer's core, and one average colour for all that lies behind it.
 
-Words: 2k for the core; colour, opacity and number of the tail's fragments, 5. `sync: spin` has a semaphore beside them.
+Words: 2k for the core; colour, opacity and number of the tail's fragments, 5.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import STAGE, SYNC, K, clear, resolve_sorted
+from .shared import LOCK, STAGE, SYNC, K, clear, resolve_sorted
 from .spec import Buffer, Method, Pass, when
 
 ORDER = 8
@@ -22,7 +22,7 @@ METHODS = [
         ties="kept, in order of arrival; the first to arrive has the k-th place",
         failure="the tail knows no order; its opacity is right where its alphas are equal, its colour where its "
                 "colours are",
-        mixes=True, exact_where="n <= k + 1",
+        beside=LOCK, mixes=True, exact_where="n <= k + 1",
         params=(replace(K, doc="fragments of the core"), SYNC, STAGE), local="k",
         buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
                  Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True),

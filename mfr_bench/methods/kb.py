@@ -18,6 +18,7 @@ from .shared import (
     OCCUPANCY,
     RESOLVE_OPTIONS,
     STAGE,
+    STOP_OPACITY,
     K,
     clear,
     culled,
@@ -49,7 +50,7 @@ METHODS = [
         summary="k slots per pixel, sorted insertion without exclusion",
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure=f"{HAZARD}; right where a device shades the fragments of a pixel one by one",
-        params=(K16, OCCUPANCY, STAGE), local="k",
+        params=(K16, OCCUPANCY, STAGE, STOP_OPACITY), local="k",
         buffers=(NODES,),
         steps=(
             clear("nodes"),
@@ -66,7 +67,7 @@ METHODS = [
         failure="with fewer passes than k, fragments that hazards lost may still be missing behind the nearest "
                 "`passes`; right with k passes, and wherever a pass finds nothing missing",
         exact_where="passes >= min(k, n)",
-        params=(K16, PASSES, OCCUPANCY, STAGE), local="k",
+        params=(K16, PASSES, OCCUPANCY, STAGE, STOP_OPACITY), local="k",
         beside="2 words per pixel: depth and colour of the nearest fragment that was missing, which the hardware finds "
                "for certain",
         buffers=(NODES,),

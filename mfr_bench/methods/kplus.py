@@ -20,6 +20,7 @@ from .shared import (
     CULLING,
     OCCUPANCY,
     PAYLOAD,
+    PEELED,
     RESOLVE_OPTIONS,
     SORT,
     SYNC,
@@ -119,7 +120,8 @@ MULTI_PASS = Method(
            "composited",
     cost="one geometry pass for every k layers, and all k+ insertions in each",
     ties="kept; across two iterations in order of payload, within one in order of the slots",
-    params=(replace(K, doc="fragments peeled per pixel and iteration"), SYNC, SORT),
+    params=(replace(K, doc="fragments peeled per pixel and iteration"), SYNC, SORT, PEELED),
+    cut="ceil(layers / k) * k",
     fixed=(STRUCTURE, CRITERION, CULLING), local="k",
     buffers=(COUNTER, SEMAPHORE, NODES, Buffer("last", "2*P", type="uvec2", clear="0u"),
              Buffer("repeats", "P", clear="0u")),
@@ -131,7 +133,7 @@ MULTI_PASS = Method(
             resolve("counter", "nodes", fetch=FETCH, defines=PER_PIXEL, state=State(blend=UNDER)),
             Pass("advance", "fullscreen", "methods/kplus/advance.frag",
                  writes=("counter", "nodes", "last", "repeats"), defines=PER_PIXEL, counts=True),
-        ), times="ceil(n / k)"),
+        ), times="min(ceil(n / k), ceil(layers / k) or ceil(n / k))"),
     ),
 )
 

@@ -13,11 +13,13 @@ from dataclasses import replace
 
 from .shared import (
     ATOMIC64,
+    CULLING_OPACITY,
     EARLY_CULLING,
     OCCUPANCY,
     PAYLOAD,
     RESOLVE_OPTIONS,
     STAGE,
+    STOP_OPACITY,
     K,
     clear,
     occupied,
@@ -129,7 +131,8 @@ METHODS = [
            INSERT, "methods/list/insert_cas32.frag", "methods/list/insert_max64.frag", unsorted=False,
            cost="each insertion walks the pixel's list in global memory, quadratic in its fragments; early culling "
                 "shortens the walk (gpupro5_ch1 §1.1.2, §1.7.2)",
-           params=(INSERT, replace(ATOMIC64, acts=when("insert", "max64")), EARLY_CULLING, STAGE, PAYLOAD),
+           params=(INSERT, replace(ATOMIC64, acts=when("insert", "max64")), EARLY_CULLING, CULLING_OPACITY, STAGE,
+                   STOP_OPACITY, PAYLOAD),
            fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN),
     Method(
         id="kb-ab-ll", name="KB-AB_LL", family="list",

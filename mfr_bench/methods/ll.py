@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from .shared import OCCUPANCY, STAGE, K, occupied, resolve_sorted
+from .shared import OCCUPANCY, STAGE, STOP_OPACITY, K, occupied, resolve_sorted
 from .spec import SPARE_CELLS, Buffer, Grown, Method, Param, Pass
 
 ORDER = 6
@@ -22,7 +22,8 @@ METHODS = [
         failure="a fragment whose swap fails `retries` times is lost, and counted; exact where none is",
         words="3*f + 6", beside=SPARE_CELLS,
         ties="kept, in order of arrival; the first to arrive has the k-th place",
-        params=(K, RETRIES, OCCUPANCY, STAGE), local="k", capacity=Grown(start="P", counter="cell_counter"),
+        params=(K, RETRIES, OCCUPANCY, STAGE, STOP_OPACITY), local="k",
+        capacity=Grown(start="P", counter="cell_counter"),
         buffers=(Buffer("cell_counter", "1"), Buffer("next", "2*P + capacity", coherent=True),
                  Buffer("cells", "2*(2*P + capacity)", type="uvec2", coherent=True)),
         steps=(

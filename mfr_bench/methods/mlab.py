@@ -1,14 +1,13 @@
 """Multi-layer alpha blending: a k-buffer that merges what it has no room for.
 
-The paper counts a depth and a colour for each layer, 2k words; `payload: rgba16f` takes a word more. `sync: spin` has a
-semaphore beside them.
+The paper counts a depth and a colour for each layer, 2k words; `payload: rgba16f` takes a word more.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import PAYLOAD, STAGE, SYNC, K, clear, resolve_sorted
+from .shared import LOCK, PAYLOAD, STAGE, SYNC, K, clear, resolve_sorted
 from .spec import Buffer, Method, Pass, when
 
 ORDER = 8
@@ -21,9 +20,10 @@ METHODS = [
                 "merged",
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure="a fragment that comes late may belong in front of what was merged; each merge rounds to the payload",
-        mixes=True, exact_where="n <= k",
+        beside=LOCK, mixes=True, exact_where="n <= k",
         params=(replace(K, doc="layers per pixel"), SYNC, STAGE,
-                replace(PAYLOAD, choices=("rgba8", "rgba16f"))), local="k",
+                replace(PAYLOAD, doc="stored colour, straight: 8 bits a channel, or 16-bit floats in two words", weakens={},
+                        choices=("rgba8", "rgba16f"))), local="k",
         buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
                  Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", coherent=True)),
         steps=(

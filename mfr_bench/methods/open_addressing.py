@@ -20,7 +20,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import ATOMIC64, EARLY_CULLING, RESOLVE_OPTIONS, STAGE, clear, resolve, resolve_sorted
+from .shared import (
+    ATOMIC64,
+    CULLING_OPACITY,
+    EARLY_CULLING,
+    RESOLVE_OPTIONS,
+    STAGE,
+    STOP_OPACITY,
+    clear,
+    resolve,
+    resolve_sorted,
+)
 from .spec import Buffer, Grown, Method, Param, Pass, when
 
 ORDER = 3
@@ -76,5 +86,5 @@ METHODS = [
                     cost="every fragment traverses its pixel's whole list in global memory by evictions, quadratic in "
                          "its fragments, with an atomic maximum each step: the method that depth complexity hits "
                          "hardest (gpupro5_ch1 §1.7.2, Figure 1.6)",
-                    params=(LOAD_FACTOR, ATOMIC64, EARLY_CULLING, STAGE)),
+                    params=(LOAD_FACTOR, ATOMIC64, EARLY_CULLING, CULLING_OPACITY, STAGE, STOP_OPACITY)),
 ]

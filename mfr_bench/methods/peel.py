@@ -16,13 +16,18 @@ source moves on by the stencil's starting value instead, which ends at 254 fragm
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from .shared import (
     CLEAR_IMAGE,
     CLEARED,
     HELD,
     MULTISAMPLING,
+    PEELED,
     RESOLVE_OPTIONS,
+    STOP_OPACITY,
     clear,
+    peeling,
     resolve,
     route,
     routed_targets,
@@ -33,6 +38,8 @@ ORDER = 1
 
 SAMPLES = Param("samples", 4, "samples of a pixel, fragments taken by a pass; 8 in the source", of=(4, 8, 16, 32),
                 needs={str(count): feature for feature, count in SAMPLE_FEATURES.items()})
+MIDDLE = replace(PEELED, doc="layers peeled at most, half from the front and half from the back; 0: all of them",
+                 weakens={"1-4096": "of more fragments than `layers`, those in the middle are missing"})
 NO_BOUNDS = (-2.0, -2.0, 0.0, 0.0)  # below every (-z, z)
 UNBOUNDED = (1.0, 2.0, 0.0, 0.0)  # as (-z, z) around every depth
 
@@ -42,19 +49,20 @@ METHODS = [
         source="Everitt 2001; kplus_2015 §2",
         summary="front-to-back peeling: one layer per geometry pass, until an occlusion query sees none",
         guarantee="exact all", words="6", cost="one geometry pass per layer",
-        ties="one of them is kept, the others are lost",
+        ties="one of them is kept, the others are lost", cut="layers",
+        params=(PEELED, STOP_OPACITY),
         targets=(Target("layer", "rgba32f"), Target("layer_depth", "depth32f", copies=2)),
         steps=(
             CLEAR_IMAGE,
             Loop((
                 Pass("peel", "geometry", "methods/peel/f2b.frag", reads=("layer_depth.previous",),
                      into=("layer", "layer_depth.current"), clears={"layer": CLEARED, "layer_depth.current": (1.0,)},
-                     state=State(depth_test="lequal"), counts=True),
+                     state=State(depth_test="lequal"), counts=True, expand=peeling),
                 Pass("peel", "fullscreen", "methods/peel/held_layer.frag", reads=("layer", "layer_depth.current"),
                      probes=HELD),
                 Pass("composite", "fullscreen", "methods/peel/copy.frag", reads=("layer",), into=(IMAGE,),
                      state=State(blend=UNDER)),
-            ), times="n + 1"),
+            ), times="min(n + 1, layers or n + 1)"),
         ),
     ),
     Method(
@@ -62,7 +70,7 @@ METHODS = [
         source="Bavoil & Myers 2008; kplus_2015 §2",
         summary="dual peeling: the nearest and the furthest layer per geometry pass, by MAX blending",
         guarantee="exact all", words="20", cost="one geometry pass for every two layers",
-        ties="the maximum of each channel is kept",
+        ties="the maximum of each channel is kept", params=(MIDDLE,),
         targets=(Target("bounds", "rg32f", copies=2), Target("front", "rgba32f", copies=2),
                  Target("behind", "rgba32f"), Target("back", "rgba32f")),
         steps=(
@@ -78,7 +86,7 @@ METHODS = [
                 Pass("peel", "fullscreen", "methods/peel/held_dual.frag", reads=("bounds.previous",), probes=HELD),
                 Pass("blend", "fullscreen", "methods/peel/dual_blend.frag", reads=("behind", "bounds.current"),
                      into=("back",), state=State(blend=OVER), counts=True),
-            ), times="n // 2 + 1"),
+            ), times="min(n // 2 + 1, ceil(layers / 2) or n // 2 + 1)"),
             Pass("combine", "fullscreen", "methods/peel/dual_combine.frag", reads=("front.previous", "back"),
                  into=(IMAGE,)),
         ),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .shared import CULLING, OCCUPANCY, STAGE, SYNC, K, clear, occupied, resolve_sorted
+from .shared import CULLING, OCCUPANCY, STAGE, STOP_OPACITY, SYNC, K, clear, occupied, resolve_sorted
 from .spec import Buffer, Method, Pass, when
 
 ORDER = 7
@@ -16,7 +16,7 @@ METHODS = [
         beside="with sync: spin a semaphore, one word per pixel: the authors ran it with theirs (kplus_2015 §5), Table "
                "1 counts what sync: interlock takes",
         ties="kept, in order of arrival; the first to arrive has the k-th place",
-        params=(K, SYNC, CULLING, OCCUPANCY, STAGE), local="k",
+        params=(K, SYNC, CULLING, OCCUPANCY, STAGE, STOP_OPACITY), local="k",
         buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
                  Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True)),
         steps=(

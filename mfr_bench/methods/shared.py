@@ -29,6 +29,7 @@ SYNC = Param("sync", "spin", "mutual exclusion per pixel: spin lock with a semap
              "none, to see what it is there for", choices=("spin", "interlock", "none"),
              needs={"interlock": "fragment_shader_interlock"},
              weakens={"none": "fragments of a pixel in flight at once lose each other's changes"})
+LOCK = "with sync: spin a semaphore, one word per pixel"
 CULLING = Param("culling", "on", "refuse fragments beyond the furthest kept before the critical section",
                 choices=ON_OFF)
 SORT = Param("sort", "hybrid", "sort of the resolve; hybrid: insertion up to 16 fragments, shell above; lplus: batches "
@@ -40,17 +41,26 @@ BMA = Param("bma", "off", "backwards memory allocation: one resolve for each pow
             "shallow pixel does not pay for the deepest one's local array", choices=ON_OFF)
 STAGE = Param("resolve", "fragment", "the resolve as a full-screen draw, or as a compute shader that writes the image",
               choices=("fragment", "compute"))
+STOP_OPACITY = Param("stop_opacity", 1.0, "opacity at which a pixel's compositing, or its peeling, ends; 1: never",
+                     real=True, low=0, high=1, closed=True,
+                     weakens={"0-0.999999": "fragments behind an opacity of `stop_opacity` may be missing, an error of "
+                              "up to 1 - stop_opacity"})
 ACCUMULATE = Param(
     "accumulate", "float32", "the colour that fragments are added to, front to back: 32-bit floats; the same with what "
     "each addition rounds away carried along; rounded after each fragment to 16-bit floats, or to 8 bits",
     choices=("float32", "compensated", "float16", "unorm8"),
     weakens={"float16": "rounded to 11 bits after each fragment: a layer behind an opacity of 0.9995 is lost",
              "unorm8": "rounded to 8 bits after each fragment, an error of up to n/510"})
-RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE, ACCUMULATE)  # of `resolve`; a method may offer some or all
+RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE, ACCUMULATE, STOP_OPACITY)  # of `resolve`; a method may offer some or all
 ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emulated by 32-bit ones",
                  choices=("native", "emulated"), needs={"native": "shader_atomic_int64"})
-EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of 0.95", choices=ON_OFF,
-                      weakens={"on": "fragments behind an opacity of 0.95 may be missing, an error of up to 0.05"})
+EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of `culling_opacity`",
+                      choices=ON_OFF,
+                      weakens={"on": "fragments behind an opacity of `culling_opacity` may be missing, an error of up "
+                                     "to 1 - culling_opacity"})
+CULLING_OPACITY = Param("culling_opacity", 0.95, "opacity behind which early culling drops fragments; 0.95 in "
+                        "gpupro5_ch1", real=True, low=0, high=1, closed=True, acts=when("early_culling", "on"))
+PEELED = Param("layers", 0, "layers peeled at most; 0: all of them", low=0, high=4096)
 PAYLOAD = Param("payload", "rgba8", "stored colour, straight: 8 bits a channel; 16-bit floats in two words, in "
                 "units of 1/255, which hold an 8-bit colour without error; or two channels, luminance and a blend of "
                 "the scene's two base colours, with alpha 24 bits in a word",
@@ -139,7 +149,8 @@ def resolve(*reads: str, select: bool = False, hazards: bool = False, defines: M
 
 def resolve_sorted(*reads: str, resolver: str = "common/resolve_sorted.glsl", hazards: bool = False,
                    mixes: bool = False, **more) -> Pass:
-    """Pass that composites fragments which its `fetch` already reads nearest first. Its parameter is STAGE.
+    """Pass that composites fragments which its `fetch` already reads nearest first. Its parameters are STAGE and
+    STOP_OPACITY.
 
     `hazards`: as for `held`. With `mixes` the slots hold more than single fragments, which nobody counts.
     """
@@ -148,6 +159,13 @@ def resolve_sorted(*reads: str, resolver: str = "common/resolve_sorted.glsl", ha
 
     return Pass("resolve", "fullscreen", "common/resolve.frag", reads=reads, into=(IMAGE,), resolver=resolver,
                 defines={"LISTS": 1}, expand=expand, **more)
+
+
+def peeling(step: Pass, scope: Params) -> tuple[Pass, ...]:
+    """The geometry pass of a peeling that leaves pixels alone once the image has the opacity to stop at."""
+    stops = float(scope["stop_opacity"]) < 1
+    return (replace(step, reads=step.reads + ((IMAGE,) if stops else ()), expand=None,
+                    defines={**step.defines, "STOPS": int(stops)}),)
 
 
 KTH_DEPTH = Target("kth_depth", "depth32f")

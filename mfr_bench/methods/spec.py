@@ -90,7 +90,7 @@ def evaluate(formula: str, sizes: Sizes, params: Params) -> float:
 class Param:
     """One parameter of a method: a whole number in [low, high] or `of` a list, one of `choices`, or a `real` number.
 
-    A real number lies between the bounds, neither of which it reaches.
+    A real number lies between the bounds, of which it reaches none, or with `closed` the upper one.
     """
 
     name: str
@@ -100,26 +100,35 @@ class Param:
     low: float = 1
     high: float = 1024
     real: bool = False
+    closed: bool = False
     of: tuple[int, ...] = ()
     needs: Mapping[str, str] = field(default_factory=dict)  # choice, or a range "5-8" -> feature the device must have
     asks: Mapping[str, str] = field(default_factory=dict)  # choice -> what it asks of a scene, a key of SCENE_FACTS
-    weakens: Mapping[str, str] = field(default_factory=dict)  # choice -> the known failure that it brings
+    weakens: Mapping[str, str] = field(default_factory=dict)  # choice or range -> the known failure that it brings
     acts: When | None = None  # where it has an effect; elsewhere it stands at its default
 
     @property
     def allowed(self) -> str:
         if self.real:
-            return f"a number between {self.low} and {self.high}"
+            return (f"a number above {self.low}, up to {self.high}" if self.closed
+                    else f"a number between {self.low} and {self.high}")
         if self.choices or self.of:
             return " | ".join(map(str, self.choices or self.of))
         return f"a whole number from {self.low} to {self.high}"
 
     def need(self, value: Value) -> str | None:
         """The feature that a device must have for the value."""
+        return self._said(self.needs, value)
+
+    def weakness(self, value: Value) -> str | None:
+        """The known failure that the value brings."""
+        return self._said(self.weakens, value)
+
+    def _said(self, of: Mapping[str, str], value: Value) -> str | None:
         if self.choices:
-            return self.needs.get(str(value))
-        ranges = ((*map(float, key.split("-")), feature) for key, feature in self.needs.items())
-        return next((feature for low, *high, feature in ranges if low <= float(value) <= (high or [low])[0]), None)
+            return of.get(str(value))
+        ranges = ((*map(float, key.split("-")), text) for key, text in of.items())
+        return next((text for low, *high, text in ranges if low <= float(value) <= (high or [low])[0]), None)
 
     def at(self, value: Value) -> Param:
         """The same parameter with another default, for `Method.fixed`."""
@@ -134,7 +143,9 @@ class Param:
                 return value
             raise ValueError(f"{value!r} is not allowed; allowed: {self.allowed}{nearest(str(value), self.choices)}")
         number = isinstance(value, (int, float) if self.real else int) and not isinstance(value, bool)
-        inside = number and (self.low < value < self.high if self.real else self.low <= value <= self.high)
+        inside = number and self.low <= value <= self.high
+        if self.real:
+            inside = inside and value != self.low and (self.closed or value != self.high)
         if not inside or (self.of and value not in self.of):
             raise ValueError(f"{value!r} is not allowed; allowed: {self.allowed}")
         return float(value) if self.real else value
@@ -393,6 +404,7 @@ class Method:
     beside: str | None = None
     cost: str | None = None
     deepest: int | None = None  # most fragments of a pixel that the method can hold
+    cut: str | None = None  # the nearest fragments that its parameters leave of all, 0 for every one: a formula
     mixes: bool = False  # its image stands for every fragment, whatever its k; few or none are held as they were
     exact_where: str | None = None  # where an approximate method is exact all the same: a formula, e.g. "n <= k"
     roundings: float = 1.0  # unit roundoffs of error that each fragment may add to a colour (docs/accuracy.md)
@@ -494,13 +506,17 @@ class Variant:
     @property
     def weaknesses(self) -> tuple[str, ...]:
         """The known failures that chosen parameters bring to a method that has none."""
-        brought = (p.weakens.get(str(self.params[p.name])) for p in self.acting)
+        brought = (p.weakness(self.params[p.name]) for p in self.acting)
         return tuple(f for f in brought if f)
 
     @property
     def guarantee(self) -> Guarantee:
         """What the method promises with these parameters."""
-        return "approximate" if self.weaknesses and self.method.guarantee != "none" else self.method.guarantee
+        promised = self.method.guarantee
+        if promised == "none":
+            return promised
+        cut = promised == "exact all" and self.layers is not None
+        return "approximate" if self.weaknesses else "exact k nearest" if cut else promised
 
     def exact_in(self, sizes: Sizes) -> bool:
         """Whether the image of a scene of these sizes has to be the promised one."""
@@ -517,6 +533,8 @@ class Variant:
     @property
     def layers(self) -> int | None:
         """Most fragments per pixel that the parameters let reach the image; None means all."""
+        if self.method.cut:
+            return int(evaluate(self.method.cut, Sizes(W=1, H=1, n=1, F=1, quads=1), self.scope)) or None
         bounded = self.method.guarantee not in ("exact all", "none") and not self.method.mixes
         return int(self.scope["k"]) if bounded and "k" in self.scope else None
 

@@ -5,13 +5,14 @@
 #include "common/accumulate.glsl"
 #include "common/gather.glsl"
 #include "common/sort.glsl"
+#include "common/enough.glsl"
 
 vec4 resolve_pixel(uint p) {
     uint count = gather(p);
     sort_fragments(count);
     vec4 colour = nothing_yet();
     uint i = 0u;
-    for (; i < count; ++i) colour = onto(colour, colour_of(fragments[i]));
-    if (i < count) atomicAdd(lost_fragments, count - i);
+    for (; i < count && !enough(colour); ++i) colour = onto(colour, colour_of(fragments[i]));
+    if (i < count && !enough(colour)) atomicAdd(lost_fragments, count - i);
     return colour;
 }

@@ -7,6 +7,7 @@
 #include "common/accumulate.glsl"
 #include "common/local.glsl"
 #include "common/sort.glsl"
+#include "common/enough.glsl"
 
 // The furthest fragment composited, and how many equal to it were.
 FRAGMENT boundary;
@@ -48,9 +49,9 @@ vec4 resolve_pixel(uint p) {
         if (done == 0u) expected = min(offered, uint(KEEP));
         sort_fragments(count);
         uint i = 0u;
-        for (; i < count; ++i) colour = onto(colour, colour_of(fragments[i]));
+        for (; i < count && !enough(colour); ++i) colour = onto(colour, colour_of(fragments[i]));
         done += i;
-    } while (offered > room && done < uint(KEEP));
-    if (done < expected) atomicAdd(lost_fragments, expected - done);
+    } while (offered > room && done < uint(KEEP) && !enough(colour));
+    if (done < expected && !enough(colour)) atomicAdd(lost_fragments, expected - done);
     return colour;
 }

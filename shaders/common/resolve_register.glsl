@@ -5,6 +5,7 @@
 #define BATCHES 0
 #include "common/accumulate.glsl"
 #include "common/network.glsl"
+#include "common/enough.glsl"
 
 // A fetch that does not know its count is a walk, too long to stand there for every register.
 #if SELECT || !defined(FETCH_COUNT)
@@ -85,7 +86,7 @@ vec4 resolve_pixel(uint p) {
     uint heads[LOCAL / NETWORK];  // of each block, the fragments already composited
     for (uint b = 0u; b < uint(LOCAL / NETWORK); ++b) heads[b] = 0u;
     vec4 colour = nothing_yet();
-    while (true) {
+    while (!enough(colour)) {
         uint nearest = EMPTY, from = 0u;
         for (uint b = 0u; b * uint(NETWORK) < end; ++b) {
             if (heads[b] >= uint(NETWORK)) continue;

@@ -19,8 +19,8 @@ void main() {
             at = pixels + following;
 #if EARLY_CULLING_ON
             opacity = covered(opacity, payload_of(cells[following]));
-            COUNT(hidden, opacity >= OPAQUE)
-            if (opacity >= OPAQUE) return;
+            COUNT(hidden, opacity >= CULLING_OPACITY)
+            if (opacity >= CULLING_OPACITY) return;
 #endif
         } else {
             if (cell == EMPTY) {

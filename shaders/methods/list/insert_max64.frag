@@ -13,14 +13,14 @@ bool hidden(uint depth, inout uint at) {
     uvec2 record;
     bool nearer = !IS_HELPER;
     for (uint tries = 0u; nearer && tries < uint(LOCK_TRIES); ++tries) {
-        nearer = load_whole64(at, record) && record.y > ~depth && opacity < OPAQUE;
+        nearer = load_whole64(at, record) && record.y > ~depth && opacity < CULLING_OPACITY;
         if (nearer) {
             at = record.x;
             opacity = covered(opacity, payload[at - pixels]);
         }
     }
-    COUNT(hidden, opacity >= OPAQUE)
-    return opacity >= OPAQUE;
+    COUNT(hidden, opacity >= CULLING_OPACITY)
+    return opacity >= CULLING_OPACITY;
 }
 
 void main() {

@@ -55,7 +55,7 @@ void main() {
         } else if (!blocked && age_of(met) == age) {
 #if EARLY_CULLING_ON
             opacity = covered(opacity, met.x);
-            hidden = opacity >= OPAQUE;
+            hidden = opacity >= CULLING_OPACITY;
 #endif
         }
     }
