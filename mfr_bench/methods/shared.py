@@ -51,7 +51,8 @@ ACCUMULATE = Param(
     choices=("float32", "compensated", "float16", "unorm8"),
     weakens={"float16": "rounded to 11 bits after each fragment: a layer behind an opacity of 0.9995 is lost",
              "unorm8": "rounded to 8 bits after each fragment, an error of up to n/510"})
-RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE, ACCUMULATE, STOP_OPACITY)  # of `resolve`; a method may offer some or all
+# Of `resolve`; a method may offer some or all.
+RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE, ACCUMULATE, STOP_OPACITY)
 ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emulated by 32-bit ones",
                  choices=("native", "emulated"), needs={"native": "shader_atomic_int64"})
 EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of `culling_opacity`",
