@@ -12,6 +12,9 @@ from .spec import Buffer, Method, Pass, when
 
 ORDER = 8
 
+ANY_COLOUR = replace(PAYLOAD, doc="stored colour, straight: 8 bits a channel, or 16-bit floats in two words",
+                     choices=("rgba8", "rgba16f"), weakens={})
+
 METHODS = [
     Method(
         id="mlab", name="MLAB", family="mlab",
@@ -21,9 +24,7 @@ METHODS = [
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure="a fragment that comes late may belong in front of what was merged; each merge rounds to the payload",
         beside=LOCK, mixes=True, exact_where="n <= k",
-        params=(replace(K, doc="layers per pixel"), SYNC, STAGE,
-                replace(PAYLOAD, doc="stored colour, straight: 8 bits a channel, or 16-bit floats in two words", weakens={},
-                        choices=("rgba8", "rgba16f"))), local="k",
+        params=(replace(K, doc="layers per pixel"), SYNC, STAGE, ANY_COLOUR), local="k",
         buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
                  Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", coherent=True)),
         steps=(
