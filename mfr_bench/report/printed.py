@@ -41,7 +41,7 @@ HERE: Mapping[str, Here] = {
     "memory": _measure("memory_mib"), "words_per_pixel": _measure("words_per_pixel"), "frame_rate": _measure("fps"),
     "geometry_passes": _column("geometry_passes"), "k_chosen": _column("chosen_k"),
     "referencing_time": _pass("referencing", "scan", "store"), "render_time": _pass("render"),
-    "discarded_share": _column("discarded_share", 100.0), "fragments": _column("fragments"),
+    "fragments": _column("fragments"),
     "mean_depth_complexity": _mean_depth, "depth_complexity": _column("max_fragments"),
 }
 MOST_TIMES = 64  # that a viewport may be smaller than a printed one

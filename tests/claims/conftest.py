@@ -15,5 +15,5 @@ def _no_wait_for_the_disk(monkeypatch):
 @pytest.fixture(autouse=True)
 def _values_of_all_experiments(monkeypatch):
     """The columns that claims name are there, whether or not a method of this version fills them."""
-    named = ("discarded_share", "luminance_error", "hue_error")
+    named = ("culled_share", "luminance_error", "hue_error")
     monkeypatch.setattr(store, "VALUES", {n: store.Column(n, "float", "", "") for n in named} | store.VALUES)

@@ -210,8 +210,8 @@ def compare_and_swap(good):
 
 
 def discarded(good):
-    return [cell("kplus-array", params={"k": 8, "occupancy": 32}, values={"discarded_share": 0.97 if good else 0.7}),
-            cell("kplus-array", params={"k": 8, "occupancy": 0}, values={"discarded_share": 0.62})]
+    return [cell("kplus-array", params={"k": 8, "occupancy": 32}, values={"culled_share": 0.97 if good else 0.7}),
+            cell("kplus-array", params={"k": 8, "occupancy": 0}, values={"culled_share": 0.62})]
 
 
 def occupancy(good):
@@ -222,7 +222,7 @@ def occupancy(good):
 def two_channel(good):
     return [cell("kplus-array", params={"k": 8, "payload": "two_channel"}, colours=colours,
                  values={"luminance_error": 0.002, "hue_error": error})
-            for colours, error in (("low", 0.01), ("high", 0.2 if good else 0.005))]
+            for colours, error in (("plane", 0.01), ("hues-6", 9.0), ("hues-12", 8.0), ("any", 7.0 if good else 0.005))]
 
 
 CASES = {  # claim -> an experiment that shows it, and its cells

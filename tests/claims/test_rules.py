@@ -188,9 +188,9 @@ def test_share_of_a_pass(run):
 
 
 def test_counted_values(run):
-    made = run(cell("a", values={"discarded_share": 0.9}), cell("b"))
-    assert [c.outcome for c in Counted(pick("a"), "discarded_share", at_least(0.5)).compare(made)] == [Outcome.HOLDS]
-    assert [c.outcome for c in Counted(pick("b"), "discarded_share", at_least(0.5)).compare(made)] == [Outcome.UNCLEAR]
+    made = run(cell("a", values={"culled_share": 0.9}), cell("b"))
+    assert [c.outcome for c in Counted(pick("a"), "culled_share", at_least(0.5)).compare(made)] == [Outcome.HOLDS]
+    assert [c.outcome for c in Counted(pick("b"), "culled_share", at_least(0.5)).compare(made)] == [Outcome.UNCLEAR]
 
 
 @pytest.mark.parametrize(("status", "outcome"), [

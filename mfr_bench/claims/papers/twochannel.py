@@ -18,7 +18,8 @@ CLAIMS = (
         "luminance unaffected except for rounding; hues off where a texture mixes materials",
         ("twochannel-fig4",),
         (Counted(pick(payload="two_channel"), LUMINANCE, at_most(ROUNDING)),
-         Ratio(pick(payload="two_channel", colours="high"), pick(payload="two_channel", colours="low"), MORE,
-               measure=counted(HUE))),
+         *(Ratio(pick(payload="two_channel", colours=many), pick(payload="two_channel", colours="plane"), MORE,
+                 measure=counted(HUE)) for many in ("hues-6", "hues-12", "any"))),
+        remark="the least variety is that of one plane through black; six hues, twelve, or any are more",
     ),
 )
