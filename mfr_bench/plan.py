@@ -194,7 +194,7 @@ def expected_sizes(scene: Scene) -> Sizes:
     histogram = (counts[0] + scene.size[0] * scene.size[1] - covered, *counts[1:])
     fragments = sum(f * pixels for f, pixels in enumerate(histogram))
     return Sizes(*scene.size, n=max(1, len(histogram) - 1), F=fragments, quads=quad_count(scene), histogram=histogram,
-                 geometry="quad" if is_flat(scene) else "strip", aligned=scene.kind == "quads")
+                 geometry="quad" if is_flat(scene) else "strip")
 
 
 def _expected_counts(scene: Scene) -> list[float]:

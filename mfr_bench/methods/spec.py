@@ -40,12 +40,16 @@ class Sizes:
     rejects: bool = False  # some generated fragments are discarded (f_p < 1)
     histogram: tuple[int, ...] = ()  # histogram[i] = pixels with i fragments
     geometry: str = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
-    aligned: bool = True  # primitives meet no pixel but at its edges
 
     @property
     def P(self) -> int:
         """Pixels of the viewport."""
         return self.W * self.H
+
+    @property
+    def flat(self) -> bool:
+        """Whether each primitive has one depth, and meets no pixel but at its edges."""
+        return self.geometry == "quad"
 
     def bounded(self, k: int) -> int:
         """Fragments left when each pixel keeps at most `k`: the sum of min(f, k) over the pixels."""
@@ -60,7 +64,7 @@ class Sizes:
 
 
 # What a parameter may ask of a scene: facts of Sizes, in words.
-SCENE_FACTS: Mapping[str, str] = {"aligned": "primitives that meet no pixel but at its edges"}
+SCENE_FACTS: Mapping[str, str] = {"flat": "flat primitives that meet no pixel but at its edges"}
 
 
 def doubled(start: int, needed: int) -> int:

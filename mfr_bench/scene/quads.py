@@ -31,8 +31,7 @@ class Scene:
     rgba: uint8 (n, 4), straight alpha. seed decides which fragments are rejected.
     """
 
-    geometry: ClassVar[str] = "quad"
-    aligned: ClassVar[bool] = True
+    geometry: ClassVar[str] = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
 
     viewport: tuple[int, int]
     rect: np.ndarray

@@ -23,4 +23,4 @@ def slanted(config: SceneConfig, seed: int) -> Strips:
     xy = np.stack([edges[:, (0, 2, 0, 2)], edges[:, (1, 1, 3, 3)]], axis=-1)
     tilt = along_x[:, None] * np.array([-0.5, 0.5, -0.5, 0.5]) + along_y[:, None] * np.array([-0.5, -0.5, 0.5, 0.5])
     place = config.slant / 2 + (1.0 - config.slant) * middle[:, None] + tilt
-    return strips(config, orthographic(xy, place), seed, aligned=True)
+    return strips(config, orthographic(xy, place), seed)

@@ -24,7 +24,7 @@ class Strips:
     """Strips in submission order; the fragments of one are those of its two triangles, each pixel once.
 
     position: float32 (n, 4, 4), corners in the order of a triangle strip, clip space x y z w. rgba: uint8 (n, 4),
-    straight alpha. aligned: no pixel is met but at its edges. seed decides which fragments are rejected.
+    straight alpha. seed decides which fragments are rejected.
     """
 
     geometry: ClassVar[str] = "strip"
@@ -34,7 +34,6 @@ class Strips:
     rgba: np.ndarray
     fragment_probability: float
     seed: int
-    aligned: bool = False
 
     def __len__(self) -> int:
         return len(self.position)
@@ -62,8 +61,7 @@ def orthographic(xy: np.ndarray, place: np.ndarray) -> np.ndarray:
     return xyzw
 
 
-def strips(config: SceneConfig, corners: np.ndarray, seed: int, aligned: bool = False,
-           part_of: np.ndarray | None = None) -> Strips:
+def strips(config: SceneConfig, corners: np.ndarray, seed: int, part_of: np.ndarray | None = None) -> Strips:
     """A scene of corners (n, 4, 4) in clip space, in the order of the config, with its colours.
 
     Strips that are `part_of` the same thing (uint64 (n,)) have one colour.
@@ -78,4 +76,4 @@ def strips(config: SceneConfig, corners: np.ndarray, seed: int, aligned: bool = 
         order = np.argsort(middle if config.order == "front_to_back" else -middle, kind="stable")
     colours = rgba(config, index if part_of is None else part_of, seed)
     return Strips(tuple(config.size), np.ascontiguousarray(corners[order], dtype=np.float32), colours[order],
-                  config.fragment_probability, seed, aligned)
+                  config.fragment_probability, seed)

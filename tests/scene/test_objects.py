@@ -46,7 +46,6 @@ def test_arrays_are_what_the_interface_says(kind):
     assert (scene.position.shape, scene.rgba.shape) == ((len(scene), 4, 4), (len(scene), 4))
     assert np.isfinite(scene.position).all()
     assert (scene.position[..., 3] > 0).all()
-    assert scene.aligned == (kind == "slanted")
 
 
 @EACH
