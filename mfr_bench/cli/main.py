@@ -8,7 +8,7 @@ import click
 
 from .. import __version__
 from ..errors import Interrupted, MfrError, UsageError, nearest
-from . import claims_command, device_commands, report_commands, run_command
+from . import claims_command, compare_command, device_commands, report_commands, run_command
 from .output import note, prepare_streams, say
 
 EPILOG = """
@@ -21,7 +21,8 @@ Examples:
 
 \b
 Exit status: 0 done; 1 a cell crashed, or ran out of time or memory;
-2 the command or a config is wrong; 3 an image is wrong; 130 interrupted.
+2 the command or a config is wrong; 3 an image is wrong; 4 compare found a
+regression; 5 compare --strict could not tell; 130 interrupted.
 
 \b
 Shell completion (or zsh_source, fish_source):
@@ -53,7 +54,7 @@ def cli(context: click.Context) -> None:
         context.exit(2)
 
 
-for module in (run_command, report_commands, claims_command, device_commands):
+for module in (run_command, report_commands, claims_command, compare_command, device_commands):
     for command in module.COMMANDS:
         cli.add_command(command)
 

@@ -1,0 +1,107 @@
+"""`compare`: what changed between two sets of results; from the store alone, no GL."""
+
+from __future__ import annotations
+
+import math
+
+import click
+
+from ..errors import UsageError
+from .options import JSON
+from .output import note, say, width
+
+REGRESSION, DOUBT = 4, 5
+
+
+class Percentage(click.ParamType):
+    """A share in percent, with or without its sign: 2, 2.5%."""
+
+    name = "percent"
+
+    def convert(self, value, param, context):
+        if isinstance(value, float):
+            return value
+        try:
+            share = float(str(value).removesuffix("%").strip()) / 100
+        except ValueError:
+            share = math.nan
+        if not 0 < share <= 1:
+            self.fail(f"{value!r} is not allowed; allowed: percent above 0, up to 100, such as 2")
+        return share
+
+
+@click.command()
+@click.argument("before", metavar="DIR_A", type=click.Path())
+@click.argument("after", metavar="DIR_B", type=click.Path())
+@click.option("--threshold", metavar="PERCENT", type=Percentage(), default="2", show_default=True,
+              help="Smallest difference that matters.")
+@click.option("--across-devices", is_flag=True, help="Compare results of different devices or drivers.")
+@click.option("--absolute", is_flag=True,
+              help="Count what all methods of a scene have in common as theirs; else it is taken out.")
+@click.option("--strict", is_flag=True, help="End with status 5 where something could not be told.")
+@click.option("--all", "whole", is_flag=True, help="Show every cell, those that are the same too.")
+@JSON
+@click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per cell.")
+@click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
+def compare(before: str, after: str, threshold: float, across_devices: bool, absolute: bool, strict: bool, whole: bool,
+            as_json: bool, as_csv: bool, as_markdown: bool) -> int:
+    """Say which cells of DIR_B are faster, slower or worse than in DIR_A.
+
+    Cells are matched by config, method, parameters and scene, in all results at or below each folder.
+
+    \b
+    FASTER, SLOWER  beyond the threshold, both noise floors, and what two runs
+                    of one thing differ by, corrected for the number of cells
+    SAME            within the threshold, with 95 % confidence
+    UNCLEAR         neither: measure again, longer, or on a quieter machine
+
+    Two runs differ by more than the intervals within them tell. So what all methods of a scene have in common is taken
+    out (a load or a clock does that; --absolute leaves it in), and how far cells scatter between the runs is estimated
+    from all of them. A cell that moved alone, against the others of its method, must be three times as far out.
+
+    \b
+    Examples:
+      mfr-bench compare results/before results/after
+      mfr-bench compare old new --threshold 5 --strict
+      mfr-bench compare results/llvmpipe results/nvidia-h200 --across-devices
+
+    \b
+    Exit status: 0 no regression; 4 something is slower, or newly wrong or
+    failed, or has a larger error or more memory; 5 with --strict: could not tell.
+    """
+    from ..compare import compare as compared
+    from ..compare import present
+
+    if as_json + as_csv + as_markdown > 1:
+        raise UsageError("compare: more than one of --json, --csv and --markdown; allowed: one, or none for text")
+    sides = _sides(before, after)
+    found = compared(*sides, threshold, across_devices, absolute)
+    if not found.verdicts:
+        raise UsageError(f"compare: {before} and {after} have no cell in common; allowed: results of the same configs")
+    if as_json:
+        say(present.as_json(found))
+    elif as_csv:
+        say(present.as_csv(found).rstrip("\n"))
+    else:
+        say(present.as_markdown(found, whole) if as_markdown else present.as_text(found, width(), whole))
+    for line in (line for side in sides for line in side.damaged):
+        note(line)
+    return REGRESSION if found.regressed else DOUBT if strict and found.doubtful else 0
+
+
+def _sides(before: str, after: str):
+    """Both sides. Raises UsageError with the mistakes of both."""
+    from ..compare import load_side
+
+    sides, mistakes = [], []
+    for path in (before, after):
+        try:
+            sides.append(load_side(path))
+        except UsageError as error:
+            mistakes += error.lines
+    if mistakes:
+        raise UsageError(mistakes)
+    return sides
+
+
+COMMANDS = (compare,)

@@ -1,0 +1,236 @@
+"""The verdict on each cell that two sets of results share."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import Any
+
+from ..report.data import EXACT_ERROR
+from ..stats import Interval, ratio_interval
+from .noise import Noise, Shift, estimate
+from .sides import Entry, Side, changed_environment, refuse_other_devices
+
+FASTER, SLOWER, SAME, UNCLEAR = "FASTER", "SLOWER", "SAME", "UNCLEAR"
+VERDICTS = (SLOWER, FASTER, UNCLEAR, SAME)
+ERROR_RATE = 0.02  # of a whole comparison: the chance of any false alarm, were the noise as it is estimated
+SAME_RATE = 0.05  # of each cell that is called the same: the chance that it is not
+SUPPORT = 2.0  # deviations by which another cell of the method must have moved the same way
+TOGETHER = 2.0  # and by which, where the cells of the method decide it together
+ALONE = 2.0  # times as far out must a cell be whose method has no other
+AGAINST = 4.0  # and one that no other cell of its method supports
+BAD = ("wrong", "crashed", "timeout", "out_of_memory", "overflow")
+RMSE_GROWTH = 1.1  # a larger error: methods with races have another one in every run
+
+
+@dataclass(frozen=True)
+class Change:
+    """Something counted that is not as it was. `worse`: None where it is neither better nor worse."""
+
+    text: str
+    worse: bool | None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A cell on both sides. `ratio`: after / before with what all methods have in common taken out, and the interval
+    in which it lies for all cells at once; `raw`: the ratio as measured."""
+
+    name: str
+    experiment: str
+    before: Entry
+    after: Entry
+    verdict: str | None  # None where neither side has a time
+    reason: str = ""
+    ratio: Interval = (None, None, None)
+    raw: float | None = None
+    changes: tuple[Change, ...] = ()
+
+    @property
+    def regressed(self) -> bool:
+        return self.verdict == SLOWER or any(change.worse for change in self.changes)
+
+    def record(self) -> dict[str, Any]:
+        """The verdict as JSON knows it."""
+        low, ratio, high = self.ratio
+        cell = self.after.point.cell
+        return {"experiment": self.experiment, "name": self.name, "method": cell["method"], "params": cell["params"],
+                "scene": cell["scene"], "verdict": self.verdict, "reason": self.reason or None,
+                "before_ms": self.before.point.row["time_ms"], "after_ms": self.after.point.row["time_ms"],
+                "ratio": ratio, "ratio_low": low, "ratio_high": high, "raw_ratio": self.raw,
+                "changes": [{"what": change.text, "worse": change.worse} for change in self.changes]}
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All that is said of two sets of results. `common`: ratio of all methods together, least and most of any scene."""
+
+    before: Side
+    after: Side
+    threshold: float
+    floor: float
+    absolute: bool
+    verdicts: tuple[Verdict, ...]
+    missing_before: tuple[Entry, ...]
+    missing_after: tuple[Entry, ...]
+    common: tuple[float, float] | None
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        return Counter(v.verdict for v in self.verdicts if v.verdict)
+
+    @property
+    def environment(self) -> list[str]:
+        return changed_environment(self.before, self.after)
+
+    @property
+    def moved(self) -> bool:
+        """Whether the machine as a whole was faster or slower by more than the threshold and the noise floors."""
+        limit = max(self.threshold, self.floor)
+        return self.common is not None and any(abs(ratio - 1) > limit for ratio in self.common)
+
+    @property
+    def regressed(self) -> bool:
+        return any(v.regressed for v in self.verdicts)
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether something could not be told: a cell that is unclear or missing, a machine that moved."""
+        missing = self.missing_before or self.missing_after
+        return bool(self.counts.get(UNCLEAR) or missing or (self.moved and not self.absolute))
+
+
+def compare(before: Side, after: Side, threshold: float = 0.02, across_devices: bool = False,
+            absolute: bool = False) -> Comparison:
+    """Cell by cell. Raises UsageError where the devices differ and that was not asked for.
+
+    `threshold`: smallest relative difference that matters. `absolute`: what all methods of a scene have in common
+    counts as theirs; else it is taken out, for a load or a clock does the same.
+    """
+    if not across_devices:
+        refuse_other_devices(before, after)
+    shared = [key for key in before.entries if key in after.entries]
+    pairs = [(before.entries[key], after.entries[key]) for key in shared]
+    floor = max((noise for noise in (before.noise, after.noise) if noise is not None), default=threshold)
+    timed = _Timed(pairs, floor, threshold, absolute, alike=before.devices == after.devices)
+    verdicts = tuple(_verdict(b, a, timed) for b, a in pairs)
+    return Comparison(before, after, threshold, floor, absolute, verdicts,
+                      tuple(e for key, e in after.entries.items() if key not in before.entries),
+                      tuple(e for key, e in before.entries.items() if key not in after.entries), timed.common)
+
+
+class _Timed:
+    """The verdicts on times, of all cells that have one on both sides."""
+
+    def __init__(self, pairs: Sequence[tuple[Entry, Entry]], floor: float, threshold: float, absolute: bool,
+                 alike: bool):
+        self._limit, self._same, self._absolute = math.log1p(max(threshold, floor)), math.log1p(threshold), absolute
+        self._floor = floor
+        shifts = {id(a): shift for b, a in pairs if (shift := _shift(b, a))}
+        self._index = {key: number for number, key in enumerate(shifts)}
+        self._shifts = list(shifts.values())
+        self._noise: Noise = estimate(self._shifts, floor, alike)
+        self._critical = NormalDist().inv_cdf(1 - ERROR_RATE / 2 / max(1, len(self._shifts)))
+        self._of_method: dict[Any, list[int]] = defaultdict(list)
+        for number, shift in enumerate(self._shifts):
+            self._of_method[shift.method].append(number)
+
+    @property
+    def common(self) -> tuple[float, float] | None:
+        found = [math.exp(c) for c in self._noise.common]
+        return (min(found), max(found)) if any(self._noise.common) else None
+
+    def _moved(self, number: int) -> float:
+        """What became of a cell, apart from what became of all."""
+        return self._shifts[number].log_ratio - (0.0 if self._absolute else self._noise.common[number])
+
+    def _distance(self, number: int) -> float:
+        """How many deviations a cell moved, as the outer cells count them."""
+        return self._moved(number) / self._noise.deviations[number] / self._noise.stretch
+
+    def _beyond_noise(self, number: int) -> bool:
+        """Whether a cell moved further than two runs of one thing do, by itself or together with others of its method.
+
+        A method that changed moves in more than one of its cells; a burst of load hits one.
+        """
+        distances = [self._distance(i) for i in self._of_method[self._shifts[number].method]]
+        mine = self._distance(number)
+        support = sorted(d * math.copysign(1.0, mine) for d in distances)[-2] if distances[1:] else None
+        if support is None:
+            return abs(mine) > ALONE * self._critical
+        if abs(mine) > self._critical * (1.0 if min(support, abs(mine)) > SUPPORT else AGAINST):
+            return True
+        together = abs(sum(max(-self._critical, min(self._critical, d)) for d in distances)) / math.sqrt(len(distances))
+        return together > self._critical and abs(mine) > SUPPORT and support > TOGETHER
+
+    def judge(self, after: Entry) -> tuple[str, str, Interval, float | None]:
+        """Verdict, reason, ratio with its interval, ratio as measured."""
+        number = self._index.get(id(after))
+        if number is None:
+            return UNCLEAR, "too few samples for an interval", (None, None, None), None
+        moved, deviation = self._moved(number), self._noise.deviations[number]
+        reach = self._critical * self._noise.stretch * deviation
+        ratio = math.exp(moved - reach), math.exp(moved), math.exp(moved + reach)
+        verdict, reason = self._decided(number, moved, deviation, reach)
+        return verdict, reason, ratio, math.exp(self._shifts[number].log_ratio)
+
+    def _decided(self, number: int, moved: float, deviation: float, reach: float) -> tuple[str, str]:
+        if abs(moved) > self._limit and self._beyond_noise(number):
+            return (SLOWER if moved > 0 else FASTER), ""
+        if abs(moved) + NormalDist().inv_cdf(1 - SAME_RATE) * deviation < self._same:
+            return SAME, ""
+        if abs(moved) <= reach:
+            return UNCLEAR, f"two runs of one thing differ by up to {100 * math.expm1(reach):.2g} % here"
+        if abs(moved) <= self._limit:
+            return UNCLEAR, f"no more than the noise floor of {100 * self._floor:.2g} %"
+        return UNCLEAR, "no other cell of the method moved with it: measure both again"
+
+
+def _shift(before: Entry, after: Entry) -> Shift | None:
+    """What became of a cell that has samples enough on both sides, of one timer."""
+    b, a = before.point, after.point
+    if b.row["time_ms"] is None or a.row["time_ms"] is None or b.row["timer"] != a.row["timer"]:
+        return None
+    low, ratio, high = ratio_interval(a.cell.get("samples_ms") or [], b.cell.get("samples_ms") or [])
+    if not (low and ratio and high):
+        return None
+    error = math.log(high / low) / 2 / NormalDist().inv_cdf(0.975)
+    return Shift(after.scene, after.method, math.log(ratio), error)
+
+
+def _verdict(before: Entry, after: Entry, timed: _Timed) -> Verdict:
+    b, a = before.point, after.point
+    changes = tuple(_changes(before, after))
+    about = (after.name, after.experiment, before, after)
+    if b.status not in ("ok", "wrong") or a.status not in ("ok", "wrong") or "wrong" in (b.status, a.status):
+        return Verdict(*about, None, changes=changes)
+    if b.row["timer"] != a.row["timer"]:
+        return Verdict(*about, UNCLEAR, f"timed by {b.row['timer']}, then by {a.row['timer']}", changes=changes)
+    return Verdict(*about, *timed.judge(after), changes)
+
+
+def _changes(before: Entry, after: Entry) -> list[Change]:
+    """What is counted and not as it was: status, image, memory."""
+    b, a = before.point, after.point
+    found = []
+    if b.status != a.status:
+        worse = True if a.status in BAD and b.status not in BAD else False if b.status in BAD else None
+        reason = f" ({a.cell['reason']})" if a.cell.get("reason") and a.status in BAD else ""
+        found.append(Change(f"{b.sign} -> {a.sign}{reason}", worse))
+    found += _error_changes(b.row, a.row)
+    if None not in (m := (b.row["memory_bytes"], a.row["memory_bytes"])) and m[0] != m[1]:
+        found.append(Change(f"memory {m[0]:,} -> {m[1]:,} bytes", m[1] > m[0]))
+    return found
+
+
+def _error_changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[Change]:
+    largest = before["max_abs_error"], after["max_abs_error"]
+    if None not in largest and (largest[0] > EXACT_ERROR) != (largest[1] > EXACT_ERROR):
+        return [Change(f"max_abs_error {largest[0]:.3g} -> {largest[1]:.3g}", largest[1] > largest[0])]
+    rmse = before["rmse"], after["rmse"]
+    if None in rmse or max(rmse) <= EXACT_ERROR or max(rmse) <= RMSE_GROWTH * min(rmse):
+        return []
+    return [Change(f"rmse {rmse[0]:.3g} -> {rmse[1]:.3g}", rmse[1] > rmse[0])]

@@ -1,0 +1,99 @@
+"""How far two runs of the same thing are apart: more than the intervals within each tell.
+
+A run's clock, its load and the places of its buffers in memory are drawn anew with each run, and no number of frames
+within one run averages over them. What is common to all methods of a scene is taken out; what is left between the
+cells, robustly, is how far apart two runs of one thing are. A few cells that did change do not move it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from statistics import NormalDist, median
+
+COMMON_LEAST = 5  # methods in a scene, from which on what they have in common can be told from what one of them did
+SPREAD_LEAST = 20  # cells, from which on they show their own spread
+PRIOR_CELLS = 10  # cells' worth of evidence that the noise floors are
+HALF_NORMAL = 0.6745  # median of the absolute value of a normal variable
+TAILS = ((0.8, 1.0), (0.9, 1.0), (0.95, 0.9))  # quantile of the distances, and its weight: the last is of few cells
+
+
+@dataclass(frozen=True)
+class Shift:
+    """What became of one cell: logarithm of the ratio of its times, and the standard error of that within the runs."""
+
+    scene: Hashable
+    method: Hashable
+    log_ratio: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Noise:
+    """`common`: logarithm that each cell's scene has in common. `deviations`: of each cell between runs, logarithms.
+
+    `stretch`: how much longer the tails are than a normal distribution's, at least 1.
+    """
+
+    common: tuple[float, ...]
+    deviations: tuple[float, ...]
+    stretch: float
+
+
+def estimate(shifts: Sequence[Shift], floor: float, alike: bool = True) -> Noise:
+    """The noise between two runs. `floor`: how far a run's own A/A pair was apart, relative.
+
+    Runs that are not `alike`, of two devices, tell nothing of it: each cell is then as far apart as its pair.
+    """
+    if not alike:
+        return Noise((0.0,) * len(shifts), tuple(math.hypot(s.error, floor) for s in shifts), 1.0)
+    common = _common(shifts)
+    rest = [s.log_ratio - c for s, c in zip(shifts, common, strict=True)]
+    errors = [s.error for s in shifts]
+    between = _between(rest, errors, floor)
+    deviations = tuple(math.hypot(error, between) for error in errors)
+    distances = sorted(abs(r) / d for r, d in zip(rest, deviations, strict=True) if d)
+    return Noise(common, deviations, _stretch(distances) if len(distances) >= SPREAD_LEAST else 1.0)
+
+
+def _common(shifts: Sequence[Shift]) -> tuple[float, ...]:
+    """For each cell what its scene has in common: the median over methods of their medians; 0 where methods are few."""
+    scenes: dict[Hashable, dict[Hashable, list[float]]] = defaultdict(lambda: defaultdict(list))
+    for shift in shifts:
+        scenes[shift.scene][shift.method].append(shift.log_ratio)
+    everywhere: dict[Hashable, list[float]] = defaultdict(list)
+    for shift in shifts:
+        everywhere[shift.method].append(shift.log_ratio)
+    of_all = _median_of(everywhere, 0.0)
+    of_scene = {scene: _median_of(methods, of_all) for scene, methods in scenes.items()}
+    return tuple(of_scene[shift.scene] for shift in shifts)
+
+
+def _median_of(methods: dict[Hashable, list[float]], otherwise: float) -> float:
+    return median(map(median, methods.values())) if len(methods) >= COMMON_LEAST else otherwise
+
+
+def _between(rest: Sequence[float], errors: Sequence[float], floor: float) -> float:
+    """The deviation between runs, beyond that within them: the cells' own, drawn towards that of the noise floors.
+
+    A noise floor is where a pair of one method is at most, so half of it is a deviation; where there are too few cells
+    to show theirs, all of it.
+    """
+    if len(rest) < SPREAD_LEAST:
+        return floor
+    low, high = 0.0, 10.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        wide = median(abs(r) / (math.hypot(e, middle) or math.inf) for r, e in zip(rest, errors, strict=True))
+        low, high = (middle, high) if wide > HALF_NORMAL else (low, middle)
+    own, prior = high**2, (floor / 2) ** 2
+    return math.sqrt((len(rest) * own + PRIOR_CELLS * prior) / (len(rest) + PRIOR_CELLS))
+
+
+def _stretch(distances: Sequence[float]) -> float:
+    """How far out the outer cells are, over how far a normal distribution has them."""
+    normal = NormalDist()
+    return max([1.0, *(weight * distances[math.ceil(share * len(distances)) - 1] / normal.inv_cdf((1 + share) / 2)
+                       for share, weight in TAILS)])
