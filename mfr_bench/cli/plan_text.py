@@ -13,6 +13,7 @@ def print_plans(plans, supervisor, choices: Choices) -> None:
     from ..errors import DeviceError
     from ..methods import catalog
     from ..plan import overview
+    from ..run.jobs import jobs
 
     try:
         ready = supervisor.ready()
@@ -20,39 +21,52 @@ def print_plans(plans, supervisor, choices: Choices) -> None:
         ready = None
         note(f"{error}; the plan below holds only the budget against the cells")
     folders = result_folders(plans, choices.out, ready.device["slug"] if ready else "unknown-device")
+    beside = sources(plans, folders, choices)
+    shared: dict[str, str] = {}
+    codes: dict[Any, str] = {}
     for (experiment, cells), folder in zip(plans, folders, strict=True):
         if not cells:
             continue
         rows = overview(cells, catalog(), ready.limits if ready else None)
-        decided = _known(cells, folder, sources(plans, folders, choices), ready, choices) if ready else {}
-        for number, row in enumerate(rows):
-            if row["decision"] == "measure":
-                row["decision"] = decided.get(number, "measure")
+        if ready:
+            todo = jobs(cells, catalog(), ready.device, ready.timer, codes)
+            _decide(rows, todo, (folder, *beside), choices, shared)
         say(_plan_text(experiment, rows, folder))
 
 
-def _known(cells, folder, others, ready, choices: Choices) -> dict[int, str]:
-    """What result folders say of cells, by their numbers: that they are kept, copied, or hopeless."""
-    from ..methods import catalog
+def _decide(rows: list[dict[str, Any]], todo, folders, choices: Choices, shared: dict[str, str]) -> None:
+    """What becomes of the cells that neither device nor budget forbids, by what result folders have.
+
+    folders: the experiment's own, then those beside it. shared: the experiment that measures a cell first, by key.
+    """
     from ..plan import Known, hopeless
-    from ..run.jobs import jobs
+
+    rows_by_number = {} if choices.force else _kept(todo, folders, choices.keep_failed)
+    known = [Known(todo[number].cell, row["status"], row["values"].get("time_ms"))
+             for number, (_, row) in rows_by_number.items()]
+    known = [k for k in known if k.over_limit(k.cell.measure)]
+    for number, (row, job) in enumerate(zip(rows, todo, strict=True)):
+        if row["decision"] != "measure":
+            continue
+        if number in rows_by_number:
+            source = rows_by_number[number][0]
+            row["decision"] = "kept: already measured" if source is folders[0] else f"copied from {source.path}"
+        elif not choices.try_hopeless and (reason := hopeless(job.cell, known)):
+            row["decision"] = f"timeout: {reason}"
+        elif shared.setdefault(job.key, job.cell.experiment) != job.cell.experiment:
+            row["decision"] = f"shared with {shared[job.key]}"
+
+
+def _kept(todo, folders, keep_failed: bool) -> dict[int, tuple[Any, dict[str, Any]]]:
+    """The folder that has a cell, and its row, by the cell's number."""
     from ..run.ledger import final
 
-    if choices.force or not any(f.cells_path.is_dir() for f in (folder, *others)):
-        return {}
-    found: dict[int, str] = {}
-    known = []
-    todo = jobs(cells, catalog(), ready.device, ready.timer)
+    present = [folder for folder in folders if folder.cells_path.is_dir()]
+    found = {}
     for number, job in enumerate(todo):
-        for source in (folder, *others):
-            if row := final(source, job.key, choices.keep_failed):
-                found[number] = "kept: already measured" if source is folder else f"copied from {source.path}"
-                known.append(Known(job.cell, row["status"], row["values"].get("time_ms")))
-                break
-    known = [k for k in known if k.over_limit(k.cell.measure)]
-    for number, job in enumerate(todo):
-        if number not in found and not choices.try_hopeless and (reason := hopeless(job.cell, known)):
-            found[number] = f"timeout: {reason}"
+        rows = ((folder, final(folder, job.key, keep_failed)) for folder in present)
+        if first := next(((folder, row) for folder, row in rows if row), None):
+            found[number] = first
     return found
 
 

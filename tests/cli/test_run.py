@@ -162,6 +162,9 @@ OTHER = TINY.replace("name: tiny", "name: other").replace(
 
 def test_configs_share_cells_and_each_has_them_in_its_own_place(mfr, tiny, here):
     (here / "other.yaml").write_text(OTHER)
+    planned = mfr("run", tiny, "other.yaml", "--out", "out", "--dry-run").out
+    assert planned.count("  shared with tiny\n") == 3
+    assert planned.endswith("  3 to measure, 3 not\n")
     ended = mfr("run", tiny, "other.yaml", "--out", "out")
     assert ended.status == 0
     assert len(ended.err.splitlines()) == 7  # the floor, ab-array, kplus-array at three k, kplus-heap at two

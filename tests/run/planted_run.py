@@ -1,4 +1,4 @@
-"""`python planted_run.py FOLDER`: a run with the fake worker, all but the reading of a config and the reports."""
+"""`python -m tests.run.planted_run FOLDER`: a run with the fake worker, without a config and reports."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from mfr_bench.run.ledger import Ledger, Sheet
 from mfr_bench.run.supervisor import Supervisor
 from mfr_bench.store import ResultFolder
 
-SCENES, METHODS = range(1, 13), ("floor", "ab-array", "kplus-array", "kplus-heap")
+SCENES, METHODS = range(1, 25), ("floor", "ab-array", "kplus-array", "kplus-heap")
 CELLS = len(SCENES) * len(METHODS)
 
 
@@ -22,15 +22,22 @@ def planned() -> list[Cell]:
             for n in SCENES for m in METHODS]
 
 
+class Telling(Ledger):
+    """Prints a dot for every batch that is kept."""
+
+    def sampled(self, batch) -> None:
+        super().sampled(batch)
+        print(".", end="", flush=True)
+
+
 def main() -> None:
     process.PROGRAM = ("import sys; sys.path[:] = sys.argv.pop().split(':'); "
                        "from tests.run.fake_worker import main; main()")
     folder = ResultFolder(sys.argv[1])
     with Supervisor("auto") as supervisor, folder.lock():
         ready = supervisor.ready()
-        ledger = Ledger([Sheet(folder, jobs(planned(), catalog(), ready.device, ready.timer))], ready.device)
+        ledger = Telling([Sheet(folder, jobs(planned(), catalog(), ready.device, ready.timer))], ready.device)
         ledger.settle()
-        print("measuring", flush=True)
         supervisor.measure(ledger.groups(), ledger)
         ledger.close()
 

@@ -45,11 +45,11 @@ def test_fifty_kills_at_random_moments_lose_nothing(tmp_path):
     before, gained = {}, 0
     for number in range(KILLS):
         process = begun(folder)
-        if number % 5:  # the others are killed while they start
-            assert process.stdout.readline() == "measuring\n", process.stderr.read()
-            time.sleep(moments.uniform(0, 0.08))
+        if number % 5:
+            process.stdout.read(moments.randint(1, 8))
+            time.sleep(moments.uniform(0, 0.01))
         else:
-            time.sleep(moments.uniform(0, 0.5))
+            time.sleep(moments.uniform(0, 0.4))  # while it starts, most likely
         process.kill()
         _, complaints = process.communicate()
         assert complaints == ""
@@ -57,12 +57,13 @@ def test_fifty_kills_at_random_moments_lose_nothing(tmp_path):
         assert all(after.get(key, 0) >= count for key, count in before.items()), number
         gained += after != before
         before = after
-    assert gained > KILLS / 5  # that the kills hit runs at work
+    assert gained >= KILLS / 2  # the kills hit runs at work
     assert any(count == len(WHOLE) for count in before.values())
 
     process = begun(folder)
     out, complaints = process.communicate(timeout=60)
-    assert (process.returncode, out, complaints) == (0, "measuring\n", "")
+    assert (process.returncode, complaints) == (0, "")
+    assert len(out) == CELLS * BATCHES - sum(before.values()) // BATCH
     cells = ResultFolder(folder).cells()
     assert len(cells) == CELLS
     assert all(cell["samples_ms"] == WHOLE for cell in cells)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,7 +15,7 @@ from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu import truth
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.methods import catalog
-from mfr_bench.plan import Cell
+from mfr_bench.plan import Cell, expected_sizes
 from mfr_bench.run import measuring, scene_work
 from mfr_bench.run.cell import Bench, failure
 from mfr_bench.run.events import Finished, Group, Sampled, Share
@@ -171,6 +174,24 @@ def test_a_cell_that_fails_costs_itself_alone(run, monkeypatch, error, when):
     assert len(made.rows) == 3
 
 
+def test_fragments_that_fit_no_buffer_are_an_overflow_with_their_number(run, device, monkeypatch):
+    """As if more came than was planned for: the list starts with half of the room that they need."""
+    variant = catalog()["ab-ll"].variant({})
+    sizes = expected_sizes(SCENE)
+    start, end = variant.start_capacity(sizes), variant.capacity(sizes)
+    assert start < sizes.F <= end
+    largest = max(variant.block_bytes(buffer, sizes, end) for buffer in variant.buffers)
+    monkeypatch.setattr(measuring, "judge", lambda *arguments: None)
+    monkeypatch.setattr(device, "limits", replace(device.limits, max_block_bytes=largest - 1))
+    rows, made = run([cell(), cell("ab-ll")])
+    row = rows["ab-ll", None]
+    assert row["status"] == "overflow"
+    assert re.fullmatch(rf"960 fragments do not fit: \w+ would grow to {largest} bytes, a storage block holds "
+                        rf"{largest - 1}", row["reason"])
+    assert "time_ms" not in row["values"]
+    assert made.sheet.counts == {"ok": 1, "overflow": 1}
+
+
 def test_a_scene_without_room_is_rows(run, monkeypatch):
     def none(*arguments):
         raise MemoryError("no room for the scene")
@@ -279,8 +300,6 @@ def test_what_is_kept_is_not_measured_again(run):
 
 
 def test_a_kept_cell_takes_its_place_in_the_experiment(run, tmp_path):
-    from dataclasses import replace
-
     run([cell("kplus-array", k=2)])
     run([replace(cell("kplus-array", k=2), experiment="other", point={})])
     kept, = ResultFolder(tmp_path).cells()
