@@ -20,7 +20,7 @@ def configs(draw, **fixed) -> SceneConfig:
     chosen = {
         "size": draw(st.tuples(sides, sides)), "pixel_density": draw(shares),
         "depth_complexity": draw(st.integers(0, 12)),
-        "layout": draw(st.sampled_from(["block", "tiles", "random"])),
+        "layout": draw(st.sampled_from(["block", "tiles", "random", "mixed"])),
         "order": draw(st.sampled_from(["random", "front_to_back", "back_to_front"])), "alpha": tuple(alphas),
         "fragment_probability": draw(shares), "seed": draw(seeds),
     } | fixed

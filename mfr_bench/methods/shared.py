@@ -71,8 +71,8 @@ PAYLOAD = Param("payload", "rgba8", "stored colour, straight: 8 bits a channel; 
 MULTISAMPLING = Param(
     "multisampling", "on", "while fragments are routed. off, as in the source: a fragment covers all samples, whose "
     "stencils GL lets a device test by one of them; on: it covers those that it covers, with depths of any "
-    "place in the pixel, right where primitives are flat and meet no pixel but at its edges", choices=ON_OFF, needs={"off": SAMPLE_STENCIL},
-    asks={"on": "flat"})
+    "place in the pixel, right where primitives are flat and meet no pixel but at its edges", choices=ON_OFF,
+    needs={"off": SAMPLE_STENCIL}, asks={"on": "flat"})
 OCCUPANCY = Param("occupancy", 0, "intervals of the occupancy map, by which fragments beyond the k-th are discarded "
                   "before the store, by early z where the store has no depth or stencil test of its own; 0: none",
                   of=(0, 32, 64, 128), low=0, high=128)

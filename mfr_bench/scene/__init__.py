@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from ..config.layout import is_flat
 from ..config.model import Scene as SceneConfig
-from .objects import hairball, needles, temple
+from .hairball import hairball
+from .needles import needles
 from .quads import Scene, flat_quads
 from .slanted import slanted
 from .strips import Strips
+from .temple import temple
 
 Geometry = Scene | Strips
 

@@ -8,7 +8,9 @@ import pytest
 from matplotlib.image import imread
 
 from mfr_bench.config import load
+from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Promise
 from mfr_bench.oracle import composite
 from mfr_bench.plan import expand
 from mfr_bench.scene import generate
@@ -118,6 +120,20 @@ def test_a_scene_as_arrays(mfr, odd, here):
             np.testing.assert_array_equal(found[name], getattr(scene, name))
 
 
+OBJECT = "name: object\nscene: {kind: needles, size: [48, 40], depth_complexity: 12}\nmethods: [ab-array, kplus-array]\n"
+
+
+def test_slanted_primitives_are_corners(mfr, here):
+    (here / "object.yaml").write_text(OBJECT)
+    ended = mfr("scene", "object.yaml", "--out", "scene.npz")
+    scene = first_scene("object.yaml")
+    assert ended.out == f"scene.npz: {len(scene)} strips for 48 x 40 pixels\n"
+    with np.load(here / "scene.npz") as found:
+        assert set(found) == {"viewport", "position", "rgba", "fragment_probability", "seed"}
+        for name in ("position", "rgba"):
+            np.testing.assert_array_equal(found[name], getattr(scene, name))
+
+
 def test_a_scene_takes_the_first_cell_unless_set(mfr, odd, here):
     mfr("scene", odd, "--out", "a.npz", "--set", "sweep.scene.depth_complexity=[3,9]")
     mfr("scene", odd, "--out", "b.npz", "--set", "scene.depth_complexity=9")
@@ -141,6 +157,23 @@ def test_a_rendered_array_is_the_oracles(mfr, odd, here, method, more, layers):
     assert ended.out.endswith(", 0 wrong pixels\n")
 
 
+def test_slanted_primitives_are_rendered_and_checked(mfr, device, here):
+    (here / "object.yaml").write_text(OBJECT)
+    ended = mfr("render", "object.yaml", "--method", "kplus-array", "--set", "k=3", "--out", "image.npy")
+    assert ended.status == 0
+    assert ", 0 wrong pixels" in ended.out
+    with shown(device, first_scene("object.yaml")) as on:
+        expected = np.where(on.truth.tied[..., None], np.load(here / "image.npy"), on.truth.image(Promise(3)))
+    np.testing.assert_allclose(np.load(here / "image.npy"), expected, rtol=0, atol=1e-4)
+
+
+def test_what_a_scene_does_not_offer_is_said(mfr, here):
+    (here / "object.yaml").write_text(OBJECT)
+    ended = mfr("render", "object.yaml", "--method", "peel-srab", "--out", "image.npy")
+    assert ended.status != 0
+    assert ended.complaint == "peel-srab: unsupported: needs flat primitives that meet no pixel but at its edges"
+
+
 def test_a_png_is_upright_over_a_checkerboard(mfr, odd, here):
     mfr("render", odd, "--method", "ab-array", "--out", "image.png")
     picture = imread(here / "image.png")
@@ -158,7 +191,7 @@ def test_a_png_is_upright_over_a_checkerboard(mfr, odd, here):
 
 
 def test_a_wrong_image_is_exit_3(mfr, odd, plant, here):
-    plant("scene/quad.vert", "packUnorm4x8(in_rgba)", "packUnorm4x8(in_rgba.brga)")
+    plant("scene/primitive.glsl", "packUnorm4x8(in_rgba)", "packUnorm4x8(in_rgba.brga)")
     ended = mfr("render", odd, "--method", "ab-array", "--out", "image.npy")
     assert ended.status == 3
     assert (here / "image.npy").exists()

@@ -354,7 +354,7 @@ def test_a_dry_run_says_what_is_kept(mfr, tiny, measured):
 
 
 def test_a_wrong_image_is_a_row_and_exit_3(mfr, tiny, here, plant):
-    plant("scene/quad.vert", "packUnorm4x8(in_rgba)", "packUnorm4x8(in_rgba.brga)")
+    plant("scene/primitive.glsl", "packUnorm4x8(in_rgba)", "packUnorm4x8(in_rgba.brga)")
     ended = mfr("run", tiny, "--out", "out")
     assert ended.status == 3
     found = cells(here / "out")["ab-array", None]

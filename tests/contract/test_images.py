@@ -5,7 +5,21 @@ import pytest
 
 from mfr_bench.quality import EXACT_ERROR
 
-from .cases import ALIKE, DEEP, KS, SCENES, SLANTED, Drawn, every_method, label, options, runs_here, sizes_in, variants, with_k
+from .cases import (
+    ALIKE,
+    DEEP,
+    KS,
+    SCENES,
+    SLANTED,
+    Drawn,
+    every_method,
+    label,
+    options,
+    runs_here,
+    sizes_in,
+    variants,
+    with_k,
+)
 
 METHODS = pytest.mark.parametrize("method", every_method(), ids=lambda m: m.id)
 OPTIONS = pytest.mark.parametrize("variant", [v for m in every_method() for v in options(m)], ids=label)
@@ -51,6 +65,14 @@ def test_slanted_primitives(device, method):
     running = [variant for variant in found if runs_here(device, variant)]
     skip_unless_it_runs(device, (running or found)[0])
     check(device, running[0], SLANTED)
+
+
+@pytest.mark.parametrize("variant", [v for m in every_method() for v in options(m) if v.params.get("occupancy")],
+                         ids=label)
+def test_early_z_on_slanted_primitives(device, variant):
+    """The depths that are tested, marked and stored are the same."""
+    skip_unless_it_runs(device, with_k(variant, 4))
+    check(device, with_k(variant, 4), {"crossing": SLANTED["crossing"]})
 
 
 @OPTIONS
