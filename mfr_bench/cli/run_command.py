@@ -52,7 +52,7 @@ def run(configs: tuple[str, ...], out: str | None, profile: str | None, only: st
 
     started = time.perf_counter()
     with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor:
-        plans = _plans(configs, profile, only, overrides)
+        plans = plans_of(configs, profile, only, overrides)
         choices = Choices(out, force, keep_failed, try_hopeless)
         if dry_run:
             print_plans(plans, supervisor, choices)
@@ -63,7 +63,7 @@ def run(configs: tuple[str, ...], out: str | None, profile: str | None, only: st
     return FAILED if statuses & {"crashed", "timeout", "out_of_memory"} else 0
 
 
-def _plans(configs: Sequence[str], profile: str | None, only: str | None, overrides: Sequence[str]):
+def plans_of(configs: Sequence[str], profile: str | None, only: str | None, overrides: Sequence[str]):
     """Every experiment with its cells; without cells where --only leaves none of them, but of another's.
 
     Raises UsageError with the mistakes of all configs at once.

@@ -62,9 +62,11 @@ class Part:
 
 
 class Session:
-    """All experiments of one command on one device."""
+    """All experiments of one command on one device. `table` gives the text of a folder that is printed."""
 
-    def __init__(self, supervisor, asked: Callable[[], bool], choices: Choices, started: float):
+    def __init__(self, supervisor, asked: Callable[[], bool], choices: Choices, started: float,
+                 table: Callable[[Any, int], str] | None = None):
+        self.table = table
         self.supervisor, self.asked, self.choices, self.started = supervisor, asked, choices, started
 
     def run(self, plans) -> set[str]:
@@ -144,7 +146,7 @@ class Session:
         """Print an experiment's tables, write what is derived from its cells, say how it ended."""
         from ..report import terminal_table
 
-        say(terminal_table(part.folder, width()))
+        say((self.table or terminal_table)(part.folder, width()))
         say(summary(part.sheet, part.manifest, self._report(part)))
 
     def _report(self, part: Part) -> list[Path]:

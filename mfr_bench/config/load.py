@@ -38,6 +38,11 @@ def shipped() -> dict[str, Path]:
     return {path.stem: path for path in _files(configs_dir())}
 
 
+def stress_configs() -> dict[str, Path]:
+    """The configs that put methods under stress, by name."""
+    return {path.stem: path for path in _files(configs_dir() / "stress")}
+
+
 def find(reference: str) -> list[Path]:
     """The files that a reference stands for, sorted. Raises UsageError where there is none."""
     path = Path(reference)

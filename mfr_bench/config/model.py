@@ -158,13 +158,15 @@ class Figure(_Plain):
     """One figure: x and y are columns of results.csv, parameters or axes; `methods` picks labels, empty means all.
 
     A kind `maps` draws the kept array y of each cell, `histogram` the fragments per pixel. `passes`: the time of the
-    first of these passes that a method has. `gain_of`: what this parameter gains over its first value. `fit`: a
-    polynomial through each line. `printed`: the paper's numbers of this quantity as marks.
+    first of these passes that a method has. `breaking` shows where along x, from mild to harsh in the order of the
+    sweep, each method breaks. `bound`: the error that rounding explains, as a line. `gain_of`: what this parameter
+    gains over its first value. `fit`: a polynomial through each line. `printed`: the paper's numbers of this quantity
+    as marks.
     """
 
     __pydantic_config__: ClassVar[dict] = STRICT
 
-    kind: Literal["stacked_passes", "lines", "bars", "maps", "histogram"]
+    kind: Literal["stacked_passes", "lines", "bars", "maps", "histogram", "breaking"]
     x: Text
     y: Text = "time_ms"
     log: Literal["x", "y", "xy"] | None = None
@@ -175,6 +177,7 @@ class Figure(_Plain):
     panels: Text | None = None
     methods: Annotated[tuple[Text, ...], Allowed("a list of labels of methods")] = ()
     floor: bool = False
+    bound: bool = False
     passes: Annotated[tuple[Text, ...], Allowed("a list of names of passes")] = ()
     gain_of: Text | None = None
     fit: Literal["linear", "quadratic"] | None = None

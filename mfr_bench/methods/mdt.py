@@ -11,7 +11,7 @@ KEY = Param("key", "float_bits", "what is compared: the bits of the float depth,
             choices=("float_bits", "fixed"),
             weakens={"fixed": "depths that are equal after the conversion collide, and lose all but one colour"})
 DEPTH_BITS = Param("depth_bits", 24, "bits of the scaled conversion, whose number the papers do not print",
-                   low=8, high=24, acts=when("key", "fixed"))
+                   low=8, high=32, acts=when("key", "fixed"))
 
 METHODS = [
     Method(

@@ -1,7 +1,7 @@
 """Open addressing: fragments of all pixels in one hash table, with ages and eviction in place of links.
 
 A cell is the paper's: age in 8 bits, inverted depth in 24, payload in 32. 24 bits of fixed-point depth keep the order
-without loss for depths below 1 on a grid of 2^-24, which the quad scenes' grid of 2^-23 is; a fragment off the
+without loss for depths on a grid of 2^-24 but 1 - 2^-24, as the quad scenes' grid of 2^-23 is; a fragment off the
 grid counts as lost, so that no order is wrong without notice. More than 32 bits of payload have no place (§1.3).
 
 Words: 2 per cell, and one per pixel for the table A of ages. The table is made for `load_factor`, which takes the

@@ -52,6 +52,13 @@ OVER = {"linestyle": "", "marker": "X", "markersize": 5.0, "markeredgecolor": "w
         "zorder": 5, "clip_on": False}  # cells without a value for lack of memory
 HATCH_INK = (1.0, 1.0, 1.0, 0.6)
 
+# What becomes of a method at a level of a stressor: fill and ink.
+STATE_COLOURS = {
+    "holds": ("#cfe8dc", "#2d5f4a"), "differs": ("#ffe08a", INK), "bound": ("#f5a35c", INK),
+    "image": ("#d1495b", "white"), "lost": ("#8e2f7f", "white"), "refused": ("#c4c8cc", INK),
+    "hung": ("#54606b", "white"), "crashed": ("#101418", "white"),
+}
+
 RC = {
     "font.family": "DejaVu Sans", "font.size": 8.0, "axes.titlesize": 8.0, "axes.labelsize": 8.0,
     "xtick.labelsize": 7.5, "ytick.labelsize": 7.5, "legend.fontsize": 7.5,

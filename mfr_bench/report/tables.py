@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ..store import ResultFolder, csv_text, write_file
-from . import data, printed
+from . import breaking, data, printed
+from .breaking import FAULTS, Ladder
 from .data import Point, Result, number
 
 WIDTH = 120  # columns of a terminal
@@ -20,6 +21,8 @@ TIME_NOTE = ("median of whole frames, ± half of its 95 % interval; ~ stopped be
              "±? fewer than 6 samples")
 RATIO_NOTE = "time / time of the same geometry with plain blending, ± half of an interval of at least 95 %"
 MEMORY_NOTE = "measured / by the paper's formula"
+BREAKING_NOTE = ("; ".join(f"{name}: {meaning}" for name, meaning in FAULTS.items())
+                 + "; error and bound: where a method that holds is nearest to what rounding explains")
 PASS_NOTE = "medians of separate frames: their sum may differ from the whole frame's time"
 
 
@@ -257,9 +260,36 @@ def _wrapped(lines: Iterable[str], width: int) -> list[str]:
             textwrap.wrap(line, width, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)]
 
 
+def breaking_grids(result: Result) -> list[Grid]:
+    """A grid for each figure of kind `breaking`: the first level at which each method breaks, in each panel."""
+    grids = []
+    for figure in result.figures:
+        if figure.get("kind") == "breaking":
+            axis, panels = str(figure["x"]), figure.get("panels")
+            points = data.series(result, [p for p in result.points if not data.is_floor(p)],
+                                 [name for name in (axis, panels) if name])
+            grids.append(_breaking_grid(breaking.ladders(result, points, axis, panels), axis, panels))
+    return grids
+
+
+def _breaking_grid(ladders: Sequence[Ladder], axis: str, panels: str | None) -> Grid:
+    names = dict.fromkeys(ladder.panel for ladder in ladders)
+    rows = []
+    for label in dict.fromkeys(ladder.label for ladder in ladders):
+        mine = {ladder.panel: ladder for ladder in ladders if ladder.label == label}
+        worst = max((p for p in (ladder.worst for ladder in mine.values()) if p), default=None,
+                    key=lambda p: p.row["max_abs_error"] / p.row["error_bound"])
+        errors = [number(worst.row[name], 2) if worst else "" for name in ("max_abs_error", "error_bound")]
+        rows.append((_cut(label), *errors, *(breaking.told(mine[n]) if n in mine else ABSENT for n in names)))
+    heads = [data.heading(panels, n) if panels else "breaks at" for n in names]
+    return Grid(f"First level of {data.short(axis)} that breaks each method", BREAKING_NOTE,
+                ("method", "error", "bound", *heads), tuple(rows))
+
+
 def _sections(result: Result, passes: bool) -> list[Grid]:
     blocks = _blocks(result)
-    grids = [_image_grid(result), *(grid for block in blocks for grid in block.measure_grids())]
+    grids = [*breaking_grids(result), _image_grid(result)]
+    grids += [grid for block in blocks for grid in block.measure_grids()]
     grids += [block.pass_grid() for block in blocks] if passes else []
     grids.append(_printed_grid(result))
     return [grid for grid in grids if grid.rows]
@@ -275,6 +305,15 @@ def terminal_table(folder: ResultFolder, width: int = WIDTH) -> str:
     for title, lines in (("Not ok, or not measured", _skipped(result)), ("Files not used", folder.damaged)):
         if lines:
             parts.append("\n".join([title, *_wrapped(lines, width)]))
+    return "\n\n".join(parts) + "\n"
+
+
+def breaking_text(folder: ResultFolder, width: int = WIDTH) -> str:
+    """What `stress` prints of a folder: where each method breaks."""
+    result = data.load(folder)
+    parts = ["\n".join(part for line in _about(result) for part in textwrap.wrap(line, width))]
+    parts += ["\n".join([grid.title, "\n\n".join(chunk.text() for chunk in grid.chunks(width))])
+              for grid in breaking_grids(result)]
     return "\n\n".join(parts) + "\n"
 
 

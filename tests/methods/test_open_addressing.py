@@ -86,11 +86,18 @@ def test_adjacent_depths_of_the_grid_keep_their_order(device, method):
 
 
 @METHODS
-@pytest.mark.parametrize("depth", [2**-25, 0.25 + 2**-25, 1.0])
+@pytest.mark.parametrize("depth", [2**-25, 0.25 + 2**-25, 1 - 2**-24])
 def test_a_depth_off_the_grid_counts_as_lost(device, method, depth):
     scene = stack([depth])
     with drawn(device, method, scene, atomic64="emulated") as frame:
         assert frame.lost_fragments() == scene.viewport[0] * scene.viewport[1]
+
+
+@METHODS
+def test_both_ends_of_the_depth_range_are_on_the_grid(device, method):
+    colours = [(200, 10, 30, 120), (10, 200, 30, 90), (90, 90, 250, 60)]
+    with drawn(device, method, stack([1.0, 0.0, 1 - 2**-23], colours), atomic64="emulated") as frame:
+        assert_shows(frame, [colours[1], colours[2], colours[0]])
 
 
 @METHODS

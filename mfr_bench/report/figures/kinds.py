@@ -2,12 +2,13 @@
 
 `build` returns the matplotlib Figure of one entry of the config's `figures`:
 
-    kind     stacked_passes | bars | lines | maps | histogram
+    kind     stacked_passes | bars | lines | maps | histogram | breaking
     x, y     a swept key or column (see `data.Point.at`), a measure (see `data.MEASURES`)
     log      x | y | xy; log_base 2 or 10
     panels   a swept key or column: one panel for each of its values
     methods  labels or ids: only these series
     floor    true: the floor as a dashed line
+    bound    true: the error that rounding explains, as a dotted line
     passes   the time of the first of these passes that a method has, instead of y
     gain_of  what a parameter gains over its first value, instead of y
     fit      linear | quadratic: a polynomial through each line
@@ -25,6 +26,7 @@ from ...errors import StoreError, nearest
 from .. import data
 from ..data import Result
 from .bars import bars, stacked_passes
+from .breaking import breaking
 from .histogram import histogram
 from .lines import lines
 from .maps import maps
@@ -35,7 +37,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 KINDS: Mapping[str, Callable[[Result, Options], Figure]] = {
-    "stacked_passes": stacked_passes, "bars": bars, "lines": lines, "maps": maps, "histogram": histogram}
+    "stacked_passes": stacked_passes, "bars": bars, "lines": lines, "maps": maps, "histogram": histogram,
+    "breaking": breaking}
 
 
 def build(result: Result, options: Options) -> Figure:

@@ -95,7 +95,7 @@ class Plot:
     def entries(self) -> list[str]:
         """Everything that the legend may have to name."""
         over = dict.fromkeys(p.sign for p in self.points if p.status in OVER)
-        return [*self.labels, "floor", *over, *dict.fromkeys(mark.text for mark in self.marks)]
+        return [*self.labels, "floor", "bound", *over, *dict.fromkeys(mark.text for mark in self.marks)]
 
     @cached_property
     def numeric(self) -> bool:
@@ -119,6 +119,8 @@ class Plot:
                                                          if p.at(self.x) is not None}))
         if self.options.get("floor") and self.y == "time_ms":
             self._floor(axes, points)
+        if self.options.get("bound"):
+            self._bound(axes, points)
         self._over(axes, points)
         draw_marks(axes, ((self.places[p.at(self.x)], mark) for mark in self.marks for p in points
                           if p is mark.point and p.at(self.x) is not None))
@@ -159,6 +161,16 @@ class Plot:
         xs = sorted(found)
         if xs:
             axes.plot(xs, [found[v] for v in xs], color=style.INK, linewidth=0.9, linestyle="--", label="floor")
+
+    def _bound(self, axes: Axes, points: Sequence[Point]) -> None:
+        """What rounding explains of the errors of exact methods: least and most where methods round differently."""
+        found: dict[float, list[float]] = {}
+        for p in points:
+            if p.row["error_bound"] is not None and p.at(self.x) is not None:
+                found.setdefault(self.places[p.at(self.x)], []).append(p.row["error_bound"])
+        xs = sorted(found)
+        for pick in (min, max) if xs else ():
+            axes.plot(xs, [pick(found[v]) for v in xs], color=style.ALARM, linewidth=0.9, linestyle=":", label="bound")
 
     def finish(self, axes: Axes, width: float, leftmost: bool, lowest: bool) -> None:
         """Scales, ticks and labels, once every panel is drawn: the panels share them."""

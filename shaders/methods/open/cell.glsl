@@ -15,14 +15,19 @@ uvec2 aged(uvec2 cell, uint age) {
     return uvec2(cell.x, (cell.y & FURTHEST) | age << 24);
 }
 
-// Without loss for depths below 1 on a grid of 2^-24. Any other depth may lose its place, which counts as a loss.
+// The last step stands for depth 1, where things far away are, and not for the one below it.
+float depth_at(uint depth_step) {
+    return depth_step == FURTHEST ? 1.0 : float(depth_step) / DEPTH_STEPS;
+}
+
+// Without loss for depths on a grid of 2^-24 but 1 - 2^-24. Any other may lose its place, which counts as a loss.
 uvec2 cell_of(FRAGMENT fragment) {
-    float steps = uintBitsToFloat(fragment.x) * DEPTH_STEPS;
-    uint depth = min(uint(steps), FURTHEST);
-    if (float(depth) != steps) atomicAdd(lost_fragments, 1u);
-    return uvec2(payload_of(fragment), FURTHEST - depth);
+    float depth = uintBitsToFloat(fragment.x);
+    uint depth_step = min(uint(depth * DEPTH_STEPS), FURTHEST);
+    if (depth_at(depth_step) != depth) atomicAdd(lost_fragments, 1u);
+    return uvec2(payload_of(fragment), FURTHEST - depth_step);
 }
 
 FRAGMENT fragment_in(uvec2 cell) {
-    return fragment_of(floatBitsToUint(float(FURTHEST - (cell.y & FURTHEST)) / DEPTH_STEPS), cell.x);
+    return fragment_of(floatBitsToUint(depth_at(FURTHEST - (cell.y & FURTHEST))), cell.x);
 }

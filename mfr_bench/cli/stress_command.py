@@ -1,0 +1,88 @@
+"""`stress`: the shipped stressors through the same machinery as `run`; tells where each method breaks."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import click
+
+from .interruption import Interruption
+from .options import DEVICE, PROFILE, SET, MethodName, OutPath
+from .output import say
+from .run_command import FAILED, plans_of
+from .session import Choices, Session
+
+ENDED = {"crashed", "timeout", "out_of_memory"}
+
+
+class StressorName(click.ParamType):
+    """The name of a shipped stressor."""
+
+    name = "stressor"
+
+    def convert(self, value, param, context):
+        from ..errors import nearest
+
+        names = stressors()
+        if value not in names:
+            self.fail(f"no stressor {value!r}; allowed: {', '.join(names)}{nearest(value, names)}")
+        return value
+
+    def shell_complete(self, context, param, incomplete):
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(name) for name in stressors() if name.startswith(incomplete)]
+
+
+def stressors() -> dict[str, Path]:
+    """The shipped configs that put methods under stress, by name."""
+    from ..config import stress_configs
+
+    return stress_configs()
+
+
+@click.command()
+@click.argument("names", nargs=-1, metavar="[NAME...]", type=StressorName())
+@click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
+              help="Where results go: DIR/<config>/ each, DIR itself for one. [default: results/<device>/<config>]")
+@PROFILE
+@click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
+@SET
+@DEVICE
+@click.option("--force", is_flag=True, help="Measure cells again that the folder already has.")
+@click.option("--list", "listed", is_flag=True, help="List the stressors.")
+def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: str | None,
+           overrides: tuple[str, ...], device: str, force: bool, listed: bool) -> int:
+    """Drive every method along stressors, and tell the first level at which each breaks.
+
+    NAME is a stressor of --list; without any, all of them. Each is a config, whose levels go from mild to harsh. A
+    method breaks where its image is beyond the promise, where it loses fragments, crashes, hangs, or is refused.
+    A break is a result: the exit status is 1 only where a cell crashed, or ran out of time or memory.
+
+    \b
+    Examples:
+      mfr-bench stress --list
+      mfr-bench stress --profile smoke --out /tmp/stress
+      mfr-bench stress depth-gap equal-depths --only kb-mdt32,kplus-array
+    """
+    from ..config import load
+    from ..methods import catalog
+    from ..report import breaking_text
+    from ..run.supervisor import Supervisor
+
+    known = stressors()
+    if listed:
+        longest = max(map(len, known))
+        for name, path in known.items():
+            say(f"{name:{longest}}  {load(str(path), catalog())[0].title}")
+        return 0
+    started = time.perf_counter()
+    with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor:
+        plans = plans_of([str(known[name]) for name in names or known], profile, only, overrides)
+        choices = Choices(out, force, keep_failed=False, try_hopeless=False)
+        statuses = Session(supervisor, interruption.asked, choices, started, breaking_text).run(plans)
+    return FAILED if statuses & ENDED else 0
+
+
+COMMANDS = (stress,)

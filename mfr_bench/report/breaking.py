@@ -1,0 +1,99 @@
+"""Where each method breaks along a stressor: the first level at which a cell is not as promised, and how."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from . import data
+from .data import EXACT_ERROR, Point, Result, number
+
+HOLDS = "holds"
+FAULTS = {  # in the order in which they are looked for
+    "crashed": "the cell crashed or ran out of memory",
+    "hung": "the cell ran out of time",
+    "refused": "the method, the device or the budget forbids the cell",
+    "lost": "fragments are lost, by the method's own count",
+    "image": "an exact method's image is wrong, or differs from frame to frame",
+    "bound": "an exact method's error exceeds what rounding explains",
+    "differs": "an approximate method's image differs from the one that it aims at",
+    HOLDS: "the image is the promised one",
+}
+BY_STATUS = {"crashed": "crashed", "out_of_memory": "crashed", "timeout": "hung", "unsupported": "refused",
+             "over_budget": "refused", "overflow": "refused"}
+
+
+def state(point: Point) -> str:
+    """A key of FAULTS: what the point says of its level."""
+    if point.status in BY_STATUS:
+        return BY_STATUS[point.status]
+    error, bound = point.row["max_abs_error"], point.row["error_bound"]
+    if point.row["lost_fragments"]:
+        return "lost"
+    if point.status == "wrong":
+        return "image"
+    if bound is not None and error is not None and error > bound:
+        return "bound"
+    return "differs" if error is not None and error > EXACT_ERROR else HOLDS
+
+
+def detail(point: Point) -> str:
+    """The number or the reason behind the state."""
+    row, found = point.row, state(point)
+    if found in ("crashed", "hung", "refused"):
+        return str(point.cell.get("reason") or point.sign)
+    if found == "lost":
+        return f"{row['lost_fragments']} fragments"
+    repeated = f", {row['distinct_images']} images" if (row["distinct_images"] or 1) > 1 else ""
+    return f"error {number(row['max_abs_error'], 2)}{repeated}"
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """One method's points along the stressor in one panel, from the mildest level to the harshest."""
+
+    label: str
+    method: str
+    panel: Any
+    points: Mapping[Any, Point]
+
+    @property
+    def first(self) -> tuple[Any, Point] | None:
+        """The first level that breaks the method, with its point."""
+        return next(((level, p) for level, p in self.points.items() if state(p) != HOLDS), None)
+
+    @property
+    def worst(self) -> Point | None:
+        """Of the exact points that hold the one nearest to its bound."""
+        bounded = [p for p in self.points.values() if state(p) == HOLDS and p.row["error_bound"]]
+        return max(bounded, key=lambda p: p.row["max_abs_error"] / p.row["error_bound"], default=None)
+
+
+def levels(result: Result, axis: str) -> list[Any]:
+    """The levels of the stressor in the order of the config, which goes from mild to harsh."""
+    swept = {**(result.manifest.get("sweep") or {}), **(result.manifest.get("zip") or {})}
+    listed = next((v for name, v in swept.items() if data.bare(name) == data.bare(axis)), [])
+    order = [tuple(v) if isinstance(v, list) else v for v in listed]
+    found = data.values(result.points, axis)
+    return list(dict.fromkeys([*(v for v in order if v in found), *(v for v in found if v not in order)]))
+
+
+def ladders(result: Result, points: Sequence[Point], axis: str, panels: str | None) -> list[Ladder]:
+    """A ladder for each label and panel; methods that the stressor does not touch are left out."""
+    order = levels(result, axis)
+    found: dict[tuple[str, Any], dict[Any, Point]] = {}
+    for p in points:
+        if p.at(axis) is not None:
+            found.setdefault((p.label, p.at(panels) if panels else None), {})[p.at(axis)] = p
+    return [Ladder(label, next(iter(members.values())).method, panel,
+                   {level: members[level] for level in order if level in members})
+            for (label, panel), members in found.items()]
+
+
+def told(ladder: Ladder) -> str:
+    """The first level that breaks the method, and how."""
+    if ladder.first is None:
+        return f"holds up to {data.plain(list(ladder.points)[-1])}"
+    level, point = ladder.first
+    return f"{data.plain(level)}: {state(point)}, {detail(point)}"

@@ -1,0 +1,136 @@
+"""No method writes outside its buffers: words behind each of them keep their pattern, whatever the count."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mfr_bench import glsl
+from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.truth import true_sizes
+from mfr_bench.methods.spec import Variant
+from mfr_bench.scene import generate
+
+from .cases import every_method, runs_here
+
+WORDS = 4032  # behind each buffer; whole elements of 1, 2, 3 and 4 words
+GUARD = np.full(WORDS, 0xA5C3F00D, dtype=np.uint32).tobytes()
+PIXELS = (13, 7)
+SCENES = {
+    "one pixel has all": SceneConfig(size=PIXELS, depth_complexity=40, pixel_density=1 / 91, seed=1),
+    "every pixel has one": SceneConfig(size=PIXELS, depth_complexity=1, seed=2),
+    "exactly full": SceneConfig(size=PIXELS, depth_complexity=8, seed=3),
+    "one over": SceneConfig(size=PIXELS, depth_complexity=9, seed=4),
+    "nothing": SceneConfig(size=PIXELS, depth_complexity=0, seed=5),
+    "equal depths": SceneConfig(size=PIXELS, depth_complexity=9, depth_copies=9, seed=6),
+    "far corners": SceneConfig(size=PIXELS, depth_complexity=9, overhang=2**20, odd_depth="nan", seed=7),
+}
+K = 8
+
+
+@pytest.fixture(autouse=True)
+def own_length(monkeypatch):
+    """Shaders that ask how long a buffer is are told its own length, without the guard.
+
+    The guard must be bound with the buffer: a driver may check bounds, and drop what is written beyond them.
+    """
+    macro, read = glsl._clear_macro, glsl.read
+
+    def shorter(variant, step):
+        text = macro(variant, step)
+        for buffer in variant.buffers:
+            words = buffer.element_words + variant._extra_words(buffer)
+            text = text.replace(f"uint({buffer.name}.length())", f"uint({buffer.name}.length() - {WORDS // words})")
+        return text
+
+    monkeypatch.setattr(glsl, "_clear_macro", shorter)
+    monkeypatch.setattr(glsl, "read", lambda path: read(path).replace("histogram.length()",
+                                                                      f"(histogram.length() - {WORDS})"))
+
+
+class Guarded(Frame):
+    """A frame with guard words behind every buffer."""
+
+    def _allocate(self):
+        super()._allocate()
+        for buffer in self.variant.buffers:
+            copies = self._buffers[buffer.name]
+            for at, made in enumerate(copies):
+                if not isinstance(made, _Fenced):
+                    copies[at] = _Fenced(self.device, made)
+
+    @property
+    def broken(self) -> list[str]:
+        return [name for name, copies in self._buffers.items() for b in copies if not b.whole]
+
+
+class _Fenced:
+    """A buffer in a longer one: `size` is that of the front part."""
+
+    def __init__(self, device, plain):
+        self.size = plain.size
+        self._buffer = device.ctx.buffer(bytes(self.size) + GUARD)
+        plain.release()
+
+    def bind_to_storage_buffer(self, binding):
+        self._buffer.bind_to_storage_buffer(binding)
+
+    def read(self, *args, **more):
+        return self._buffer.read(self.size, *args, **more)
+
+    def release(self):
+        self._buffer.release()
+
+    @property
+    def whole(self) -> bool:
+        return self._buffer.read(len(GUARD), offset=self.size) == GUARD
+
+
+def variant_of(method) -> Variant:
+    """With room for K fragments where the method has a k, and emulated atomics where it needs wide ones."""
+    wide = method.param("atomic64")
+    return method.variant(({"k": K} if method.param("k") else {})
+                          | ({"atomic64": "emulated"} if wide and wide.acts is None else {}))
+
+
+def broken(device, variant, config, untold: int = 0) -> list[str]:
+    """The buffers behind which two frames have written; the method is told of `untold` fragments less per pixel."""
+    scene = generate(config)
+    quads, canvas = SceneBuffer(device, scene), Canvas(device, config.size)
+    sizes = true_sizes(device, quads, canvas)
+    sizes = replace(sizes, n=max(1, sizes.n - untold), F=sizes.F - untold * sizes.P)
+    frame = Guarded(device, variant, sizes, quads, canvas)
+    try:
+        frame.draw_fitting()
+        frame.draw()
+        device.finish()
+        return frame.broken
+    finally:
+        for thing in (frame, canvas, quads):
+            thing.release()
+
+
+@pytest.mark.parametrize("method", every_method(), ids=lambda m: m.id)
+def test_nothing_is_written_behind_a_buffer(device, method):
+    variant = variant_of(method)
+    if not runs_here(device, variant):
+        pytest.skip(f"this device lacks {', '.join(f for f in variant.needs if f not in device.features)}")
+    for name, config in SCENES.items():
+        assert broken(device, variant, config) == [], name
+    assert broken(device, variant, SCENES["one over"], untold=1) == []
+
+
+@pytest.mark.parametrize(("method", "right", "wrong", "buffer"), [
+    ("ab-array", "slot < uint(N)", "slot <= uint(N)", "nodes"),
+    ("ab-array", "nodes[slot * pixels + p]", "nodes[(slot + 1u) * pixels + p]", "nodes"),
+    ("kplus-array", "slot < room", "slot <= room", "nodes"),
+    ("ab-ll", "cells[cell] = fragment", "cells[cell + 1u] = fragment", "cells"),
+])
+def test_a_write_behind_a_buffer_is_seen(device, monkeypatch, method, right, wrong, buffer):
+    whole = glsl.read
+    monkeypatch.setattr(glsl, "read", lambda path: whole(path).replace(right, wrong))
+    variant = variant_of(next(m for m in every_method() if m.id == method))
+    found = {name for config in SCENES.values() for name in broken(device, variant, config)}
+    found |= set(broken(device, variant, SCENES["one over"], untold=1))
+    assert buffer in found

@@ -1,0 +1,85 @@
+"""The first level that breaks a method is found, whatever breaks it, and none where nothing does."""
+
+import pytest
+
+from mfr_bench.report import breaking, breaking_text, data, write_figures
+
+from .planted import cell, folder
+
+AXIS = "scene.depth_gap_log2"
+LEVELS = (-4, -12, -24)
+GOOD = {"max_abs_error": 1e-7, "error_bound": 1e-6, "lost_fragments": 0}
+
+
+def ladder_of(tmp_path, *states, levels=LEVELS):
+    """The ladder of one method whose cells have these statuses and values, along the levels."""
+    cells = []
+    for level, (status, values) in zip(levels, states, strict=True):
+        measured = status in ("ok", "wrong")
+        cells.append(cell("kb-mdt32", time_ms=5.0 if measured else None, status=status,
+                          reason=None if status == "ok" else "because", scene={"depth_gap_log2": level},
+                          point={AXIS: level}, values=GOOD | values if measured else {}))
+    result = data.load(folder(tmp_path, cells, sweep={AXIS: list(levels)}))
+    (found,) = breaking.ladders(result, result.points, AXIS, None)
+    return found
+
+
+OK = ("ok", {})
+
+
+@pytest.mark.parametrize(("fault", "state"), [
+    (("wrong", {"max_abs_error": 0.3}), "image"),
+    (("wrong", {"lost_fragments": 3}), "lost"),
+    (("ok", {"lost_fragments": 1}), "lost"),
+    (("ok", {"max_abs_error": 2e-6}), "bound"),
+    (("ok", {"max_abs_error": 2e-4, "error_bound": None}), "differs"),
+    (("crashed", {}), "crashed"), (("out_of_memory", {}), "crashed"), (("timeout", {}), "hung"),
+    (("unsupported", {}), "refused"), (("over_budget", {}), "refused"), (("overflow", {}), "refused"),
+])
+@pytest.mark.parametrize("at", [0, 1, 2])
+def test_the_first_level_that_breaks_is_found(tmp_path, fault, state, at):
+    found = ladder_of(tmp_path, *(OK if i < at else fault for i in range(3)))
+    level, point = found.first
+    assert (level, breaking.state(point)) == (LEVELS[at], state)
+    assert breaking.told(found).startswith(f"{LEVELS[at]}: {state}, ")
+
+
+def test_a_method_that_holds_breaks_nowhere(tmp_path):
+    found = ladder_of(tmp_path, OK, ("ok", {"max_abs_error": 9e-7}), OK)
+    assert found.first is None
+    assert breaking.told(found) == "holds up to -24"
+    assert found.worst.row["max_abs_error"] == 9e-7
+
+
+def test_an_approximate_method_within_the_limit_holds(tmp_path):
+    assert ladder_of(tmp_path, *[("ok", {"max_abs_error": 9e-5, "error_bound": None})] * 3).first is None
+
+
+def test_levels_keep_the_order_of_the_config(tmp_path):
+    """From mild to harsh is not always upwards: here the smallest number is the harshest."""
+    found = ladder_of(tmp_path, OK, ("wrong", {"max_abs_error": 1.0}), OK)
+    assert list(found.points) == list(LEVELS)
+    assert found.first[0] == -12
+    text = ladder_of(tmp_path / "b", OK, OK, ("wrong", {"max_abs_error": 1.0}), levels=("none", "zero", "nan"))
+    assert text.first[0] == "nan"
+
+
+def test_panels_are_told_apart(tmp_path):
+    cells = [cell("ab-ll", "A", scene={"depth_at": at, "depth_gap_log2": gap},
+                  point={"scene.depth_at": at, AXIS: gap},
+                  status="wrong" if at and gap == -12 else "ok", values=GOOD | {"max_abs_error": 0.5 * bool(at)})
+             for at in (0, 1) for gap in LEVELS[:2]]
+    made = folder(tmp_path, cells, figures=[{"kind": "breaking", "x": AXIS, "panels": "scene.depth_at"}],
+                  sweep={"scene.depth_at": [0, 1], AXIS: [-4, -12]})
+    text = breaking_text(made)
+    assert "holds up to -12" in text
+    assert "-4: bound, error 0.50" in text
+    written = write_figures(made)
+    assert any(path.suffix == ".png" and path.stat().st_size > 1000 for path in written)
+    assert write_figures(made)
+
+
+def test_every_status_has_a_state():
+    from mfr_bench.store import STATUSES
+
+    assert set(STATUSES) - {"ok", "wrong"} == set(breaking.BY_STATUS)
