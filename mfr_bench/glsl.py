@@ -14,7 +14,19 @@ from functools import cache
 
 from . import instrument
 from .errors import ShaderError
-from .methods.spec import ELEMENT_WORDS, EMPTY, FORMAT_WORDS, IMAGE, Buffer, Decided, Pass, Sizes, Target, Variant
+from .methods.spec import (
+    ELEMENT_WORDS,
+    EMPTY,
+    FORMAT_WORDS,
+    IMAGE,
+    Buffer,
+    Decided,
+    Pass,
+    Planned,
+    Sizes,
+    Target,
+    Variant,
+)
 from .resources import shaders_dir
 
 VERSION = "#version 430 core"
@@ -28,6 +40,9 @@ LOCK_TRIES = 60000  # below the 65,535 iterations at which llvmpipe ends a loop 
 FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k")
 FRAME_BINDING = 0
 COLOURS_BINDING = 1  # of the uniform block `Colours`: the base colours of a payload of two channels, as light
+# Behind them, for methods that plan their frames: the rectangle that bounds the geometry, whose first pixel
+# would have the index region_first if the rectangle began at the origin.
+REGION_FIELDS = ("region_first", "region_columns", "region_pixels")
 
 FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
     "fragment_shader_interlock": ("GL_ARB_fragment_shader_interlock", "GL_NV_fragment_shader_interlock",
@@ -255,8 +270,9 @@ def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None,
     prelude += [f"#define {name} {literal(name, value)}" for name, value in sorted(values.items()) if name in words]
     prelude += ["#define K chosen_k"] if "K" in words and isinstance(variant.method.capacity, Decided) else []
     prelude += TYPES[variant.payload_words]
+    fields = FRAME_FIELDS + (REGION_FIELDS if isinstance(variant.method.capacity, Planned) else ())
     prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "
-                   + " ".join(f"uint {name};" for name in FRAME_FIELDS) + " };")
+                   + " ".join(f"uint {name};" for name in fields) + " };")
     if "base_a" in words:
         prelude.append(f"layout(std140, binding = {COLOURS_BINDING}) uniform Colours {{ vec4 base_a; vec4 base_b; }};")
     if not entry.endswith(".vert"):

@@ -130,6 +130,7 @@ PASS_COLUMNS = (
     Column("time_ms_low", "float", "ms", "lower end of the median's 95 % interval", "joined"),
     Column("time_ms_high", "float", "ms", "upper end of the median's 95 % interval", "joined"),
     Column("share", "float", "", "median / sum of the medians of the cell's passes", "joined"),
+    Column("work", "json", "", "work of the pass in a frame by counter, where measure.counters asks for it", "joined"),
 )
 
 VALUES = {c.name: c for c in COLUMNS if c.origin == "values"}
@@ -514,7 +515,8 @@ def _pass_rows(cell: Cell) -> list[Row]:
     rows = []
     for order, (name, (low, median, high)) in enumerate(intervals.items()):
         joined = {"pass": name, "order": order, "samples": len(timed[name]), "time_ms": median, "time_ms_low": low,
-                  "time_ms_high": high, "share": median / total if total else None}
+                  "time_ms_high": high, "share": median / total if total else None,
+                  "work": (cell.get("work") or {}).get(name)}
         rows.append({c.name: (cell if c.origin == "cell" else joined).get(c.name) for c in PASS_COLUMNS})
     return rows
 

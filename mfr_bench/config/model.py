@@ -126,8 +126,8 @@ LIMITS_LONG = 10  # time limits that a cell may take at most: a frame of nearly 
 class Measure(_Plain):
     """When a measurement is enough, and what it may take.
 
-    repeat_images: untimed frames whose distinct images are counted; with 1 none are. keep: arrays of a cell to be kept
-    beside its numbers.
+    repeat_images: untimed frames whose distinct images are counted; with 1 none are. counters: whether the work of
+    each pass is counted, in a frame of its own. keep: arrays of a cell to be kept beside its numbers.
 
     time_limit_s: of a cell's frames. hard_limit_s: of everything done for a cell, which is then ended; None means
     120 s and ten time limits. memory_budget_mb: of what a method allocates, known beforehand. hard_limit_mb: of main
@@ -143,6 +143,7 @@ class Measure(_Plain):
     time_limit_s: Seconds = 10.0
     repeat_images: Samples = 1
     memory_budget_mb: Mebibytes = 3072.0
+    counters: bool = False
     keep: Annotated[tuple[Literal[KEPT], ...], Allowed(f"a list of {', '.join(KEPT)}")] = ()
     hard_limit_s: Seconds | None = None
     hard_limit_mb: Mebibytes | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +17,7 @@ from ..glsl import (
     DIAGNOSTICS_BINDING,
     FRAME_BINDING,
     FRAME_FIELDS,
+    REGION_FIELDS,
     Binding,
     Source,
     buffer_bindings,
@@ -24,7 +26,21 @@ from ..glsl import (
     texture_bindings,
 )
 from ..instrument import WORK
-from ..methods.spec import IMAGE, Counted, Grown, Loop, Pass, Sizes, State, Target, Variant, evaluate
+from ..methods.spec import (
+    IMAGE,
+    Counted,
+    Grown,
+    Known,
+    Loop,
+    Pass,
+    Plan,
+    Planned,
+    Sizes,
+    State,
+    Target,
+    Variant,
+    evaluate,
+)
 from ..scene import Geometry
 from . import rawgl
 from .device import Device
@@ -127,17 +143,24 @@ class Frame:
         self._counted = 0  # samples that the latest counting pass let through
         self.chosen_k = 0  # of a method whose k the host decides
         self._shown = quads.scene
-        self._uniforms = device.ctx.buffer(reserve=32)
+        self._plan: Plan | None = None  # of the latest frame, of a planned method
+        self._fragments: int | None = None  # of the latest frame of a planned method, once it is known
+        self._uniforms = device.ctx.buffer(reserve=4 * (len(FRAME_FIELDS) + len(REGION_FIELDS)))
         self._diagnostics = device.ctx.buffer(bytes(4 * len(DIAGNOSTICS) + 8 * len(WORK)))
-        self._query = device.gl.generate("Queries")
+        self._query, self._tally = device.gl.generate("Queries"), device.gl.generate("Queries")
+        self._tallied = False  # the tally has been taken and not been read
+        self._tallied_scene: Geometry | None = None  # whose fragments are known or tallied
         self._probing = False
         self._textures = {t.name: [self._texture(t) for _ in range(t.copies)] for t in variant.targets}
         self._buffers: dict[str, list] = {}
         self._allocate()
-        self._passes = {id(step): PassRunner(self, step) for step in variant.passes
-                        if variant.runs(step, sizes) and not step.probes}
+        self._passes = {id(step): PassRunner(self, step) for step in variant.passes if self._compiles_now(step)}
         self._write_uniforms()
         device.check(f"{variant.method.id}: allocation")
+
+    def _compiles_now(self, step: Pass) -> bool:
+        """What a planned method may need is compiled when it is needed."""
+        return self.variant.runs(step, self.sizes) and not step.probes and step.runs_in is None
 
     def _texture(self, target: Target) -> Texture:
         samples, layers = self.variant.samples(target, self.sizes), self.variant.layer_count(target, self.sizes)
@@ -160,7 +183,15 @@ class Frame:
         values = {"width": self.sizes.W, "height": self.sizes.H, "pixels": self.sizes.P, "capacity": self._capacity,
                   "seed": scene.seed, "keep_threshold": min(scene.keep_threshold, 2**32 - 1),
                   "chosen_k": self.chosen_k}
-        self._uniforms.write(np.array([values[name] for name in FRAME_FIELDS], dtype=np.uint32).tobytes())
+        left, bottom, columns, rows = self.region
+        values |= {"region_first": bottom * columns + left, "region_columns": columns, "region_pixels": columns * rows}
+        words = [values[name] for name in FRAME_FIELDS + REGION_FIELDS]
+        self._uniforms.write(np.array(words, dtype=np.uint32).tobytes())
+
+    @property
+    def region(self) -> tuple[int, int, int, int]:
+        """Left, bottom, width and height in pixels of what bounds the geometry on the screen."""
+        return self._shown.bounds
 
     @property
     def memory_bytes(self) -> dict[str, int]:
@@ -180,6 +211,8 @@ class Frame:
         self.geometry_passes = 0
         self._unpublished: set[str] = set()
         self._touched: set[str] = set(self._buffers)  # by the frame before
+        if isinstance(self.variant.method.capacity, Planned):
+            self._begin(self._next_plan())
         self._uniforms.bind_to_uniform_block(FRAME_BINDING)
         self._diagnostics.bind_to_storage_buffer(DIAGNOSTICS_BINDING)
         if self.variant.two_channel:
@@ -192,6 +225,22 @@ class Frame:
                 self._run(step, iteration, mark)
         return self._fits()
 
+    def _next_plan(self) -> Plan:
+        """By what the host knows now: its geometry, and the fragments of the frame before."""
+        if self._tallied:
+            self._fragments, self._tallied = self.gl.query_result(self._tally), False
+        *_, columns, rows = self.region
+        layers = replace(self.sizes, quads=len(self._shown)).most_layers
+        known = Known(layers, columns * rows, self.sizes.P, self._fragments)
+        return self.variant.method.capacity.rule(known, self.variant.scope)
+
+    def _begin(self, plan: Plan) -> None:
+        if plan != self._plan:
+            self._plan = plan
+            self._write_uniforms()
+        if plan.capacity is not None:
+            self._set_capacity(plan.capacity)
+
     def _loop(self, loop: Loop, mark: Mark | None) -> int:
         """Iterations begun; `.previous` then names what the last of them wrote."""
         times = int(evaluate(loop.times, self.sizes, self.variant.scope)) if loop.passes else 0
@@ -203,20 +252,24 @@ class Frame:
         return times
 
     def _run(self, step: Pass, iteration: int, mark: Mark | None) -> int | None:
-        runner = self._passes.get(id(step))
-        if runner is None or (step.probes and not self._probing):
+        runner = None if step.probes and not self._probing else self._runner(step)
+        if runner is None:
             return None
         self._publish(runner)
+        tallies = self._begin_tally(step)
         if step.counts:
             self.gl.glBeginQuery(rawgl.SAMPLES_PASSED, self._query)
         runner.run(iteration)
         self.geometry_passes += step.kind == "geometry"
         counted = None
+        if tallies:
+            self._end_tally()
         if step.counts:
             self.gl.glEndQuery(rawgl.SAMPLES_PASSED)
             counted = self._counted = self.gl.query_result(self._query)
-            if isinstance(self.variant.method.capacity, Counted):
+            if isinstance(self.variant.method.capacity, (Counted, Planned)):
                 self._set_capacity(counted)
+            self._fragments, self._tallied_scene = counted, self._shown
         if step.totals:
             self._set_capacity(int(self.words(step.totals).sum()))
         if step.decides:
@@ -226,6 +279,27 @@ class Frame:
         if mark:
             mark(step.name)
         return counted
+
+    def _begin_tally(self, step: Pass) -> bool:
+        """Count what passes, to be read before the next frame, where it is not known of the scene that is shown."""
+        tallies = step.tallies and self._tallied_scene is not self._shown
+        if tallies:
+            self.gl.glBeginQuery(rawgl.SAMPLES_PASSED, self._tally)
+        return tallies
+
+    def _end_tally(self) -> None:
+        self.gl.glEndQuery(rawgl.SAMPLES_PASSED)
+        self._tallied, self._tallied_scene = True, self._shown
+
+    def runs(self, step: Pass) -> bool:
+        """Whether the pass is part of the latest frame, or of every one of this scene."""
+        planned = step.runs_in is None or (self._plan is not None and step.runs_in(self._plan))
+        return planned and self.variant.runs(step, self.sizes)
+
+    def _runner(self, step: Pass) -> PassRunner | None:
+        if step.runs_in and self.runs(step) and id(step) not in self._passes:
+            self._passes[id(step)] = PassRunner(self, step)
+        return self._passes.get(id(step)) if self.runs(step) else None
 
     def _publish(self, runner: PassRunner) -> None:
         """A barrier where the pass touches buffers that an earlier pass wrote, or writes what one still reads."""
@@ -254,6 +328,8 @@ class Frame:
 
     def _fits(self) -> bool:
         grown = self.variant.method.capacity
+        if self._plan and self._plan.capacity is None:
+            return self._next_plan().path == self._plan.path
         if not isinstance(grown, Grown):
             return True
         wanted = int(self.words(grown.counter)[0])
@@ -272,7 +348,10 @@ class Frame:
         self._set_capacity(elements)
 
     def draw_fitting(self) -> None:
-        """Draw until every growing buffer holds the frame. Raises CapacityError where it cannot grow further."""
+        """Draw until every growing buffer holds the frame, and its plan is that of the next.
+
+        Raises CapacityError where a buffer cannot grow further.
+        """
         while not self.draw():
             self.device.check(f"{self.variant.method.id}: growing to {self._capacity} elements")
 
@@ -298,7 +377,8 @@ class Frame:
         for name in counters:
             self._diagnostic(name)
         passes, self._probing = self.geometry_passes, True
-        self._passes |= {i: PassRunner(self, step) for i, step in probing.items() if i not in self._passes}
+        self._passes |= {i: PassRunner(self, step) for i, step in probing.items()
+                         if i not in self._passes and self.runs(step)}
         self.draw()
         self.geometry_passes, self._probing = passes, False
         return {name: self._diagnostic(name) for name in counters}
@@ -368,12 +448,21 @@ class Frame:
                 texture.release()
         self._uniforms.release()
         self._diagnostics.release()
-        self.gl.delete("Queries", self._query)
+        for query in (self._query, self._tally):
+            self.gl.delete("Queries", query)
 
 
 def _copy(ref: str, iteration: int, copies: int) -> int:
     """Which copy a ref names: `.current` is iteration i's own, `.previous` the one of the iteration before."""
     return (iteration + (split_ref(ref)[1] == "previous")) % copies
+
+
+def _around(left: int, bottom: int, columns: int, rows: int, width: int, height: int) -> list[tuple[int, ...]]:
+    """The rectangles, left bottom width height, that are left of a viewport beside the one within it."""
+    top = bottom + rows
+    beside = [(0, 0, width, bottom), (0, top, width, height - top), (0, bottom, left, rows),
+              (left + columns, bottom, width - left - columns, rows)]
+    return [rectangle for rectangle in beside if rectangle[2] > 0 and rectangle[3] > 0]
 
 
 class PassRunner:
@@ -429,15 +518,41 @@ class PassRunner:
         framebuffer = self._framebuffer(iteration)
         framebuffer.use(colour=bool(self.step.into), depth=self.writes_depth)
         for ref, values in self.step.clears.items():
-            framebuffer.clear(self.frame.texture(ref, iteration), values)
+            self._clear(framebuffer, self.frame.texture(ref, iteration), values)
         if self.step.kind == "clear":
+            self._zero(iteration)
             return
         self._apply_state()
         self.gl.clip_depths_from_zero(self.clips_from_zero)
         if self.step.kind == "fullscreen":
-            self.vao.render(mode=4, vertices=3, instances=self.instances)  # GL_TRIANGLES
+            self._draw_screen()
         elif len(self.frame.quads.scene):
             self.vao.render(mode=5, vertices=4, instances=len(self.frame.quads.scene))  # GL_TRIANGLE_STRIP
+
+    def _clear(self, framebuffer: Framebuffer, texture: Texture, values: tuple[float, ...]) -> None:
+        if not (self.step.region and self.step.kind == "clear"):
+            framebuffer.clear(texture, values)
+            return
+        self.gl.glEnable(rawgl.SCISSOR_TEST)
+        for border in _around(*self.frame.region, *framebuffer.size):
+            self.gl.glScissor(*border)
+            framebuffer.clear(texture, values)
+        self.gl.glDisable(rawgl.SCISSOR_TEST)
+
+    def _draw_screen(self) -> None:
+        if self.step.region:
+            self.gl.glEnable(rawgl.SCISSOR_TEST)
+            self.gl.glScissor(*self.frame.region)
+        self.vao.render(mode=4, vertices=3, instances=self.instances)  # GL_TRIANGLES
+        if self.step.region:
+            self.gl.glDisable(rawgl.SCISSOR_TEST)
+
+    def _zero(self, iteration: int) -> None:
+        """Clear the buffers that a pass of kind `clear` writes, by the driver."""
+        if self.buffers:
+            self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
+        for binding in self.buffers:
+            self.gl.zero(self.frame.buffer(binding, iteration).glo)
 
     def _bind(self, iteration: int) -> None:
         for binding in self.buffers:

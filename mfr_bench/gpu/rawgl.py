@@ -9,6 +9,7 @@ ENUM, UINT, INT, FLOAT, BOOL = ctypes.c_uint, ctypes.c_uint, ctypes.c_int, ctype
 SIZE, POINTER = ctypes.c_int, ctypes.c_void_p
 
 BLEND, DEPTH_TEST, STENCIL_TEST, COLOR, DEPTH, DEPTH_STENCIL = 0x0BE2, 0x0B71, 0x0B90, 0x1800, 0x1801, 0x84F9
+SCISSOR_TEST, COPY_WRITE_BUFFER, RED_INTEGER, UNSIGNED_INT = 0x0C11, 0x8F37, 0x8D94, 0x1405
 TEXTURE_2D, TEXTURE_2D_ARRAY, TEXTURE_2D_MULTISAMPLE, NEAREST = 0x0DE1, 0x8C1A, 0x9100, 0x2600
 TEXTURE_MIN_FILTER, TEXTURE_MAG_FILTER = 0x2801, 0x2800
 FRAMEBUFFER, FRAMEBUFFER_COMPLETE, COLOR_ATTACHMENT0 = 0x8D40, 0x8CD5, 0x8CE0
@@ -16,8 +17,8 @@ DEPTH_ATTACHMENT, DEPTH_STENCIL_ATTACHMENT = 0x8D00, 0x821A
 TIMESTAMP, SAMPLES_PASSED, QUERY_RESULT = 0x8E28, 0x8914, 0x8866
 TEXTURE0, MULTISAMPLE, TEXTURE_SAMPLES, SAMPLES, NUM_SAMPLE_COUNTS = 0x84C0, 0x809D, 0x9106, 0x80A9, 0x9380
 
-FORMATS = {"r8": 0x8229, "rgba16f": 0x881A, "r32f": 0x822E, "rg32f": 0x8230, "rgba32f": 0x8814, "r32ui": 0x8236,
-           "depth32f": 0x8CAC, "depth24_stencil8": 0x88F0}
+FORMATS = {"r8": 0x8229, "r16": 0x822A, "rgba16f": 0x881A, "r32f": 0x822E, "rg32f": 0x8230, "rgba32f": 0x8814,
+           "r32ui": 0x8236, "depth16": 0x81A5, "depth32f": 0x8CAC, "depth24_stencil8": 0x88F0}
 EQUATIONS = {"add": 0x8006, "max": 0x8008}
 FACTORS = {"zero": 0, "one": 1, "one_minus_src_alpha": 0x0303, "one_minus_dst_alpha": 0x0305}
 STENCIL_TESTS = {"equal": 0x0202, "always": 0x0207}
@@ -42,6 +43,9 @@ _SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "glStencilOp": (None, (ENUM, ENUM, ENUM)),
     "glDepthMask": (None, (BOOL,)),
     "glColorMask": (None, (BOOL, BOOL, BOOL, BOOL)),
+    "glScissor": (None, (INT, INT, SIZE, SIZE)),
+    "glBindBuffer": (None, (ENUM, UINT)),
+    "glClearBufferData": (None, (ENUM, ENUM, ENUM, ENUM, POINTER)),
     "glViewport": (None, (INT, INT, SIZE, SIZE)),
     "glClearBufferfv": (None, (ENUM, INT, ctypes.POINTER(FLOAT))),
     "glClearBufferuiv": (None, (ENUM, INT, ctypes.POINTER(UINT))),
@@ -113,6 +117,11 @@ class RawGL:
         """Let clip space reach from depth 0 to 1, which keeps every bit of a float, or from -1 to 1."""
         if self.glClipControl:
             self.glClipControl(LOWER_LEFT, ZERO_TO_ONE if wanted else NEGATIVE_ONE_TO_ONE)
+
+    def zero(self, buffer: int) -> None:
+        """Set every word of a buffer to 0."""
+        self.glBindBuffer(COPY_WRITE_BUFFER, buffer)
+        self.glClearBufferData(COPY_WRITE_BUFFER, FORMATS["r32ui"], RED_INTEGER, UNSIGNED_INT, None)
 
     def sample_counts(self, format: str) -> frozenset[int]:
         """The numbers of samples that multisample textures of a format can have."""

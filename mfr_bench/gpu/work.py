@@ -28,7 +28,7 @@ def work_of(frame: Frame) -> dict[str, dict[str, int]]:
     """
     rasterized = _rasterized(frame)
     runners = {id(step): CountingRunner(frame, step, rasterized) for step in frame.variant.passes
-               if frame.variant.runs(step, frame.sizes) and not step.probes}
+               if frame.runs(step) and not step.probes}
     try:
         frame.draw_by(runners)
         return _by_name(runners)

@@ -40,6 +40,7 @@ class Sizes:
     rejects: bool = False  # some generated fragments are discarded (f_p < 1)
     histogram: tuple[int, ...] = ()  # histogram[i] = pixels with i fragments
     geometry: str = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
+    area: int | None = None  # pixels of the rectangle that bounds the geometry; None: of the viewport
 
     @property
     def P(self) -> int:
@@ -50,6 +51,11 @@ class Sizes:
     def flat(self) -> bool:
         """Whether each primitive has one depth, and meets no pixel but at its edges."""
         return self.geometry == "quad"
+
+    @property
+    def most_layers(self) -> int:
+        """Most fragments that a pixel can have by the geometry alone: a strip of two triangles may cover it twice."""
+        return self.quads * (1 if self.geometry == "quad" else 2)
 
     def bounded(self, k: int) -> int:
         """Fragments left when each pixel keeps at most `k`: the sum of min(f, k) over the pixels."""
@@ -226,6 +232,35 @@ class Decided:
     rule: Rule
 
 
+@dataclass(frozen=True)
+class Known:
+    """What a host knows before it draws a frame: its geometry, and what it counted in the frame before."""
+
+    layers: int  # most fragments that a pixel can have by the geometry
+    area: int  # pixels of the rectangle that bounds the geometry on the screen
+    pixels: int  # of the viewport
+    fragments: int | None  # of the frame before; None where there was none
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a frame is drawn: which passes run, and room for how many elements; None: counted within the frame."""
+
+    path: str
+    known: Known
+    capacity: int | None = None
+
+
+@dataclass(frozen=True)
+class Planned:
+    """The passes and the capacity of each frame are planned by the host before it, by `rule`.
+
+    The passes that `runs_in` lets run have to be right whatever the frame before had.
+    """
+
+    rule: Callable[[Known, Params], Plan]
+
+
 # FRAGMENT is a depth with its payload, PAYLOAD a payload; formulas count them with the plain payload of one word.
 ELEMENT_WORDS: Mapping[str, int] = {"uint": 1, "uvec2": 2, "uint64_t": 2, "vec4": 4, "FRAGMENT": 2, "PAYLOAD": 1}
 PAYLOAD_WORDS: Mapping[str, int] = {"rgba8": 1, "rgba16f": 2, "two_channel": 1}
@@ -254,9 +289,9 @@ class Buffer:
         return ELEMENT_WORDS[self.type]
 
 
-Format = Literal["r8", "rgba16f", "r32f", "rg32f", "rgba32f", "r32ui", "depth32f", "depth24_stencil8"]
-FORMAT_WORDS: Mapping[str, float] = {"r8": 0.25, "rgba16f": 2, "r32f": 1, "rg32f": 2, "rgba32f": 4, "r32ui": 1,
-                                     "depth32f": 1, "depth24_stencil8": 1}
+Format = Literal["r8", "r16", "depth16", "rgba16f", "r32f", "rg32f", "rgba32f", "r32ui", "depth32f", "depth24_stencil8"]
+FORMAT_WORDS: Mapping[str, float] = {"r8": 0.25, "r16": 0.5, "depth16": 0.5, "rgba16f": 2, "r32f": 1, "rg32f": 2,
+                                     "rgba32f": 4, "r32ui": 1, "depth32f": 1, "depth24_stencil8": 1}
 
 
 @dataclass(frozen=True)
@@ -347,6 +382,9 @@ class Pass:
     vertex: str | None = None  # another vertex shader than the kind's own
     when: When | None = None
     needed: str | None = None  # a formula; the pass is left out where it gives 0
+    runs_in: Callable[[Plan], bool] | None = None  # of a planned method: whether a frame of this plan needs the pass
+    region: bool = False  # only the rectangle that bounds the geometry on the screen; a clear: all but that
+    tallies: bool = False  # count the samples that pass, for the plan of the next frame
     probes: str | None = None  # the counter outside the method's memory that it fills; runs where that is asked for
     expand: Callable[[Pass, Params], tuple[Pass, ...]] | None = None
     targets: tuple[Target, ...] = ()
@@ -403,10 +441,11 @@ class Method:
     needs: tuple[str, ...] = ()
     fixed: tuple[Param, ...] = ()  # parameters of shared shaders, at defaults that this method never varies
     local: str = "n"  # most fragments of a pixel that its resolve composites, a formula
-    capacity: Grown | Counted | Decided | None = None
+    capacity: Grown | Counted | Decided | Planned | None = None
     failure: str | None = None  # the known failure of an approximate method
     beside: str | None = None
     cost: str | None = None
+    leaves_out: str | None = None  # the parameter that bounds the error of leaving out fragments far behind others
     deepest: int | None = None  # most fragments of a pixel that the method can hold
     cut: str | None = None  # the nearest fragments that its parameters leave of all, 0 for every one: a formula
     mixes: bool = False  # its image stands for every fragment, whatever its k; few or none are held as they were
@@ -561,11 +600,15 @@ class Variant:
         return decided.rule(sizes.histogram[1:], sizes.F, sizes.P, self.scope)
 
     def error_bound(self, sizes: Sizes) -> float | None:
-        """Largest channel error that float32 rounding explains (docs/accuracy.md); None where no image is promised."""
+        """Largest channel error by float32 rounding (docs/accuracy.md) and by what the method leaves out.
+
+        None where no image is promised.
+        """
         if not self.guarantee.startswith("exact"):
             return None
         layers = min(sizes.n, self.promise(sizes).layers or sizes.n)
-        return (self.method.roundings * layers + LEAF_ROUNDINGS) * UNIT_ROUNDOFF
+        left_out = float(self.scope[self.method.leaves_out]) if self.method.leaves_out else 0.0
+        return (self.method.roundings * layers + LEAF_ROUNDINGS) * UNIT_ROUNDOFF + left_out
 
     def _values(self, sizes: Sizes) -> Params:
         """What resource formulas see: the parameters, and the k that the host chooses."""
@@ -583,8 +626,16 @@ class Variant:
             return doubled(self.start_capacity(sizes), wanted)
         if isinstance(self.method.capacity, Counted):
             return int(evaluate(self.method.capacity.elements, sizes, self.scope))
+        if isinstance(self.method.capacity, Planned):
+            plan = self.plan(sizes)
+            return sizes.F if plan.capacity is None else plan.capacity
         decision = self.decision(sizes)
         return decision.capacity if decision else sizes.F
+
+    def plan(self, sizes: Sizes) -> Plan:
+        """The plan of a frame whose scene was shown before, of a planned method."""
+        area = sizes.P if sizes.area is None else sizes.area
+        return self.method.capacity.rule(Known(sizes.most_layers, area, sizes.P, sizes.F), self.scope)
 
     def start_capacity(self, sizes: Sizes) -> int:
         """Elements allocated before anything is known of the frame; 0 where the frame counts them first."""

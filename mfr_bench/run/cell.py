@@ -14,7 +14,7 @@ from ..errors import CapacityError, MfrError
 from ..gpu.device import Device
 from ..gpu.frame import Frame
 from ..gpu.timers import Timer, repeats_for
-from ..gpu.work import entered_map
+from ..gpu.work import entered_map, work_of
 from ..journal import Partial
 from ..measure.sampling import Sampler
 from ..measure.split import Split
@@ -181,6 +181,8 @@ class CellWork:
             values["culled_share"] = float(arrays["discarded"].sum() / self.scene.shown.F)
         details = {"warmup_ms": sampler.warmup_ms, "samples_ms": sampler.samples_ms, "passes": self.passes,
                    "buffers": frame.memory_bytes, "frames": frames(self.variant, self.scene)}
+        if self.job.cell.measure.counters:
+            details["work"] = work_of(frame)
         return Finished(self.job.key, status, reason, values, details, arrays, self._noise_floor_rel())
 
     def _kept_arrays(self) -> dict[str, np.ndarray]:

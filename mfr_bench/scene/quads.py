@@ -44,6 +44,16 @@ class Scene:
         return len(self.depth)
 
     @cached_property
+    def bounds(self) -> tuple[int, int, int, int]:
+        """Left, bottom, width and height in pixels of the rectangle that bounds the quads within the viewport."""
+        rect = self.rasterized
+        rect = rect[(rect[:, 2] > rect[:, 0]) & (rect[:, 3] > rect[:, 1])]
+        if not len(rect):
+            return 0, 0, 0, 0
+        (left, bottom), (right, top) = rect[:, :2].min(axis=0), rect[:, 2:].max(axis=0)
+        return int(left), int(bottom), int(right - left), int(top - bottom)
+
+    @cached_property
     def depth_order(self) -> np.ndarray:
         """Quad indices from the nearest to the furthest; equal depths stay in submission order."""
         return np.argsort(self.depth, kind="stable")

@@ -43,6 +43,11 @@ class Strips:
         """A fragment is generated where its hash is below this; 2**32 means always."""
         return min(2**32, round(self.fragment_probability * 2**32))
 
+    @property
+    def bounds(self) -> tuple[int, int, int, int]:
+        """Left, bottom, width and height in pixels of a rectangle that bounds the strips: the viewport."""
+        return 0, 0, *self.viewport
+
     def arrays(self) -> dict[str, np.ndarray]:
         """What `mfr-bench scene` writes."""
         return {"position": self.position, "rgba": self.rgba}

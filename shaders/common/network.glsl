@@ -1,5 +1,5 @@
 // Sorting network over registers: block[0 .. NETWORK) by depth, nearest first, without loops or variable indices,
-// so that a compiler keeps the block in registers. NETWORK is 8, 16 or 32.
+// so that a compiler keeps the block in registers. NETWORK is a power of two up to 32, or 64 for two blocks.
 // Source: Batcher's odd-even merge sort (Batcher 1968); registers: Knowles, Leach and Zambetta 2014 (kplus_2015 [34]).
 FRAGMENT block[NETWORK];
 
@@ -32,7 +32,15 @@ FRAGMENT block[NETWORK];
 #define EACH8(DO, a) EACH4(DO, a) EACH4(DO, (a) + 4)
 #define EACH16(DO, a) EACH8(DO, a) EACH8(DO, (a) + 8)
 
-#if NETWORK == 8
+#if NETWORK == 64
+// Two blocks of 32: the includer sorts what it needs of them.
+#elif NETWORK == 2
+#define EACH(DO) DO(0) DO(1)
+#define SORT_BLOCK COMPARE(0, 1)
+#elif NETWORK == 4
+#define EACH(DO) EACH4(DO, 0)
+#define SORT_BLOCK SORT4(0)
+#elif NETWORK == 8
 #define EACH(DO) EACH8(DO, 0)
 #define SORT_BLOCK SORT8(0)
 #elif NETWORK == 16

@@ -1,23 +1,16 @@
-// Adaptive transparency, first geometry pass: builds the visibility function of each pixel, in K nodes.
-// Source: Salvi et al. 2011, §3.
+// Store: the pixel's counter gives each fragment a cell of its own. DENSE: as many cells for every pixel as the
+// geometry has layers, neighbours side by side; else the pixel's range, where the counter began at its first cell.
+// Invariant: no pixel has more fragments than layers, or than were counted: every cell lies in the buffer.
+// Source: Crassin 2010 (dense); sbuffer_2012 §3.3 (ranges).
 #include "scene/fragment.glsl"
-#include "common/colour.glsl"
-#include "common/lock.glsl"
-#include "methods/adaptive/nodes.glsl"
-#include "methods/ps/slots.glsl"
-#include "common/insert_sorted.glsl"
-#include "methods/adaptive/compress.glsl"
-
-void insert(uint p, FRAGMENT node) {
-    FRAGMENT beyond = insert_sorted(p, node);
-    if (beyond.x != EMPTY) compress(p, beyond);
-}
+#include "methods/adaptive/region.glsl"
 
 void main() {
-    uint p = pixel_index();
-    FRAGMENT fragment = incoming();
-    FRAGMENT node = FRAGMENT(fragment.x, floatBitsToUint(1.0 - colour_of(fragment).a));
-    CRITICAL_BEGIN(p, !rejected())
-    insert(p, node);
-    CRITICAL_END(p)
+    if (rejected()) discard;
+    uint p = place();
+    uint slot = atomicAdd(counter[p], 1u);
+#if DENSE
+    slot = slot * PLACES + p;
+#endif
+    nodes[slot] = incoming();
 }

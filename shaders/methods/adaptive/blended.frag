@@ -1,0 +1,6 @@
+// Counts the fragments that are blended where none is stored. Runs outside timed frames.
+#include "scene/fragment.glsl"
+
+void main() {
+    if (!rejected()) atomicAdd(held_fragments, 1u);
+}

@@ -1,0 +1,16 @@
+// Resolve of at most NETWORK fragments: read into registers, sorted by a network, composited from there.
+// Source: Knowles, Leach and Zambetta 2014 (kplus_2015 [34]).
+#include "common/network.glsl"
+
+#define LOAD(i) \
+    block[i] = NO_FRAGMENT; \
+    if (uint(i) < cell_count) block[i] = cell(uint(i));
+#define COMPOSITE(i) colour = under(colour, colour_of(block[i]));
+
+vec4 resolve_pixel() {
+    vec4 colour = vec4(0.0);
+    EACH(LOAD)
+    SORT_BLOCK
+    EACH(COMPOSITE)
+    return colour;
+}

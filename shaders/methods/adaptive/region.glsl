@@ -1,0 +1,14 @@
+// Which pixels have counters and cells, row by row: with PART only those of the rectangle that bounds the geometry.
+#include "common/pixel.glsl"
+
+#if PART
+#define PLACES region_pixels
+
+uint place() {
+    uvec2 xy = uvec2(gl_FragCoord.xy);
+    return xy.y * region_columns + xy.x - region_first;
+}
+#else
+#define PLACES pixels
+#define place pixel_index
+#endif

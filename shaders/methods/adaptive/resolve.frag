@@ -1,0 +1,10 @@
+// Resolve of the pixels of the region, or of one class of them by the depth test.
+#include "common/colour.glsl"
+#include "methods/adaptive/cells.glsl"
+#include <resolver>
+
+void main() {
+    find_cells(place());
+    out_image = resolve_pixel();
+    COUNT(empty, cell_count == 0u)
+}
