@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any
@@ -14,7 +15,7 @@ from typing import Any
 from .memory import MIB, kernel_kills, resident_bytes
 
 PROGRAM = "import sys; sys.path[:] = sys.argv.pop().split(':'); from mfr_bench.run.worker import main; main()"
-END_S = 5.0  # for a worker that was asked to end; then it is killed
+END_S = 5.0  # for a worker that was asked to end, then for one that was killed: a driver may hold it in the kernel
 
 Cause = tuple[str, str]  # status of the cell that was in hand, and what became of the process
 
@@ -36,7 +37,9 @@ class Worker:
     def __init__(self, want: str, timer: str | None = None):
         ours, theirs = socket.socketpair()
         self._log = os.memfd_create("worker")  # what drivers print; its last line tells of a crash
-        self._kills, self._held, self._cause = kernel_kills(), 0, None
+        self._kills, self._held = kernel_kills(), 0
+        self._cause: Cause | None = None
+        self._killed = float("inf")  # when
         with theirs:
             arguments = [str(theirs.fileno()), str(os.getpid()), want, timer or "", ":".join(sys.path)]
             self.process = subprocess.Popen(
@@ -51,9 +54,12 @@ class Worker:
     def receive(self, timeout_s: float) -> Any:
         """The next event, or None where none comes in time. Raises Died."""
         try:
-            return self._link.recv() if self._link.poll(timeout_s) else None
+            event = self._link.recv() if self._link.poll(timeout_s) else None
         except Exception:  # noqa: BLE001 - a process that crashes may leave half a message, or any other
             raise Died(self._end()) from None
+        if event is None and time.monotonic() > self._killed + END_S:
+            raise Died(self._end())
+        return event
 
     def resident_bytes(self) -> int:
         """Main memory that it holds now."""
@@ -62,28 +68,30 @@ class Worker:
 
     def kill(self, cause: Cause) -> None:
         """End it at once, whatever it does; what it has sent can still be received."""
-        self._cause = self._cause or cause
+        if self._cause is None:
+            self._cause, self._killed = cause, time.monotonic()
         self.process.kill()
 
     def close(self) -> None:
         """Let it end, or end it."""
         self._link.close()
-        try:
-            self.process.wait(END_S)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
-            self.process.wait()
+        self._wait()
         with suppress(OSError):
             os.close(self._log)
 
+    def _wait(self) -> int | None:
+        """Its status, with or without its will; None where even killing it does not end it."""
+        for _ in range(2):
+            with suppress(subprocess.TimeoutExpired):
+                return self.process.wait(END_S)
+            self.process.kill()
+        return self.process.poll()
+
     def _end(self) -> Cause:
         """Why it ended."""
-        with suppress(subprocess.TimeoutExpired):
-            self.process.wait(END_S)
-        self.process.kill()
-        status = self.process.wait()
-        if self._cause:
-            return self._cause
+        status = self._wait()
+        if self._cause or status is None:
+            return self._cause or ("crashed", "it does not end")
         if status == -signal.SIGKILL and kernel_kills() > self._kills:
             return "out_of_memory", f"the kernel ended it for lack of memory when it held {self._held / MIB:,.0f} MiB"
         what = f"killed by {signal.Signals(-status).name}" if status < 0 else f"ended with exit status {status}"
