@@ -162,12 +162,12 @@ class Figure(_Plain):
     first of these passes that a method has. `breaking` shows where along x, from mild to harsh in the order of the
     sweep, each method breaks. `bound`: the error that rounding explains, as a line. `gain_of`: what this parameter
     gains over its first value. `fit`: a polynomial through each line. `printed`: the paper's numbers of this quantity
-    as marks.
+    as marks. A kind `pareto` draws an error y against a cost x, and what nothing beats in both.
     """
 
     __pydantic_config__: ClassVar[dict] = STRICT
 
-    kind: Literal["stacked_passes", "lines", "bars", "maps", "histogram", "breaking"]
+    kind: Literal["stacked_passes", "lines", "bars", "maps", "histogram", "breaking", "pareto"]
     x: Text
     y: Text = "time_ms"
     log: Literal["x", "y", "xy"] | None = None

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..store import ResultFolder, csv_text, write_file
-from . import breaking, data, printed
+from . import breaking, data, frontier, printed
 from .breaking import FAULTS, Ladder
 from .data import Point, Result, number
 
@@ -292,6 +292,8 @@ def _sections(result: Result, passes: bool) -> list[Grid]:
     grids += [grid for block in blocks for grid in block.measure_grids()]
     grids += [block.pass_grid() for block in blocks] if passes else []
     grids.append(_printed_grid(result))
+    errors = dict.fromkeys(str(figure["y"]) for figure in result.figures if figure.get("kind") == "pareto")
+    grids += [Grid(*table) for error in list(errors)[:1] for table in frontier.tables(result, error)]
     return [grid for grid in grids if grid.rows]
 
 

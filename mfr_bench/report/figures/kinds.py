@@ -2,7 +2,7 @@
 
 `build` returns the matplotlib Figure of one entry of the config's `figures`:
 
-    kind     stacked_passes | bars | lines | maps | histogram | breaking
+    kind     stacked_passes | bars | lines | maps | histogram | breaking | pareto
     x, y     a swept key or column (see `data.Point.at`), a measure (see `data.MEASURES`)
     log      x | y | xy; log_base 2 or 10
     panels   a swept key or column: one panel for each of its values
@@ -30,6 +30,7 @@ from .breaking import breaking
 from .histogram import histogram
 from .lines import lines
 from .maps import maps
+from .pareto import pareto
 from .series import Options
 from .sheet import styled
 
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 
 KINDS: Mapping[str, Callable[[Result, Options], Figure]] = {
     "stacked_passes": stacked_passes, "bars": bars, "lines": lines, "maps": maps, "histogram": histogram,
-    "breaking": breaking}
+    "breaking": breaking, "pareto": pareto}
 
 
 def build(result: Result, options: Options) -> Figure:

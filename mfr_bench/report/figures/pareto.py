@@ -1,0 +1,127 @@
+"""Error against cost: every measured cell, and the frontier of those that nothing measured beats in both."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from .. import data, style
+from ..data import Point, Result
+from ..frontier import ROUNDING, Place, places
+from .scales import log_axis, nothing, y_label
+from .series import Options
+from .sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, legend_columns, sheet_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LEAST = 1e-9  # where an error of 0 is drawn
+PLOT_IN, LABEL_CHARACTERS = 2.3, 34
+FADED = 0.22
+KEY = (f"Solid: no measured cell is both cheaper and more accurate (errors below {ROUNDING:g} counted as equal). "
+       "Faded: some cell is. Bars: 95 % interval of the median.")
+
+
+def pareto(result: Result, options: Options) -> Figure:
+    """x is a cost, y an error, both logarithmic; a panel for each scene."""
+    plot = Plot(result, options, tuple(places(result)) if result.points else ())
+    columns = min(3, len(plot.places)) or 1
+    rows = math.ceil(len(plot.places) / columns) or 1
+    names = [*plot.labels, "on no frontier"]
+    across = legend_columns(names, style.WIDTH_IN - 2 * EDGE, 6.5)
+    legend_in = LEGEND_LINE_IN * 0.92 * math.ceil(len(names) / across)
+    step = HEADING_IN + PLOT_IN + 0.24
+    zero = any(p.measure(plot.y)[1] == 0 for place in plot.places for p in place.points)
+    notes = [KEY, f"An error of 0 is drawn at {LEAST:g}." * zero]
+    sheet = sheet_of(result, options, notes, style.WIDTH_IN, rows * step + 0.2 + legend_in)
+    figure = sheet.figure()
+    width = (sheet.width - LEFT - EDGE - 0.12 * (columns - 1)) / columns
+    grid: list[Axes] = []
+    for i, place in enumerate(plot.places):
+        shared = {name: grid[0] for name in ("sharex", "sharey") if grid}
+        axes = sheet.axes(figure, LEFT + i % columns * (width + 0.12), i // columns * step + HEADING_IN, width, PLOT_IN,
+                          **shared)
+        grid.append(axes)
+        plot.draw(axes, place)
+        axes.set_title("\n".join(textwrap.wrap(place.name, LABEL_CHARACTERS)), loc="left")
+    for i, axes in enumerate(grid):
+        plot.finish(axes, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
+    if not grid:
+        nothing(sheet.axes(figure, LEFT, HEADING_IN, width, PLOT_IN))
+    figure.legend(handles=plot.handles(), loc="lower left", ncol=across, fontsize=6.5, handlelength=1.2,
+                  columnspacing=1.0, labelspacing=0.35, borderpad=0, borderaxespad=0,
+                  bbox_to_anchor=(EDGE / sheet.width, sheet.bottom / sheet.height))
+    return figure
+
+
+@dataclass(frozen=True)
+class Plot:
+    """What a figure shows, in any number of panels."""
+
+    result: Result
+    options: Options
+    places: tuple[Place, ...]
+
+    @property
+    def x(self) -> str:
+        return data.IN_MIB.get(self.options["x"], self.options["x"])
+
+    @property
+    def y(self) -> str:
+        return self.options["y"]
+
+    @property
+    def labels(self) -> list[str]:
+        """Of all frontiers, in the config's order of methods."""
+        return list(self._members())
+
+    def _members(self) -> dict[str, Point]:
+        on = {p.label: p for place in self.places for p in place.frontier(self.x, self.y)}
+        return {p.label: on[p.label] for place in self.places for p in place.points if p.label in on}
+
+    def draw(self, axes: Axes, place: Place) -> None:
+        frontier = place.frontier(self.x, self.y)
+        on = {p.cell["key"] for p in frontier}
+        shown = [p for p in place.points if p.measure(self.x)[1] and p.measure(self.y)[1] is not None]
+        for p in shown:
+            self._mark(axes, p, faded=p.cell["key"] not in on)
+        if frontier:
+            axes.step([p.measure(self.x)[1] for p in frontier], [self._error(p) for p in frontier], where="post",
+                      color=style.INK, linewidth=0.9, zorder=2.5)
+
+    def _error(self, point: Point) -> float:
+        return max(LEAST, point.measure(self.y)[1])
+
+    def _mark(self, axes: Axes, point: Point, faded: bool) -> None:
+        low, middle, high = point.measure(self.x)
+        ends = None if low is None or high is None else ([middle - low], [high - middle])
+        axes.errorbar([middle], [self._error(point)], xerr=ends, fmt="o" if faded else self._marker(point.label),
+                      markersize=2.6 if faded else 4.8, color=style.method_colour(point.method), elinewidth=0.7,
+                      alpha=FADED if faded else 1.0, markeredgecolor="none" if faded else "white", markeredgewidth=0.4,
+                      zorder=1.5 if faded else 3)
+
+    def _marker(self, label: str) -> str:
+        return style.MARKERS[self.labels.index(label) % len(style.MARKERS)]
+
+    def finish(self, axes: Axes, leftmost: bool, lowest: bool) -> None:
+        log_axis(axes, "x", 10)
+        log_axis(axes, "y", 10)
+        axes.grid(which="major")
+        axes.tick_params(labelbottom=lowest, labelleft=leftmost)
+        if lowest:
+            axes.set_xlabel(str(self.options.get("x_label") or data.MEASURES[self.x]))
+        if leftmost:
+            y_label(axes, str(self.options.get("y_label") or data.MEASURES[self.y]))
+
+    def handles(self) -> Sequence:
+        from matplotlib.lines import Line2D
+
+        named = [Line2D([], [], linestyle="", marker=self._marker(label), color=style.method_colour(p.method),
+                        markersize=4.8, markeredgecolor="white", markeredgewidth=0.4, label=label)
+                 for label, p in self._members().items()]
+        return [*named, Line2D([], [], linestyle="", marker="o", markersize=2.6, color=style.QUIET, alpha=0.5,
+                               label="on no frontier")]

@@ -1,0 +1,87 @@
+"""Frontiers of planted cells: what beats what, and what figures and tables say of it."""
+
+import pytest
+
+from mfr_bench.report import data, figures, frontier
+
+from . import planted
+
+FIGURE = {"kind": "pareto", "x": "time_ms", "y": "rmse", "log": "xy"}
+
+
+def point(label, time_ms, rmse, memory_mib=1.0, **more):
+    values = {"rmse": rmse, "flip": 10 * rmse, "max_error_all": 5 * rmse, "memory_bytes": int(memory_mib * 2**20)}
+    return planted.cell(label.split()[0].lower(), label, time_ms, values=values, **more)
+
+
+CELLS = [point("Cheap", 1, 0.1), point("Middle", 2, 0.01, 4.0), point("Exact", 8, 3e-8, 2.0),
+         point("Beaten", 4, 0.02, 4.0), point("AlsoExact", 9, 1e-8, 0.5), point("Tied", 8, 5e-8, 2.0),
+         planted.cell("floor", "floor", 0.5, values={"rmse": None, "max_abs_error": None}),
+         point("Wrong", 0.1, 1e-9, status="wrong"), planted.cell("none", "None", None, status="unsupported")]
+
+
+def load(tmp_path, cells=None, **more):
+    return data.load(planted.folder(tmp_path / "r", CELLS if cells is None else cells, [FIGURE], **more))
+
+
+def labels(points):
+    return [p.label for p in points]
+
+
+def test_a_frontier_holds_what_nothing_beats(tmp_path):
+    """Errors of rounding are equal: of exact methods the cheapest; what is wrong or no image is on none."""
+    place, = frontier.places(load(tmp_path))
+    assert labels(place.frontier("time_ms", "rmse")) == ["Cheap", "Middle", "Exact"]
+    assert labels(place.frontier("memory_mib", "rmse")) == ["AlsoExact"]
+
+
+def test_each_scene_has_its_own(tmp_path):
+    deep = {"depth_complexity": 64, "alpha": [0.5, 0.9]}
+    cells = [*CELLS, point("Cheap", 3, 0.3, scene=deep), point("Exact", 2, 1e-8, scene=deep)]
+    shallow, deeper = frontier.places(load(tmp_path, cells))
+    assert labels(deeper.frontier("time_ms", "rmse")) == ["Exact"]
+    assert len(shallow.points) == 6
+    assert "n = 64" in deeper.name
+    assert "opacity 0.5–0.9" in deeper.name
+
+
+def test_one_label_is_told_apart_by_what_was_swept(tmp_path):
+    cells = [point("Kb", k, 1 / k, params={"k": k}, point={"k": k}) for k in (2, 8)]
+    place, = frontier.places(load(tmp_path, cells, sweep={"k": [2, 8]}))
+    assert labels(place.frontier("time_ms", "rmse")) == ["Kb, k 2", "Kb, k 8"]
+
+
+def test_tables_name_the_fastest_and_the_most_accurate(tmp_path):
+    on, fastest, closest = frontier.tables(load(tmp_path), "rmse")
+    assert [row[:2] for row in on[3]] == [("Cheap", "time"), ("Middle", "time"), ("Exact", "time"),
+                                          ("AlsoExact", "memory")]
+    assert dict(fastest[3]) == {"0.1": "Cheap: 1.00", "0.03": "Middle: 2.00", "0.01": "Middle: 2.00",
+                                "0.003": "Exact: 8.00"}
+    assert dict(closest[3]) == {"1": "Cheap: 0.100", "2": "Middle: 0.0100", "5": "Middle: 0.0100",
+                                "10": "Exact: 3e-08"}
+
+
+def test_nothing_measured_is_no_mistake(tmp_path):
+    empty = load(tmp_path, [])
+    assert frontier.tables(empty, "rmse") == []
+    assert figures.render(figures.build(empty, FIGURE))["png"]
+
+
+@pytest.mark.parametrize("x", ["time_ms", "memory_bytes"])
+@pytest.mark.parametrize("y", ["rmse", "flip", "max_error_all"])
+def test_the_figure_shows_every_cell_and_names_the_frontier(tmp_path, x, y):
+    result = load(tmp_path)
+    figure = figures.build(result, {**FIGURE, "x": x, "y": y})
+    axes, = figure.axes
+    assert axes.get_xscale() == axes.get_yscale() == "log"
+    assert len(axes.containers) == 6
+    named = [text.get_text() for text in figure.legends[0].get_texts()]
+    expected = ["AlsoExact"] if x == "memory_bytes" else ["Cheap", "Middle", "Exact"]
+    assert named == [*expected, "on no frontier"]
+
+
+def test_an_error_of_0_is_drawn_and_said(tmp_path):
+    result = load(tmp_path, [point("Zero", 1, 0.0), point("Some", 0.5, 0.1)])
+    figure = figures.build(result, FIGURE)
+    assert any("An error of 0 is drawn at 1e-09" in text.get_text() for text in figure.texts)
+    assert min(container.lines[0].get_ydata()[0] for container in figure.axes[0].containers) == 1e-9
