@@ -80,13 +80,15 @@ def table(folders: tuple[str, ...]) -> None:
 
 
 @click.command()
+@click.option("--papers", is_flag=True, help="Print only the names of the papers' experiments.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print docs/experiments.md.")
-def configs(as_markdown: bool) -> None:
+def configs(papers: bool, as_markdown: bool) -> None:
     """List the configs that come with the package.
 
     \b
     Examples: mfr-bench configs
               mfr-bench configs --markdown >docs/experiments.md
+              mfr-bench run $(mfr-bench configs --papers) --profile smoke
     """
     from ..config import load, shipped
     from ..methods import catalog
@@ -97,6 +99,10 @@ def configs(as_markdown: bool) -> None:
     longest = max(map(len, shipped()))
     for name, path in shipped().items():
         experiment = load(str(path), catalog())[0]
+        if papers:
+            if experiment.source.get("paper"):
+                say(name)
+            continue
         source = " ".join(filter(None, (experiment.source.get("paper"), f"figure {experiment.source['figure']}"
                                         if experiment.source.get("figure") else "")))
         say(f"{name:{longest}}  {experiment.title}{f' ({source})' if source else ''}")

@@ -32,6 +32,10 @@ MEASURES = {
     "fps_per_mib": "frames per second and MiB",
     "words_per_pixel": "32-bit words per pixel",
     "share": "share of the passes' time",
+    "culled_share": "share of the fragments that is discarded",
+    "hue_error": "mean error of hue (degrees)",
+    "luminance_error": "largest error of luminance",
+    "rmse": "root mean square error",
 }
 MEASURES = {c.name: f"{c.name} ({c.unit})" if c.unit else c.name
             for c in COLUMNS if c.type in ("int", "float")} | MEASURES
@@ -152,13 +156,14 @@ class Result:
     @property
     def figures(self) -> list[Mapping[str, Any]]:
         """The config's figures, as given there."""
-        return list(self.manifest.get("figures") or [])
+        return [figure for figure in self.manifest.get("figures") or [] if isinstance(figure, Mapping)]
 
     @property
     def provenance(self) -> str:
         """One line: the paper, the device with its driver, the timer, the date, the program's version."""
         manifest = self.manifest
         source, device = manifest.get("source") or {}, manifest.get("device") or {}
+        device = device if isinstance(device, Mapping) else {"renderer": device}
         paper = ", ".join(str(v) for v in (source.get("paper"), _figure_of(source)) if v)
         version = (manifest.get("versions") or {}).get("mfr-bench")
         stand_in = source.get("stand_in")
@@ -178,6 +183,14 @@ class Result:
         """Planned cells without a record: the run was interrupted, or its file was damaged."""
         keys = {p.cell["key"] for p in self.points}
         return sum(key not in keys for key in self.manifest.get("cells", []))
+
+    @property
+    def lacking(self) -> str:
+        """One line on what is not here: planned cells without a record, files that could not be used."""
+        files = len(self.folder.damaged)
+        parts = [f"{self.unmeasured} planned cells have no record" if self.unmeasured else "",
+                 f"{files} {'file' if files == 1 else 'files'} could not be used" if files else ""]
+        return "; ".join(part for part in parts if part)
 
     @property
     def labels(self) -> list[str]:
@@ -204,9 +217,22 @@ class Result:
         return names
 
 
+MANIFEST_TYPES = {"figures": list, "source": dict, "sweep": dict, "zip": dict, "device": (dict, str)}
+
+
+def _sound(folder: ResultFolder) -> dict[str, Any]:
+    """The manifest without what is not of its type, as another program may have left it; that is named."""
+    manifest = folder.manifest()
+    wrong = [name for name, kind in MANIFEST_TYPES.items()
+             if manifest.get(name) is not None and not isinstance(manifest[name], kind)]
+    for name in wrong:
+        folder.skip(folder.path / "manifest.json", f"{name}: not of its type")
+    return {name: value for name, value in manifest.items() if name not in wrong}
+
+
 def load(folder: ResultFolder) -> Result:
     """The folder's points in plan order; of several records of one point the planned one."""
-    manifest = folder.manifest()
+    manifest = _sound(folder)
     cells = _current(folder.cells())
     floors, labels = Floors(cells), _labels(cells)
     parameters = frozenset(name for cell in cells for name in cell["params"])

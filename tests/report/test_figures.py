@@ -606,6 +606,60 @@ def test_maps_are_the_same_bytes_each_time(tmp_path, options):
     assert first == figures.render(mapped(tmp_path / "b", options, arrays))
 
 
+# --- results that are not whole --------------------------------------------------------------------
+
+
+def spoilt(tmp_path, figures_wanted, **manifest):
+    """Six planned cells: one gone, one cut off, one of an older schema, one that another program wrote."""
+    cells = [cell("kb", "KB", k / 2, {"store": k / 3}, params={"k": k}, point={"k": k}) for k in (2, 4, 8, 16, 32)]
+    foreign = cell("someones-own", "Own", 3.0, params={"depth": "?"}, values={"memory_bytes": None})
+    folder = planted.folder(tmp_path, [*cells, foreign], figures_wanted, sweep={"k": [2, 4, 8, 16, 32]}, **manifest)
+    paths = [folder.cells_path / f"{c['key']}.json" for c in cells]
+    paths[0].unlink()
+    paths[1].write_text(paths[1].read_text()[:100])
+    paths[2].write_text(paths[2].read_text().replace('"schema": 1', '"schema": 0'))
+    return planted.store.ResultFolder(tmp_path)
+
+
+@pytest.mark.parametrize("options", [*KINDS, MAPS, {"kind": "histogram", "x": "k"}], ids=lambda o: o["kind"])
+def test_what_can_be_drawn_is_drawn_and_what_is_missing_is_named(tmp_path, options):
+    folder = spoilt(tmp_path, [options])
+    written = figures.write_figures(folder)
+    assert all(path.stat().st_size for path in written)
+    text = " ".join(all_texts(figures.build(data.load(folder), options))).replace("\n", " ")
+    assert "3 planned cells have no record; 2 files could not be used" in text
+    assert len(folder.damaged) == 2
+
+
+def test_what_is_left_of_a_line_is_drawn_at_its_place(tmp_path):
+    axes, = figures.build(data.load(spoilt(tmp_path, [])), {"kind": "lines", "x": "k"}).axes
+    assert list(curves(axes)["KB"].get_xdata()) == [16, 32]
+    assert list(curves(axes)["KB"].get_ydata()) == pytest.approx([8, 16])
+
+
+@pytest.mark.parametrize("odd", [{"figures": 7}, {"figures": [3, None]}, {"source": "a paper"}, {"sweep": [1]},
+                                 {"zip": "k"}, {"device": "a card"}], ids=str)
+def test_a_manifest_of_another_program_is_used_as_far_as_it_goes(tmp_path, odd):
+    folder = planted.folder(tmp_path, two_methods(), [STACKED])
+    folder.write_manifest(folder.manifest() | odd)
+    figures.write_figures(folder)
+    assert figures.build(data.load(folder), LINES | {"x": "k"}).axes
+    assert odd in ({"figures": [3, None]}, {"device": "a card"}) or "not of its type" in folder.damaged[0]
+
+
+@pytest.mark.parametrize("content", [b"", b"PK", b"no archive", b"\x00" * 4000])
+def test_an_array_that_cannot_be_read_is_named_and_not_drawn(tmp_path, content):
+    arrays = {("KB", 8): {"error": np.ones((4, 4))}, ("KB-SR", 8): {"error": np.ones((4, 4))}}
+    mapped(tmp_path, MAPS, arrays)
+    folder = planted.store.ResultFolder(tmp_path)
+    path = folder.arrays_path(folder.cells()[0]["key"])
+    path.write_bytes(content)
+    figures.write_figures(folder, processes=2)
+    assert folder.damaged[0].startswith(f"{path}: cannot be read")
+    figure = figures.build(data.load(planted.store.ResultFolder(tmp_path)), MAPS)
+    assert "error not measured" in texts_of(figure.axes[0]) and figure.axes[1].images
+
+
 # --- several devices -----------------------------------------------------------------------------
 
 

@@ -58,6 +58,9 @@ def _by_device(result: Result) -> Result:
 def _draw_all(result: Result, target: Path, processes: int) -> list[Path]:
     name = re.sub(r"[^\w.-]+", "-", result.name).strip("-.") or "figure"
     several = len(result.figures) > 1
+    if any(options.get("kind") == "maps" for options in result.figures):
+        for point in result.points:  # read here, where what cannot be read is told; a forked child's words are lost
+            _ = point.arrays
     tasks = [(target / (f"{name}-{i}" if several else name), options)
              for i, options in enumerate(result.figures, 1)]
     with _uncollected():

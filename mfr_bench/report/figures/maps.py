@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 MOST_COLUMNS = 5
 GAP, HEADING, BAR = 0.1, 0.3, 0.62  # inches
+LEAST_SEEN = 1 / 255
 CHECKS = 16  # squares of the checkerboard along the longer side
 MEANINGS = {"error": "largest channel error against the promised image", "loss": "largest channel error against the "
             "image of all fragments", "fragments": "fragments per pixel", "discarded": "fragments refused per pixel",
@@ -79,7 +80,9 @@ class Maps:
 
     @cached_property
     def highest(self) -> float:
-        return max((float(array.max()) for array in self.kept.values()), default=0.0) or 1.0
+        """The scale's end; of errors at least a step of 8 bits, below which no one sees any."""
+        most = max((float(array.max()) for array in self.kept.values()), default=0.0) or 1.0
+        return max(most, LEAST_SEEN) if self.name in ("error", "loss") else most
 
     def rows(self) -> list[list[Point]]:
         x, labels = self.options["x"], labels_of(self.points)
