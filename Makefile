@@ -4,7 +4,7 @@ VENV := .venv
 PYTHON_READY := $(VENV)/python-ready
 DRIVER_READY := $(VENV)/driver-ready
 
-.PHONY: help bench test lint setup lock clean
+.PHONY: help bench papers test lint setup lock clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -12,6 +12,9 @@ help:  ## list the targets
 
 bench: setup  ## measure configs/smoke.yaml; print its table and where the figures are (ARGS="--device cpu --force")
 	@$(VENV)/bin/mfr-bench run smoke $(ARGS)
+
+papers: setup  ## measure the papers' experiments into results/<device>/ (ARGS="--profile smoke" on a CPU)
+	@$(VENV)/bin/mfr-bench run $$($(VENV)/bin/mfr-bench configs --papers) $(ARGS)
 
 test: setup  ## run every test (ARGS="-k scene")
 	@$(VENV)/bin/python -m pytest $(ARGS)
