@@ -169,6 +169,7 @@ def needle_width(scene: Scene) -> int:
     return max(2, min(scene.size) // 128)
 
 
+@lru_cache(maxsize=256)
 def needle_fill(scene: Scene) -> float:
     """Share of a layer that needles cover, by which the mean over the pixels that any layer covers is mean_depth."""
     layers, low, high = scene.depth_complexity, 1e-6, FULLEST["needles"]

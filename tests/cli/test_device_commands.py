@@ -120,7 +120,8 @@ def test_a_scene_as_arrays(mfr, odd, here):
             np.testing.assert_array_equal(found[name], getattr(scene, name))
 
 
-OBJECT = "name: object\nscene: {kind: needles, size: [48, 40], depth_complexity: 12}\nmethods: [ab-array, kplus-array]\n"
+OBJECT = ("name: object\nscene: {kind: needles, size: [48, 40], depth_complexity: 12}\n"
+          "methods: [ab-array, kplus-array]\n")
 
 
 def test_slanted_primitives_are_corners(mfr, here):

@@ -128,6 +128,17 @@ def test_a_stand_in_has_its_maximum_and_about_its_mean(on, kind, layers, mean):
     assert sizes.quads <= 1.01 * expected.quads <= 3 * sizes.quads
 
 
+@pytest.mark.parametrize("kind", ["hairball", "needles", "temple"])
+def test_stand_ins_go_from_sparse_to_dense(on, kind):
+    """Covered pixels follow the density, and the maximum stays."""
+    sizes = [on(SceneConfig(kind=kind, size=(256, 256), depth_complexity=20, mean_depth=8, pixel_density=density)).sizes
+             for density in (0.1, 0.3, 0.9)]
+    covered = [sum(s.histogram[1:]) for s in sizes]
+    assert [s.n for s in sizes] == [20] * 3
+    assert covered[1] / covered[0] == pytest.approx(3, rel=0.15)
+    assert covered[2] / covered[1] == pytest.approx(3, rel=0.15)
+
+
 def test_an_animation_changes_how_deep_pixels_are(on):
     config = SceneConfig(kind="hairball", size=(96, 96), depth_complexity=60, mean_depth=15, animate=True)
     means = [sizes.F / sum(sizes.histogram[1:]) for sizes in (on(config, frame).sizes for frame in (0, 2, 4))]

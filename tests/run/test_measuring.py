@@ -365,6 +365,19 @@ def test_a_cell_keeps_the_arrays_that_are_asked_for(run, tmp_path):
     assert read_arrays(folder, rows["zbuffer", None]["key"]) == {}
 
 
+def test_a_cell_that_is_copied_brings_its_arrays(run, device, tmp_path):
+    measure = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=7, keep=("fragments",))
+    rows, _ = run([cell("ab-array", measure=measure)])
+    key = rows["ab-array", None]["key"]
+    sheet = Sheet(ResultFolder(tmp_path / "beside"), jobs([cell("ab-array", measure=measure)], catalog(), device.info,
+                                                          "wall"))
+    ledger = Ledger([sheet], device.info, elsewhere=[ResultFolder(tmp_path)])
+    ledger.settle()
+    ledger.close()
+    assert sheet.copied == 1
+    np.testing.assert_array_equal(read_arrays(sheet.folder, key)["fragments"], np.full((12, 16), 5))
+
+
 def test_the_frames_of_an_animation_are_in_the_record(run):
     scene = SceneConfig(kind="needles", size=(32, 24), depth_complexity=30, mean_depth=8, animate=True)
     rows, _ = run([cell("kplus-sb-dynamic", scene), cell("kplus-array", scene, k=2)])
