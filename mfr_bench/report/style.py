@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import colorsys
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from functools import cache
 
 WIDTH_IN = 7.2  # the text width of a two-column paper
@@ -32,11 +32,15 @@ PASS_COLOURS = {  # the same step of a frame has one colour in every figure; leg
 SPARE_PASS_COLOURS = (SKY, GREEN, PURPLE, VERMILION, YELLOW)  # for passes without a fixed colour
 WHOLE_FRAME = "#c4c8cc"  # a frame whose passes were not timed
 
-# A method has one colour in every figure: its family's, by the order of families in the catalog, in the shade of its
-# place among them. Found by a search for the largest least difference in CIE Lab among methods that figures of the
-# papers show together, for normal sight and without red or green cones.
-FAMILY_COLOURS = ("#5f6368", "#146f29", "#c3826b", "#b50f7f", "#aaaf34", "#caca98", "#bc9089", "#9a56de", "#0618f7",
-                  "#f1b57e", "#d03b7a", "#170a86", "#749156")
+# A method has one colour in every figure: its family's, in the shade of its place among the family's methods. A
+# family's colour is found by the hash of its name, so that a new family changes no other's. The colours come from a
+# search for the largest least difference in CIE Lab among methods that figures of the papers show together, for normal
+# sight and without red or green cones; with this salt no two of today's families share one.
+FAMILY_SALT = 8439
+FAMILY_COLOURS = (
+    "#b50f7f", "#9a56de", "#146f29", "#c3826b", "#aaaf34", "#0618f7", "#9b2727", "#d1d147", "#170a86", "#e41a1c",
+    "#279b27", "#47d1d1", "#bc9089", "#f1b57e", "#5f6368", "#546e7a", "#d03b7a", "#caca98", "#27279b", "#00897b",
+    "#ff6f00", "#749156", "#ad8f00", "#d147d1")
 SHADES = ((0.0, 1.0), (-0.073, 0.42), (-0.106, 1.5), (0.102, 1.72), (-0.145, 1.78), (-0.037, 1.03), (-0.145, 0.65),
           (0.146, 0.98))  # of hue (turns) and of lightness (factor)
 
@@ -103,15 +107,12 @@ def method_colours() -> dict[str, str]:
     families: dict[str, list[str]] = {}
     for method in catalog().values():
         families.setdefault(method.family, []).append(method.id)
-    return {method: _shade(colour, place) for colour, members in zip(_family_colours(families), families.values(),
-                                                                     strict=True)
+    return {method: _shade(family_colour(family), place) for family, members in families.items()
             for place, method in enumerate(members)}
 
 
-def _family_colours(families: Iterable[str]) -> Iterator[str]:
-    """The families' colours in their order; beyond the listed ones a colour from the name."""
-    for i, family in enumerate(families):
-        yield FAMILY_COLOURS[i] if i < len(FAMILY_COLOURS) else _colour_of_name(family)
+def family_colour(family: str) -> str:
+    return FAMILY_COLOURS[zlib.crc32(f"{FAMILY_SALT}{family}".encode()) % len(FAMILY_COLOURS)]
 
 
 def _shade(colour: str, place: int) -> str:
