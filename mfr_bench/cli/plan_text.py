@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from .output import note, say
@@ -24,6 +26,8 @@ def print_plans(plans, supervisor, choices: Choices) -> None:
     beside = sources(plans, folders, choices)
     shared: dict[str, str] = {}
     codes: dict[Any, str] = {}
+    forecast = _forecast((*folders, *beside), ready) if ready else None
+    to_come: list[Any] = []
     for (experiment, cells), folder in zip(plans, folders, strict=True):
         if not cells:
             continue
@@ -31,7 +35,31 @@ def print_plans(plans, supervisor, choices: Choices) -> None:
         if ready:
             todo = jobs(cells, catalog(), ready.device, ready.timer, codes)
             _decide(rows, todo, (folder, *beside), choices, shared)
-        say(_plan_text(experiment, rows, folder))
+        measured = [cell for cell, row in zip(cells, rows, strict=True) if row["decision"] == "measure"]
+        say(_plan_text(experiment, rows, folder, _predicted(forecast, measured)))
+        to_come += measured
+    if len(plans) > 1 and forecast:
+        say(f"{len(to_come)} cells to measure in all: {forecast.run(to_come).text}")
+
+
+def _predicted(forecast, cells: Sequence[Any]) -> list[str]:
+    return [f"  predicted: {forecast.run(cells).text}"] if forecast and cells else []
+
+
+def _forecast(known, ready):
+    """What results of the device foretell: those of the run, those beside it, and those below results/."""
+    from ..forecast import Forecast, rates_of
+    from ..run.ledger import relatives
+
+    runs = [(folder.manifest(), folder.cells())
+            for folder in [*known, *relatives(Path("results") / ready.device["slug"], known)]]
+    mine = [(manifest, [row for row in rows if _of_the_device(row, ready.device)]) for manifest, rows in runs]
+    return Forecast((row for _, rows in mine for row in rows), rates_of(mine, ready.calibration))
+
+
+def _of_the_device(row: Mapping[str, Any], device: Mapping[str, str]) -> bool:
+    made_by = row.get("device") or {}
+    return all(made_by.get(name) == device[name] for name in ("renderer", "version"))
 
 
 def _decide(rows: list[dict[str, Any]], todo, folders, choices: Choices, shared: dict[str, str]) -> None:
@@ -70,8 +98,8 @@ def _kept(todo, folders, keep_failed: bool) -> dict[int, tuple[Any, dict[str, An
     return found
 
 
-def _plan_text(experiment, rows: list[dict[str, Any]], folder) -> str:
-    lines = [f"{experiment.name}: {experiment.title}", f"  {len(rows)} cells -> {folder.path}"]
+def _plan_text(experiment, rows: list[dict[str, Any]], folder, predicted: list[str]) -> str:
+    lines = [f"{experiment.name}: {experiment.title}", f"  {len(rows)} cells -> {folder.path}", *predicted]
     label = max(len(r["label"]) for r in rows)
     where = [" ".join(f"{k.removeprefix('scene.')}={v}" for k, v in r["point"].items()) for r in rows]
     place = max(map(len, where))

@@ -31,7 +31,8 @@ WRONG, FAILED = 3, 1
               help="Keep cells that crashed, timed out or ran out of memory; else they are measured again.")
 @click.option("--try-hopeless", is_flag=True,
               help="Measure cells although a frame of a smaller one already took longer than the time limit.")
-@click.option("--dry-run", is_flag=True, help="Print the plan: what would be measured, what skipped, and why.")
+@click.option("--dry-run", is_flag=True,
+              help="Print the plan: what would be measured, its memory and time, what skipped, and why.")
 def run(configs: tuple[str, ...], out: str | None, profile: str | None, only: str | None,
         overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
         dry_run: bool) -> int:

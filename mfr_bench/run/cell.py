@@ -56,7 +56,7 @@ class CellWork:
         self.passes = {name: list(times_ms) for name, times_ms in partial.passes.items()}
         self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
         self.done = False  # its row is told
-        self.repeats: int | None = None  # frames in a sample; known from the first one's time
+        self.repeats = 1  # frames in a sample
         self._told = len(self.sampler.samples_ms)  # samples that are no news
         self.frame = self._drawn()
         try:
@@ -121,17 +121,16 @@ class CellWork:
             self.bench.stop_if_asked()
             self.frame.show(self.scene.show(len(sampler.samples_ms)))
             with self.bench.split.work("measure" if sampler.warm else "warm-up"):
-                sampler.add(self._sample())
+                sampler.add(self._sample(sampler.warm))
         self._tell(self._time_passes(1) if sampler.warm else {})
 
-    def _sample(self) -> float:
-        """The time of a frame, in ms."""
+    def _sample(self, warm: bool) -> float:
+        """The time of a frame, in ms. The warm-up shows how many the clock needs in a sample."""
         timer = self.bench.timer
-        if self.repeats is None:
-            tick_ms = timer.resolution_ms
-            first_ms = min(timer.frame_ms(self.frame.draw) for _ in range(2)) if tick_ms else 0.0
-            self.repeats = repeats_for(first_ms, tick_ms)
-        return timer.frame_ms(self.frame.draw, self.repeats)
+        time_ms = timer.frame_ms(self.frame.draw, self.repeats)
+        if not warm:
+            self.repeats = max(self.repeats, repeats_for(time_ms, timer.resolution_ms))
+        return time_ms
 
     def _tell(self, passes: Mapping[str, float]) -> None:
         """What is new since the last batch."""
