@@ -8,7 +8,15 @@ import click
 
 from .. import __version__
 from ..errors import Interrupted, MfrError, UsageError, nearest
-from . import claims_command, compare_command, device_commands, report_commands, run_command, stress_command
+from . import (
+    advise_command,
+    claims_command,
+    compare_command,
+    device_commands,
+    report_commands,
+    run_command,
+    stress_command,
+)
 from .output import note, prepare_streams, say
 
 EPILOG = """
@@ -54,7 +62,8 @@ def cli(context: click.Context) -> None:
         context.exit(2)
 
 
-for module in (run_command, stress_command, report_commands, claims_command, compare_command, device_commands):
+for module in (run_command, stress_command, report_commands, advise_command, claims_command, compare_command,
+               device_commands):
     for command in module.COMMANDS:
         cli.add_command(command)
 

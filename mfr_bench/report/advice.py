@@ -1,0 +1,188 @@
+"""Which measured method to take: the fastest that keeps an error and a memory budget, and how sure that is."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..stats import Interval, real
+from ..store import device_name
+from . import data
+from .data import Point, Result, number
+from .frontier import Place, places
+from .tables import Grid
+
+METRICS = {"rmse": "rmse", "flip": "flip", "max": "max_error_all"}  # what `--metric` takes, and its column
+MOST_SHOWN = 5
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What an image and its memory may cost; `memory_mib` None is no limit."""
+
+    metric: str  # a key of METRICS
+    most_error: float
+    memory_mib: float | None = None
+
+    @property
+    def column(self) -> str:
+        return METRICS[self.metric]
+
+    def keeps_error(self, point: Point) -> bool:
+        return point.measure(self.column)[1] <= self.most_error
+
+    def keeps_memory(self, point: Point) -> bool:
+        return self.memory_mib is None or point.measure("memory_mib")[1] <= self.memory_mib
+
+    def __str__(self) -> str:
+        memory = "" if self.memory_mib is None else f", memory at most {self.memory_mib:g} MiB"
+        return f"{self.metric} at most {self.most_error:g}{memory}"
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What the cells of one scene say. `kept` are those within the limits, the fastest first."""
+
+    experiment: str
+    device: str
+    place: Place
+    limits: Limits
+    noise: float | None  # relative; how far one thing measured twice is from itself
+    unmeasured: int  # planned cells of the experiment without a record
+
+    @property
+    def measured(self) -> list[Point]:
+        return [p for p in self.place.points if p.row["time_ms"] and p.measure(self.limits.column)[1] is not None]
+
+    @property
+    def kept(self) -> list[Point]:
+        return sorted((p for p in self.measured if self.limits.keeps_error(p) and self.limits.keeps_memory(p)),
+                      key=lambda p: p.row["time_ms"])
+
+    def ratio(self, point: Point) -> Interval:
+        """Its time over the fastest one's."""
+        return data.time_ratio(point.cell, self.kept[0].cell)
+
+    def told_apart(self, point: Point) -> bool | None:
+        """Whether it is surely slower than the fastest; None where too few samples say nothing."""
+        ratio = self.ratio(point)
+        return None if None in ratio else real(ratio, self.noise or 0.0)
+
+    @property
+    def rivals(self) -> list[Point]:
+        """Those that may be as fast as the fastest."""
+        return [p for p in self.kept[1:] if not self.told_apart(p)]
+
+    @property
+    def sure(self) -> bool | None:
+        """Whether the fastest is told apart from every other; None where no other keeps the limits."""
+        return not self.rivals if len(self.kept) > 1 else None
+
+
+def advise(results: Iterable[Result], limits: Limits) -> list[Advice]:
+    """Advice for every scene of the results, device by device."""
+    return [Advice(result.name, str(device_name(place.points[0].cell)), place, limits,
+                   result.manifest.get("noise_floor_rel"), result.unmeasured)
+            for result in results for place in (places(result) if result.points else ())]
+
+
+# --- words -----------------------------------------------------------------------------------------
+
+
+def chosen(point: Point) -> dict[str, Any]:
+    """k, and the parameters in which a cell differs from its method's defaults."""
+    from ..methods import catalog
+
+    method = catalog().get(point.method)
+    defaults = method.complete({}) if method else {}
+    return {name: value for name, value in point.cell["params"].items()
+            if name == "k" or defaults.get(name) != value}
+
+
+def _written(point: Point) -> str:
+    """The method as a config or a command takes it."""
+    return " ".join([point.method, *(f"{name}={data.plain(value)}" for name, value in chosen(point).items())])
+
+
+def _grid(advice: Advice) -> Grid:
+    rows = [(_written(p), *(number(p.measure(name)[1]) for name in ("time_ms", "memory_mib", advice.limits.column)),
+             _spread(advice.ratio(p)) if i else "1") for i, p in enumerate(advice.kept[:MOST_SHOWN])]
+    return Grid("", "", ("method", "time (ms)", "memory (MiB)", advice.limits.column, "times the fastest"), tuple(rows))
+
+
+def _spread(ratio: Interval) -> str:
+    low, middle, high = ratio
+    ends = "too few samples for an interval" if low is None or high is None else f"{low:.2f} to {high:.2f}"
+    return f"{number(middle)} ({ends})"
+
+
+def _certainty(advice: Advice) -> str:
+    noise = ("its noise floor is not known" if advice.noise is None
+             else f"a method measured twice differs by {100 * advice.noise:.2g} %")
+    if advice.sure is None:
+        return "Nothing else that was measured keeps the limits."
+    if advice.sure:
+        return f"Sure: no interval of another reaches it; {noise}."
+    names = ", ".join(_written(p) for p in advice.rivals[:MOST_SHOWN])
+    more = len(advice.rivals) - MOST_SHOWN
+    return f"Not told apart from {names}{f' and {more} more' if more > 0 else ''}; {noise}."
+
+
+def _missed(advice: Advice) -> str:
+    """What comes nearest where nothing keeps the limits."""
+    column, measured = advice.limits.column, advice.measured
+    if not measured:
+        return f"No cell with {column} was measured; mfr-bench run {advice.experiment} --force measures all of them."
+    closest = min(filter(advice.limits.keeps_memory, measured), key=lambda p: p.measure(column)[1], default=None)
+    smallest = min(filter(advice.limits.keeps_error, measured), key=lambda p: p.measure("memory_mib")[1], default=None)
+    parts = ["Nothing measured keeps this."]
+    if closest:
+        parts.append(f"Within the memory the least {column} is {number(closest.measure(column)[1])}: "
+                     f"{_written(closest)}." if advice.limits.memory_mib is not None else
+                     f"The least {column} is {number(closest.measure(column)[1])}: {_written(closest)}.")
+    if smallest:
+        parts.append(f"Within the error the least memory is {number(smallest.measure('memory_mib')[1])} MiB: "
+                     f"{_written(smallest)}.")
+    return " ".join(parts)
+
+
+def as_text(found: Sequence[Advice], width: int) -> str:
+    """A paragraph with a table for each scene, at most `width` columns wide where names allow."""
+    return "\n\n".join(_text(advice, width) for advice in found)
+
+
+def _text(advice: Advice, width: int) -> str:
+    where = " · ".join(part for part in (advice.experiment, advice.device, advice.place.name) if part)
+    lines = textwrap.wrap(f"{where}: {advice.limits}", width)
+    if advice.kept:
+        lines += ["\n\n".join(chunk.text() for chunk in _grid(advice).chunks(width))]
+    count, kept = len(advice.measured), len(advice.kept)
+    said = f"{_certainty(advice)} {kept} of {count} cells keep the limits." if advice.kept else _missed(advice)
+    if advice.unmeasured:
+        said += f" {advice.unmeasured} planned cells are not measured: mfr-bench run {advice.experiment}."
+    return "\n".join([*lines, *textwrap.wrap(said, width, break_on_hyphens=False)])
+
+
+def as_json(found: Sequence[Advice]) -> str:
+    """A list with an object for each scene; `best` is null where nothing keeps the limits."""
+    return json.dumps([_record(advice) for advice in found], indent=2, ensure_ascii=False)
+
+
+def _record(advice: Advice) -> dict[str, Any]:
+    kept = advice.kept
+    return {"experiment": advice.experiment, "device": advice.device, "scene": advice.place.name,
+            "metric": advice.limits.metric, "max_error": advice.limits.most_error,
+            "memory_mb": advice.limits.memory_mib, "best": _cell(advice, kept[0]) if kept else None,
+            "runners_up": [_cell(advice, p) for p in kept[1:]], "sure": advice.sure, "noise_floor_rel": advice.noise,
+            "measured": len(advice.measured), "keep_limits": len(kept), "unmeasured": advice.unmeasured}
+
+
+def _cell(advice: Advice, point: Point) -> dict[str, Any]:
+    low, middle, high = advice.ratio(point)
+    return {"method": point.method, "label": point.label, "params": chosen(point),
+            **{name: point.row[name] for name in ("time_ms", "time_ms_low", "time_ms_high", "memory_bytes", "rmse",
+                                                  "flip", "max_error_all")},
+            "ratio": middle, "ratio_low": low, "ratio_high": high, "told_apart": advice.told_apart(point)}

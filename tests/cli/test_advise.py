@@ -1,0 +1,67 @@
+"""`advise`: configs and folders that it takes, how it ends, and that it needs no OpenGL."""
+
+import json
+
+import pytest
+
+from ..report import planted
+from .conftest import TINY
+from .test_report_commands import without_gl
+
+
+def point(method, time_ms, rmse):
+    return planted.cell(method, method, time_ms, values={"rmse": rmse, "flip": rmse, "max_error_all": rmse})
+
+
+@pytest.fixture
+def measured(tmp_path, monkeypatch):
+    """A config, and its results where `run` writes them."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    planted.folder(tmp_path / "results" / "llvmpipe" / "tiny", [point("wboit", 1.0, 0.1), point("ab-array", 4.0, 1e-8)],
+                   name="tiny")
+    return tmp_path
+
+
+@pytest.mark.parametrize("target", ["tiny.yaml", "results", "results/llvmpipe/tiny"])
+def test_a_config_or_a_folder(measured, target):
+    ended = without_gl("advise", target, "--max-error", "0.01", "--json")
+    assert (ended.status, ended.err) == (0, "")
+    record, = json.loads(ended.out)
+    assert record["best"]["method"] == "ab-array"
+
+
+def test_text_is_told_on_stdout(measured):
+    ended = without_gl("advise", "tiny.yaml", "--max-error", "0.5", "--memory-mb", "64")
+    assert ended.status == 0
+    assert ended.out.startswith("tiny · llvmpipe: rmse at most 0.5, memory at most 64 MiB\n")
+    assert "wboit" in ended.out.splitlines()[3]
+
+
+def test_limits_that_nothing_keeps_are_a_result(measured):
+    ended = without_gl("advise", "tiny.yaml", "--max-error", "1e-12")
+    assert ended.status == 0
+    assert "Nothing measured keeps this. The least rmse is 1e-08: ab-array." in ended.out
+
+
+def test_nothing_measured_says_what_to_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "tiny.yaml").write_text(TINY)
+    ended = without_gl("advise", "tiny.yaml", "--max-error", "0.1")
+    assert ended.status == 2
+    assert ended.complaint == ("tiny.yaml: nothing is measured in results/*/tiny; run: mfr-bench run tiny.yaml, or "
+                               "give the folder that it was measured into")
+
+
+@pytest.mark.parametrize(("arguments", "says"), [
+    (["tiny.yaml"], "Missing option '--max-error'"),
+    (["tiny.yaml", "--max-error", "0"], "'0' is not allowed; allowed: a number above 0"),
+    (["tiny.yaml", "--max-error", "nan"], "'nan' is not allowed; allowed: a number above 0"),
+    (["tiny.yaml", "--max-error", "1", "--memory-mb", "-3"], "'-3' is not allowed; allowed: a number above 0"),
+    (["tiny.yaml", "--max-error", "1", "--metric", "rsme"], "'rsme' is not one of 'rmse', 'flip', 'max'"),
+    (["tyni.yaml", "--max-error", "1"], "tyni.yaml: no such file"),
+])
+def test_mistakes_are_one_line(measured, arguments, says):
+    ended = without_gl("advise", *arguments)
+    assert ended.status == 2
+    assert says in ended.complaint

@@ -1,0 +1,129 @@
+"""Advice from planted cells: the fastest within the limits, and whether it is told apart; both ways."""
+
+import json
+
+import pytest
+
+from mfr_bench.report import data
+from mfr_bench.report.advice import Limits, advise, as_json, as_text
+
+from . import planted
+
+
+def point(method, time_ms, rmse, memory_mib=1.0, params=None, **more):
+    values = {"rmse": rmse, "flip": 10 * rmse, "max_error_all": 5 * rmse, "memory_bytes": int(memory_mib * 2**20)}
+    return planted.cell(method, method, time_ms, values=values, params=params, **more)
+
+
+CELLS = [point("wboit", 1, 0.1, 0.5), point("mlab", 2, 0.01, 4.0, {"k": 4}), point("ab-ll", 8, 3e-8, 2.0),
+         point("ab-sb", 12, 3e-8, 1.0), planted.cell("floor", "floor", 0.5, values={"rmse": None}),
+         point("kb", 0.1, 1e-9, status="wrong"), planted.cell("lin-pre", "lin-pre", None, status="unsupported")]
+
+
+def found(tmp_path, limits, cells=None, **more):
+    return advise([data.load(planted.folder(tmp_path / "r", CELLS if cells is None else cells, **more))], limits)
+
+
+def methods(advice):
+    return [p.method for p in advice.kept]
+
+
+@pytest.mark.parametrize(("metric", "error", "memory", "expected"), [
+    ("rmse", 1.0, None, ["wboit", "mlab", "ab-ll", "ab-sb"]),
+    ("rmse", 0.05, None, ["mlab", "ab-ll", "ab-sb"]),
+    ("rmse", 0.05, 2.0, ["ab-ll", "ab-sb"]),
+    ("rmse", 1e-6, 1.5, ["ab-sb"]),
+    ("flip", 0.1, None, ["mlab", "ab-ll", "ab-sb"]),
+    ("max", 0.04, None, ["ab-ll", "ab-sb"]),
+    ("rmse", 1e-9, None, []),
+    ("rmse", 0.05, 0.9, []),
+])
+def test_the_fastest_that_keeps_both_comes_first(tmp_path, metric, error, memory, expected):
+    advice, = found(tmp_path, Limits(metric, error, memory))
+    assert methods(advice) == expected
+
+
+def test_what_the_intervals_hold_apart_is_sure(tmp_path):
+    advice, = found(tmp_path, Limits("rmse", 0.05))
+    assert advice.sure is True
+    low, middle, high = advice.ratio(advice.kept[1])
+    assert low < middle == 4 < high
+    text = as_text([advice], 100)
+    assert "Sure: no interval of another reaches it; a method measured twice differs by 0.4 %." in text
+    assert "mlab k=4" in text
+
+
+@pytest.mark.parametrize(("more", "apart"), [({"time_ms": 2.02, "width": 0.05}, False),
+                                             ({"time_ms": 2.5, "width": 0.01}, True),
+                                             ({"time_ms": 2.5, "count": 3}, None)])
+def test_what_they_do_not_is_named(tmp_path, more, apart):
+    """Intervals that overlap; that do not; and too few samples for any."""
+    rival = point("hybrid", rmse=0.01, params={"k": 2}, **more)
+    advice, = found(tmp_path, Limits("rmse", 0.05), [*CELLS, rival])
+    second = advice.kept[1]
+    assert second.method == "hybrid"
+    assert advice.told_apart(second) is apart
+    assert advice.sure is bool(apart)
+    assert ("Not told apart from hybrid k=2;" in as_text([advice], 100)) is not bool(apart)
+
+
+def test_a_difference_below_the_noise_floor_is_none(tmp_path):
+    """Intervals that exclude 1, on a machine where a method differs from itself by more."""
+    rival = point("hybrid", 2.2, 0.01)
+    quiet, = found(tmp_path / "quiet", Limits("rmse", 0.05), [*CELLS, rival], noise_floor_rel=0.01)
+    noisy, = found(tmp_path / "noisy", Limits("rmse", 0.05), [*CELLS, rival], noise_floor_rel=0.2)
+    assert quiet.sure is True
+    assert noisy.sure is False
+    assert [p.method for p in noisy.rivals] == ["hybrid"]
+
+
+def test_one_alone_is_neither_sure_nor_unsure(tmp_path):
+    advice, = found(tmp_path, Limits("rmse", 1e-6, 1.5))
+    assert advice.sure is None
+    assert "Nothing else that was measured keeps the limits. 1 of 4 cells keep the limits." in as_text([advice], 100)
+
+
+def test_where_nothing_keeps_the_limits_the_nearest_is_told(tmp_path):
+    advice, = found(tmp_path, Limits("rmse", 0.05, 0.9))
+    assert as_text([advice], 200).splitlines()[1] == (
+        "Nothing measured keeps this. Within the memory the least rmse is 0.100: wboit. Within the error the least "
+        "memory is 1.00 MiB: ab-sb.")
+
+
+def test_scenes_are_advised_apart(tmp_path):
+    deep = {"depth_complexity": 64}
+    cells = [*CELLS, point("wboit", 3, 0.3, scene=deep), point("ab-ll", 20, 1e-8, scene=deep)]
+    shallow, deeper = found(tmp_path, Limits("rmse", 0.2), cells)
+    assert methods(shallow)[0] == "wboit"
+    assert methods(deeper) == ["ab-ll"]
+    assert deeper.place.name == "n = 64"
+
+
+def test_cells_without_the_metric_are_not_taken(tmp_path):
+    """Records of before the column was there."""
+    old = [planted.cell("ab-ll", "ab-ll", 2.0)]
+    advice, = found(tmp_path, Limits("max", 1.0), old)
+    assert methods(advice) == []
+    assert "No cell with max_error_all was measured; mfr-bench run planted --force" in as_text([advice], 200)
+
+
+def test_planned_cells_without_a_record_are_counted(tmp_path):
+    advice, = found(tmp_path, Limits("rmse", 1.0))
+    assert advice.unmeasured == 0
+    folder = planted.folder(tmp_path / "less", CELLS[:2])
+    folder.write_manifest(folder.manifest() | {"cells": [c["key"] for c in CELLS]})
+    advice, = advise([data.load(folder)], Limits("rmse", 1.0))
+    assert advice.unmeasured == len(CELLS) - 2
+    assert "5 planned cells are not measured: mfr-bench run planted." in as_text([advice], 200)
+
+
+def test_json_says_the_same(tmp_path):
+    record, = json.loads(as_json(found(tmp_path, Limits("rmse", 0.05, 64.0))))
+    assert record["best"]["method"] == "mlab"
+    assert record["best"]["params"] == {"k": 4}
+    assert [r["method"] for r in record["runners_up"]] == ["ab-ll", "ab-sb"]
+    assert record["runners_up"][0]["ratio_low"] < 4 < record["runners_up"][0]["ratio_high"]
+    assert (record["sure"], record["measured"], record["keep_limits"]) == (True, 4, 3)
+    nothing, = json.loads(as_json(found(tmp_path / "none", Limits("rmse", 1e-12))))
+    assert nothing["best"] is None
+    assert nothing["runners_up"] == []
