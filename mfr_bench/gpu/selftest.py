@@ -13,15 +13,18 @@ import numpy as np
 from ..config.model import Scene as SceneConfig
 from ..errors import MfrError
 from ..methods.shared import MULTISAMPLING, SYNC, K, clear, resolve, route, routed_targets
-from ..methods.spec import IMAGE, Buffer, Method, Pass, when
+from ..methods.spec import IMAGE, Buffer, Method, Pass, State, Target, when
 from ..oracle import composite, fragment_counts, sizes_of
 from ..quality import conformance
 from ..scene import generate
+from .capture import capture
 from .device import Device
 from .frame import Canvas, Frame, SceneBuffer
+from .single import shown
 from .timers import GpuTimer, Timer, WallTimer
 
 ROUTED_SCENE = SceneConfig(size=(16, 16), depth_complexity=4)
+SLANTED_SCENE = SceneConfig(size=(96, 80), depth_complexity=12, slant=0.8)
 SCENE = SceneConfig(size=(192, 160), depth_complexity=24, pixel_density=0.9)
 WORK = SceneConfig(size=(512, 512), depth_complexity=0)
 FIRST_ROUNDS = 16
@@ -50,6 +53,11 @@ LOCKED = _probe("lock", clear("counter", "semaphore"),
                 params=(SYNC,))
 ROUTED = _probe("stencil routing", *route("k"), resolve("depths", "colours", fetch="methods/routing/fetch.glsl"),
                 targets=routed_targets("k"), params=(MULTISAMPLING,), fixed=(K.at(4),), local="k")
+NEAREST = _probe("slanted depths",
+                 Pass("nearest", "geometry", "probe/rasterized.frag", into=("nearest",), clears={"nearest": (1.0,)},
+                      state=State(depth_test="less")),
+                 Pass("show", "fullscreen", "probe/show_depth.frag", reads=("nearest",), into=(IMAGE,)),
+                 targets=(Target("nearest", "depth32f"),))
 BUSY = _probe("work", Pass("work", "fullscreen", "probe/work.frag", into=(IMAGE,)))
 
 
@@ -118,6 +126,15 @@ def _routed(device: Device, multisampling: str) -> tuple[bool, str]:
     return wrong == 0, f"{bench.sizes.P - wrong} of {bench.sizes.P} pixels with every fragment in a sample of its own"
 
 
+def _slanted(device: Device) -> tuple[bool, str]:
+    with shown(device, generate(SLANTED_SCENE)) as on:
+        fragments = capture(device, on.quads, on.canvas)
+        held = on.render(NEAREST.variant({}))[..., 0].view(np.uint32)
+    first = np.cumsum(fragments.counts.ravel()) - fragments.counts.ravel()
+    alike = int(np.count_nonzero(held.ravel() == fragments.depth[first]))
+    return alike == held.size, f"{alike} of {held.size} pixels whose depth buffer holds a depth that shaders see"
+
+
 def tests_each_sample(device: Device) -> bool:
     """Whether the stencil of each sample is tested with multisampling off; GL lets a device test one for all."""
     return bool(_finding("", lambda: _routed(device, "off")).passed)
@@ -132,6 +149,7 @@ def self_tests(device: Device) -> list[Finding]:
         _finding("barriers", lambda: _counted(bench, "image")),
         _finding("spin lock", lambda: _locked(bench, "spin")),
     ]
+    findings.append(_finding("slanted depths", lambda: _slanted(device)))
     if "fragment_shader_interlock" in device.features:
         findings.append(_finding("interlock", lambda: _locked(bench, "interlock")))
     else:

@@ -14,7 +14,7 @@ def by_name(device):
 
 def test_this_device_does_what_the_methods_rely_on(device):
     findings = by_name(device)
-    assert {"atomics", "side effects under a full draw", "barriers", "spin lock", "interlock",
+    assert {"atomics", "side effects under a full draw", "barriers", "spin lock", "slanted depths", "interlock",
             "stencil routing"} == set(findings)
     needs = {"interlock": "fragment_shader_interlock", "stencil routing": "samples_4"}
     for finding in findings.values():
@@ -27,6 +27,7 @@ def test_this_device_does_what_the_methods_rely_on(device):
     ("probe/show_count.frag", "float(counter[pixel_index()])", "float(counter[0]) + 1.0", "barriers"),
     ("probe/locked_count.frag", "+ 1u", "+ 2u", "spin lock"),
     ("probe/total.frag", "void main", "void mian", "atomics"),
+    ("probe/rasterized.frag", "void main() {", "void main() { gl_FragDepth = gl_FragCoord.z + 6e-8;", "slanted depths"),
 ])
 def test_a_device_that_does_wrong_is_found_out(device, monkeypatch, path, right, wrong, seen):
     real = glsl.read
