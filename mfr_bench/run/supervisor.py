@@ -43,10 +43,17 @@ class Hand:
         self.jobs = jobs
         self.key: str | None = None
         self.phase = ""
+        self._accused = False
         self._spent_s: dict[str | None, float] = {}
         self._since = self._looked = time.monotonic()
 
+    def accuse(self) -> None:
+        """The worker is being killed for what is in hand now: what it may still say changes no blame."""
+        self._accused = True
+
     def take(self, key: str | None, phase: str) -> None:
+        if self._accused:
+            return
         now = time.monotonic()
         self._spent_s[self.key] = self._spent_s.get(self.key, 0.0) + now - self._since
         self.key, self.phase, self._since, self._looked = key, phase, now, now
@@ -200,11 +207,15 @@ class Supervisor:
             self._stopping = True
             self._worker.send(Stop())
         if limit_s := hand.overdue_s():
-            self._worker.kill(("timeout", f"no end within {limit_s:g} s (measure.hard_limit_s)"))
+            self._end(hand, "timeout", f"no end within {limit_s:g} s (measure.hard_limit_s)")
         held, limit = self._worker.resident_bytes(), self._limit_bytes(hand)
         if held > limit:
             what = f"the process that measures took {held / MIB:,.0f} MiB, allowed: {limit / MIB:,.0f} MiB"
-            self._worker.kill(("out_of_memory", f"{what} (measure.hard_limit_mb)"))
+            self._end(hand, "out_of_memory", f"{what} (measure.hard_limit_mb)")
+
+    def _end(self, hand: Hand, status: str, reason: str) -> None:
+        hand.accuse()
+        self._worker.kill((status, reason))
 
     def _limit_bytes(self, hand: Hand) -> float:
         given = [job.cell.measure.hard_limit_mb for job in hand.blamed or hand.jobs.values()]

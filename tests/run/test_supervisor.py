@@ -163,6 +163,23 @@ def test_a_cell_that_takes_too_long_is_ended(play, monkeypatch):
     assert rows["ab-array", 4]["status"] == "ok"
 
 
+def test_what_a_killed_worker_had_still_said_changes_no_blame(play, monkeypatch):
+    """The cell that was too long ends in the same moment, and the next begins: that one is not to blame."""
+    now = [0.0]
+    monkeypatch.setattr(supervisors.time, "monotonic", lambda: now[0])
+
+    def later():
+        now[0] += 4
+
+    def late(group):
+        first, second = group.jobs
+        return [Begun(first.key, "sampling"), *[later] * 9, finished(first), Begun(second.key, "compile")]
+
+    measure = Measure(time_limit_s=2, hard_limit_s=30)
+    rows = play([cell(m, measure=measure) for m in ("floor", "ab-array")], Actor(late), Actor(well)).rows()
+    assert {row["status"] for row in rows.values()} == {"ok"}
+
+
 def test_time_in_which_the_parent_was_stopped_does_not_count(play, monkeypatch):
     now = [0.0]
     monkeypatch.setattr(supervisors.time, "monotonic", lambda: now[0])
