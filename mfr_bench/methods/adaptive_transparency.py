@@ -14,7 +14,7 @@ ORDER = 8
 
 METHODS = [
     Method(
-        id="aoit", name="Adaptive transparency", family="adaptive",
+        id="aoit", name="Adaptive transparency", family="visibility",
         source="Salvi et al. 2011",
         summary="k nodes of the visibility function, of one more the node goes that changes its area least; a second "
                 "geometry pass shades every fragment by it",
@@ -28,9 +28,9 @@ METHODS = [
                  Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True)),
         steps=(
             clear("semaphore", "nodes"),
-            Pass("store", "geometry", "methods/adaptive/store.frag", writes=("semaphore", "nodes")),
-            Pass("opacity", "fullscreen", "methods/adaptive/opacity.frag", reads=("nodes",), into=(IMAGE,)),
-            Pass("shade", "geometry", "methods/adaptive/shade.frag", reads=("nodes",), into=(IMAGE,),
+            Pass("store", "geometry", "methods/visibility/store.frag", writes=("semaphore", "nodes")),
+            Pass("opacity", "fullscreen", "methods/visibility/opacity.frag", reads=("nodes",), into=(IMAGE,)),
+            Pass("shade", "geometry", "methods/visibility/shade.frag", reads=("nodes",), into=(IMAGE,),
                  state=State(blend=ADD)),
         ),
     ),

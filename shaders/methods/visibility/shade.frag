@@ -2,7 +2,7 @@
 // Source: Salvi et al. 2011, §3, Eq. 3.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"
-#include "methods/adaptive/nodes.glsl"
+#include "methods/visibility/nodes.glsl"
 
 void main() {
     if (rejected()) discard;
