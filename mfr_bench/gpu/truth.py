@@ -38,7 +38,7 @@ class Truth:
 
     @property
     def tied(self) -> np.ndarray | None:
-        """bool (H, W): pixels with fragments of equal depth; None where the scene has none by its making."""
+        """bool (H, W): pixels where fragments chance to have one depth; None for flat quads, which share one by wish."""
         return self._fragments.tied if self._fragments else None
 
     @property

@@ -114,6 +114,14 @@ def test_fragments_of_equal_depth_are_told(device):
         assert stage.errors(catalog()["peel-f2b"].variant({}), stage.truth.image(Promise()))["tied_pixels"] == 16
 
 
+def test_a_truth_is_of_the_scene_that_it_was_made_for(on):
+    config = SceneConfig(kind="temple", size=(64, 48), depth_complexity=6)
+    stage = on(config)
+    stage.quads.replace(generate(replace(config, seed=9)))
+    with pytest.raises(ValueError, match="another scene is on the device"):
+        stage.truth.image(Promise())
+
+
 @pytest.mark.parametrize(("kind", "layers", "mean"), STANDINS)
 def test_a_stand_in_has_its_maximum_and_about_its_mean(on, kind, layers, mean):
     if kind == "temple" and mean == 100:
