@@ -37,3 +37,10 @@ def test_conformance_page_has_every_method_of_its_configs_and_the_header_of_its_
     assert {row[1] for row in rows} == set(catalog())
     assert [row[2] for row in rows] == [catalog()[row[1]].guarantee for row in rows]
     assert all(row[HEADER.index("wrong")] == "0" for row in rows)
+
+
+@pytest.mark.parametrize("method", [m for m in catalog().values() if m.mixes or m.exact_where], ids=lambda m: m.id)
+def test_where_approximations_are_exact_is_on_their_page(method):
+    page = (DOCS / "approximate.md").read_text()
+    assert f"`{method.id}`" in page
+    assert not method.exact_where or f"`{method.exact_where}`" in page

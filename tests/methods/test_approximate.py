@@ -240,6 +240,18 @@ def test_a_tail_of_one_fragment_is_exact(device, k):
     assert max(error(device, "hybrid", next(scenes()), k=k)) <= EXACT_ERROR
 
 
+@pytest.mark.parametrize(("payload", "tolerance"), [("rgba8", BYTES), ("rgba16f", HALVES)])
+def test_back_to_front_only_rounding_is_lost_by_merging(device, payload, tolerance):
+    """The two furthest are merged, and nothing that comes later belongs behind them; front to back it does."""
+    scene = next(scenes())
+    scene.rgba[:, 3] = 60
+    scene.depth[:] = np.sort(scene.depth)[::-1]
+    assert max(error(device, "mlab", scene, k=3, payload=payload)) <= tolerance
+    scene.depth[:] = np.random.default_rng(2).permutation(scene.depth)
+    if device.kind == "cpu":
+        assert max(error(device, "mlab", scene, k=3, payload=payload)) > tolerance
+
+
 def test_opaque_fragments_are_clamped(device):
     """An absorbance of 10 in place of infinity lets exp(-10) through."""
     scene = stack([0.5], [(255, 255, 255, 255)], size=(1, 1))
