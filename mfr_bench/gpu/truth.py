@@ -38,7 +38,7 @@ class Truth:
 
     @property
     def tied(self) -> np.ndarray | None:
-        """bool (H, W): pixels where fragments chance to have one depth; None for flat quads, which share one by wish."""
+        """bool (H, W): pixels where fragments chance to share a depth; None for flat quads, which do so by wish."""
         return self._fragments.tied if self._fragments else None
 
     @property
