@@ -17,11 +17,8 @@ from .data import Point, Result, number
 Here = Callable[[Point], Interval]
 
 
-def _column(name: str, factor: float = 1.0) -> Here:
-    def measured(point: Point) -> Interval:
-        value = point.row[name]
-        return None, None if value is None else factor * value, None
-    return measured
+def _column(name: str) -> Here:
+    return lambda point: (None, point.row[name], None)
 
 
 def _measure(name: str) -> Here:
@@ -93,12 +90,18 @@ def _by_formula(formula: str, point: Point) -> float | None:
 
 def matches(row: Printed, points: Iterable[Point]) -> list[Match]:
     """The cells that a number is about: its method, its k and density, its viewport or that divided by a number."""
-    if row.quantity not in HERE:
+    if row.quantity not in HERE or _of_a_variant(row):
         return []
     points = list(points)
     scale = _scale(row, points)
     return [Match(p, scale) for p in points
             if (row.method is None or p.method == row.method) and _alike(row, p) and _fits(row, p, scale)]
+
+
+def _of_a_variant(row: Printed) -> bool:
+    """Whether it is for a variant of what the paper also prints plainly, such as attribute packing."""
+    plain = find(paper=row.paper, figure=row.figure, quantity=row.quantity, method=row.method, condition=None)
+    return row.condition is not None and row.method is not None and bool(plain)
 
 
 def _alike(row: Printed, point: Point) -> bool:
@@ -133,11 +136,6 @@ def value_text(row: Printed) -> str:
     return f"{text} (slip: {number(row.recomputed)} follows)" if row.recomputed is not None else text
 
 
-def place_text(row: Printed) -> str:
-    """For what it was printed: '640×480, n 25, k 8, 30 counters'."""
-    return ", ".join(_places(row))
-
-
 def _places(row: Printed) -> list[str]:
     parts = [f"{row.width}×{row.height}" if row.width and row.height else None]
     parts += [f"{short} {value:g}" for short, value in (("p_d", row.pixel_density), ("f_p", row.fragment_probability),
@@ -149,6 +147,16 @@ def _shared(members: Sequence[Printed]) -> str:
     """What all of several numbers were printed for."""
     first, *others = map(_places, members)
     return ", ".join(part for part in first if others and all(part in other for other in others))
+
+
+def names(members: Sequence[Printed]) -> list[str]:
+    """For each number what it is of: 'memory · FreePipe · 640×480'; what all of a quantity share is left out."""
+    of_quantity: dict[str, list[Printed]] = {}
+    for row in members:
+        of_quantity.setdefault(row.quantity, []).append(row)
+    shared = {quantity: _shared(rows).split(", ") for quantity, rows in of_quantity.items()}
+    return [" · ".join(part for part in (row.quantity.replace("_", " "), row.name, ", ".join(
+        p for p in _places(row) if p not in shared[row.quantity])) if part) for row in members]
 
 
 def here_text(row: Printed, points: Sequence[Point]) -> str:

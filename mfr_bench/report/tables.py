@@ -15,6 +15,7 @@ from .data import Point, Result, number
 
 WIDTH = 120  # columns of a terminal
 LABEL_WIDTH = 34
+NAME_WIDTH = 58  # of a printed number
 ABSENT = "–"  # a cell that was never measured
 
 TIME_NOTE = ("median of whole frames, ± half of its 95 % interval; ~ stopped before the target interval; "
@@ -216,10 +217,11 @@ def _worst(points: Sequence[Point], column: str, worst) -> str:
 
 
 def _printed_grid(result: Result) -> Grid:
-    rows = [(row.quantity.replace("_", " "), row.name or "", _cut(printed.place_text(row)), printed.value_text(row),
-             printed.here_text(row, result.points) or ABSENT, row.device or "") for row in printed.rows(result)]
-    return Grid("The paper's numbers", PRINTED_NOTE, ("quantity", "of", "for", "printed", "here", "device"),
-                tuple(rows), left=3)
+    found = printed.rows(result)
+    rows = [(textwrap.shorten(name, NAME_WIDTH, placeholder="…"), printed.value_text(row),
+             printed.here_text(row, result.points) or ABSENT, row.device or "")
+            for name, row in zip(printed.names(found), found, strict=True)]
+    return Grid("The paper's numbers", PRINTED_NOTE, ("quantity", "printed", "here", "device"), tuple(rows))
 
 
 # --- text ----------------------------------------------------------------------------------------

@@ -185,3 +185,37 @@ def test_a_scene_that_follows_a_parameter_loses_no_column(tmp_path):
     for figures, title in (([figure], "Time, ms"), ([], "Time, ms (n = 16)")):
         text = tables.terminal_table(planted.folder(tmp_path / title, cells, figures, {"k": [8, 16]}))
         assert words(section(text, title), "AB_LL")[-1].startswith("8.00")
+
+
+# --- the paper's numbers ---------------------------------------------------------------------------
+
+
+def printed_lines(tmp_path, cells, **source):
+    text = tables.terminal_table(planted.folder(tmp_path, cells, [FIGURE], source=source))
+    return section(text, "The paper's numbers")
+
+
+def test_printed_numbers_stand_beside_the_measured_ones(tmp_path):
+    cells = [cell("ab-sb", "AB_SB", 3.0, scene={"size": [80, 60], "pixel_density": 0.45},
+                  values={"memory_bytes": 2**18}), cell("kb", "KB", 3.0, scene={"size": [80, 60]})]
+    lines = printed_lines(tmp_path, cells, paper="sbuffer2012", figure="§4", prints=["memory"])
+    sb = next(line for line in lines if line.startswith("memory · S-buffer · 640×480"))
+    assert sb.split()[-7:] == ["6.99", "MiB", "0.250", "at", "80×60", "GTX", "480"]
+    slip = next(line for line in lines if line.startswith("memory · Linked Lists · 1600×1200"))
+    assert "51.7 MiB (slip: 54.5 follows)" in slip and " – " in slip
+
+
+def test_a_formula_is_printed_as_such_and_variants_have_nothing_beside_them(tmp_path):
+    cells = [cell("kb", "KB", 3.0, params={"k": 8}, values={"memory_bytes": 64 * 64 * 64})]
+    lines = printed_lines(tmp_path, cells, paper="kplus2015", figure="Table 1", prints=["words_per_pixel"])
+    assert words(lines, "words per pixel · KB ")[-1] == "16.0"
+    assert words(lines, "words per pixel · KB · attribute packing")[-1] == "–"
+
+
+def test_numbers_of_other_figures_are_left_out(tmp_path):
+    """Speed-ups are printed for Fig. 6, for Fig. 9 and in the text: each stands with its own."""
+    found = {figure: len(printed_lines(tmp_path / figure[:1], [at(4)], paper="kplus2015", figure=figure,
+                                       prints=["speedup"])) for figure in ("6", "9 (left)", "§5.1.2")}
+    assert len(set(found.values())) == 1
+    nothing = tables.terminal_table(planted.folder(tmp_path / "none", [at(4)], [FIGURE], source={"paper": "kplus2015"}))
+    assert "The paper's numbers" not in nothing

@@ -155,13 +155,13 @@ class Chart:
             return []
         return sorted({p.floor["values"]["time_ms"] for p in points if p.floor and is_drawn(p, self.y)})
 
-    def above(self, point: Point, top: float) -> float:
-        """Where a bar's number stands: on its top, or on a mark that would hide it there."""
+    def above(self, point: Point, top: float) -> tuple[float, float]:
+        """Where a bar's number stands, and by how many points above: on its top, or on a mark that would hide it."""
         low, high = self.limits
         share = (lambda v: math.log(v / low) / math.log(high / low)) if self.log else lambda v: v / high
         hiding = [mark.value for mark in self.marks if mark.point is point and mark.value > 0
                   and -0.03 < share(mark.value) - share(top) < 0.14]
-        return max([top, *hiding])
+        return max([top, *hiding]), 5.0 if hiding else 2.5
 
     @cached_property
     def limits(self) -> tuple[float, float]:
@@ -305,10 +305,9 @@ def _totals(axes: Axes, slots: Sequence[Slot], chart: Chart) -> None:
         axes.vlines(xs, lows, highs, colors=style.INK, linewidth=0.7, zorder=4)
         axes.hlines(middles, [x - 0.42 for x in xs], [x + 0.42 for x in xs], colors=style.INK, linewidth=0.9, zorder=4)
     for slot, (x, _, middle, high) in zip(measured, intervals, strict=True):
-        top = chart.above(slot.point, high or middle)
-        axes.annotate(number(middle), (x, top), (0, 2.5 if top == (high or middle) else 4.5), rotation=90,
-                      ha="center", va="bottom", textcoords="offset points", fontsize=style.NUMBER_PT,
-                      annotation_clip=False, zorder=5)
+        top, raised = chart.above(slot.point, high or middle)
+        axes.annotate(number(middle), (x, top), (0, raised), textcoords="offset points", rotation=90, ha="center",
+                      va="bottom", fontsize=style.NUMBER_PT, annotation_clip=False, zorder=5)
 
 
 def _sign(axes: Axes, slot: Slot) -> None:

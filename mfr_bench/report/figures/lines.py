@@ -15,7 +15,7 @@ from .fits import Fit, draw_fit, fits_of
 from .marks import Mark, draw_marks, marks_of
 from .scales import log_axes, log_axis, log_base, nothing, y_label
 from .series import Options, axis_label, gaps, labels_of, panels_of, series_of, y_text
-from .sheet import EDGE, HEADING_IN, LEFT, sheet_of, text_width, widest
+from .sheet import EDGE, HEADING_IN, LEFT, fitted, sheet_of, text_width, widest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,19 +36,20 @@ def lines(result: Result, options: Options) -> Figure:
     legend_width = widest((line for entry in entries.values() for line in entry.splitlines()), 7.5) + 0.52
     alone = max(2.7, 0.13 * sum(1.3 + e.count("\n") for e in entries.values()))
     plot_height = 1.6 if rows > 2 else 2.2 if rows > 1 else alone
-    heading = HEADING_IN if any(panel for panel, _ in panels) else 0.06
+    panel_width = (style.WIDTH_IN - LEFT - legend_width - 2 * EDGE - 0.12 * (columns - 1)) / columns
+    headings = [fitted(panel, style.RC["axes.titlesize"], panel_width + EDGE) for panel, _ in panels]
+    heading = HEADING_IN + 0.13 * (max(map(len, headings)) - 1) if any(panel for panel, _ in panels) else 0.06
     step = heading + plot_height + 0.24
     sheet = sheet_of(result, options, gaps(plot.points, plot.x, plot.y), style.WIDTH_IN, rows * step + 0.18)
     figure = sheet.figure()
-    panel_width = (sheet.width - LEFT - legend_width - 2 * EDGE - 0.12 * (columns - 1)) / columns
     grid: list[Axes] = []
-    for i, (panel, members) in enumerate(panels):
+    for i, (_, members) in enumerate(panels):
         shared = {name: grid[0] for name in ("sharex", *(() if options.get("fit") else ("sharey",))) if grid}
         axes = sheet.axes(figure, LEFT + i % columns * (panel_width + 0.12), i // columns * step + heading, panel_width,
                           plot_height, **shared)
         grid.append(axes)
         plot.draw(axes, members)
-        axes.set_title(panel, loc="left")
+        axes.set_title("\n".join(headings[i]), loc="left", linespacing=1.0)
     for i, axes in enumerate(grid):
         plot.finish(axes, panel_width, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
     handles = plot.handles(grid)

@@ -64,7 +64,8 @@ def panels_of(points: Sequence[Point], options: Options) -> list[tuple[str, list
     panels = [(v, [p for p in points if p.at(name) in (v, None)]) for v in found]
     zipped = options.get("zip") or ()
     beside = [n for n in zipped if data.bare(n) not in (data.bare(name), data.bare(options["x"]))
-              and name in zipped and all(len(data.values(members, n)) == 1 for _, members in panels)]
+              and data.bare(name) in map(data.bare, zipped)
+              and all(len(data.values(members, n)) == 1 for _, members in panels)]
     return [(", ".join([data.heading(name, v), *(data.heading(n, *data.values(members, n)) for n in beside)]), members)
             for v, members in panels]
 
