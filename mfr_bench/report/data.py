@@ -11,7 +11,7 @@ from typing import Any
 
 from ..arrays import read_arrays
 from ..errors import StoreError, nearest
-from ..stats import Interval, interleaved_ratio, median_interval, ratio_interval
+from ..stats import Interval, interleaved_ratio, median_interval, ratio_interval, real
 from ..store import COLUMNS, FLOOR, Cell, Floors, ResultFolder, Row, device_name, result_rows
 
 EXACT_ERROR = 1e-4  # an image within it counts as exact: rounding of float32 payload math, n <= 1024
@@ -53,6 +53,7 @@ class Point:
     parameters: frozenset[str]  # parameter names of any cell of the folder
     drawn: Interval | None = None  # what a figure shows instead of the measure that its y names
     folder: ResultFolder | None = None
+    noise: float = 0.0  # of its run: how far a method measured twice is from itself, relative
 
     @property
     def method(self) -> str:
@@ -91,6 +92,20 @@ class Point:
         if self.floor is None or self.row["time_ms"] is None:
             return None, None, None
         return time_ratio(self.cell, self.floor)
+
+    def over(self, other: Point) -> Interval:
+        """Its time over that of another point of its run."""
+        return time_ratio(self.cell, other.cell)
+
+    def apart(self, ratio: Interval) -> bool:
+        """Whether a ratio of times tells it from another point of its run: beyond its interval and the noise floor."""
+        return real(ratio, self.noise)
+
+    @property
+    def shows_all(self) -> bool:
+        """Whether it was measured with a right image in which every fragment shows."""
+        rmse = self.row["rmse"]
+        return self.status == "ok" and self.row["time_ms"] is not None and rmse is not None and rmse <= EXACT_ERROR
 
     @cached_property
     def passes_ms(self) -> dict[str, Interval]:
@@ -236,7 +251,9 @@ def load(folder: ResultFolder) -> Result:
     cells = _current(folder.cells())
     floors, labels = Floors(cells), _labels(cells)
     parameters = frozenset(name for cell in cells for name in cell["params"])
-    points = tuple(Point(cell, row, label, floors.of(cell), parameters, folder=folder)
+    noise = manifest.get("noise_floor_rel")
+    noise = noise if isinstance(noise, (int, float)) else 0.0
+    points = tuple(Point(cell, row, label, floors.of(cell), parameters, folder=folder, noise=noise)
                    for cell, row, label in zip(cells, result_rows(cells), labels, strict=True))
     return Result(folder, manifest, points)
 

@@ -17,10 +17,14 @@ WIDTH = 120  # columns of a terminal
 LABEL_WIDTH = 34
 NAME_WIDTH = 58  # of a printed number
 ABSENT = "–"  # a cell that was never measured
+ALIKE = "≈ 1"  # a ratio of times that noise alone may make
 
 TIME_NOTE = ("median of whole frames, ± half of its 95 % interval; ~ stopped before the target interval; "
              "±? fewer than 6 samples")
-RATIO_NOTE = "time / time of the same geometry with plain blending, ± half of an interval of at least 95 %"
+RATIO_NOTE = ("time / time of the same geometry with plain blending, ± half of its 95 % interval; "
+              "≈ 1 where the interval or the noise floor holds 1")
+FASTEST_NOTE = ("of the methods that show every fragment: time / the fastest's, ± half of its 95 % interval; "
+                "≈ 1 where it cannot be told from the fastest")
 MEMORY_NOTE = "measured / by the paper's formula"
 BREAKING_NOTE = ("; ".join(f"{name}: {meaning}" for name, meaning in FAULTS.items())
                  + "; error and bound: where a method that holds is nearest to what rounding explains")
@@ -100,7 +104,22 @@ def _ratio(point: Point) -> str:
     ratio = point.floor_ratio[1]
     if point.status != "ok" or ratio is None:
         return point.sign if point.status != "ok" else ""
-    return f"{number(ratio)} {_spread(point.floor_ratio)}"
+    return _told(point, point.floor_ratio)
+
+
+def _told(point: Point, ratio: data.Interval) -> str:
+    """A ratio of times; one that is no more than noise is not told apart from 1."""
+    if None in ratio or point.apart(ratio) or point.method == data.FLOOR:
+        return f"{number(ratio[1])} {_spread(ratio)}"
+    return ALIKE
+
+
+def _beside(point: Point, fastest: Point) -> str:
+    """Its time over the fastest's. One that was the faster of both while they took turns is not told apart."""
+    if point is fastest:
+        return "fastest"
+    ratio = point.over(fastest)
+    return ALIKE if ratio[1] and ratio[1] < 1 else _told(point, ratio)
 
 
 def _memory(point: Point) -> str:
@@ -152,7 +171,21 @@ class Block:
                   ("Memory, MiB", MEMORY_NOTE, _memory))
         grids = [self.pivot(title, note, [(_cut(p.label), p, field(p)) for p in self.points])
                  for title, note, field in fields]
+        grids.insert(2, self.pivot("Ratio to the fastest", FASTEST_NOTE, self._to_the_fastest()))
+        grids = [grid for grid in grids if grid.rows]
         return grids if self.axis else [_side_by_side(grids)]
+
+    def _to_the_fastest(self) -> list[tuple[str, Point, str]]:
+        """Of each column the methods that show every fragment, where there are several."""
+        columns: dict[Any, list[Point]] = {}
+        for p in self.points:
+            if p.shows_all and p.method != data.FLOOR:
+                columns.setdefault(p.at(self.axis) if self.axis else None, []).append(p)
+        entries = []
+        for points in columns.values():
+            fastest = min(points, key=lambda p: p.row["time_ms"])
+            entries += [(_cut(p.label), p, _beside(p, fastest)) for p in points if points[1:]]
+        return entries
 
     def pass_grid(self) -> Grid:
         entries = [(f"{_cut(p.label)} · {name}", p, number(interval[1]))

@@ -53,6 +53,26 @@ def test_the_ratio_is_to_the_floor_of_the_same_scene(tmp_path):
     assert [w.split()[0] for w in words(lines, "K⁺B-Array")] == ["2.50", "1.25"]
 
 
+@pytest.mark.parametrize(("time_ms", "noise", "said"), [
+    (4.0, 0.0, "2.00 ±"), (2.2, 0.05, "1.10 ±"), (2.2, 0.2, "≈ 1"), (2.01, 0.0, "≈ 1"), (1.0, 0.2, "0.500 ±")])
+def test_no_ratio_below_the_noise_is_called_real(tmp_path, time_ms, noise, said):
+    """Neither one whose interval holds 1, nor one that is smaller than what one method measured twice differs by."""
+    folder = planted.folder(tmp_path, [cell("floor", "floor", 2.0), at(4, time_ms=time_ms)], [FIGURE],
+                            noise_floor_rel=noise)
+    assert words(section(tables.terminal_table(folder), "Measured"), "K⁺B-Array")[1].startswith(said)
+
+
+def test_the_fastest_is_told_from_the_others_only_beyond_the_noise(tmp_path):
+    rows = {"A": 5.0, "B": 5.1, "C": 10.0}
+    cells = [cell(name.lower(), name, ms) for name, ms in rows.items()]
+    cells += [cell("floor", "floor", 1.0), cell("k", "K", 2.0, values={"rmse": 0.1})]  # K does not show every fragment
+    folder = planted.folder(tmp_path, cells, noise_floor_rel=0.03)
+    lines = section(tables.terminal_table(folder), "Measured")
+    assert words(lines, "method").index("Ratio to the fastest") == 2
+    assert [words(lines, name)[2].split()[0] for name in rows] == ["fastest", "≈", "2.00"]
+    assert "fastest" not in " ".join(words(lines, "K"))
+
+
 def test_memory_stands_beside_the_papers_model(tmp_path):
     folder = planted.folder(tmp_path, [at(4, values={"memory_bytes": 3 * 2**20, "memory_model_bytes": 2 * 2**20}),
                                        at(8)], [FIGURE])
