@@ -57,7 +57,7 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
 
     Two runs differ by more than the intervals within them tell. So what all methods of a scene have in common is taken
     out (a load or a clock does that; --absolute leaves it in), and how far cells scatter between the runs is estimated
-    from all of them. A cell that moved alone, against the others of its method, must be three times as far out.
+    from all of them. A cell that moved alone, against the others of its method, must be four times as far out.
 
     \b
     Examples:
