@@ -37,6 +37,7 @@ class Journal:
         self.partials: dict[str, Partial] = {}
         self._sessions: dict[str, set[str]] = {}
         self._file: Any = None
+        self._unsynced = False
         for line in self._lines():
             self._take(line)
 
@@ -71,6 +72,7 @@ class Journal:
         line = {"key": key, "session": session, "samples_ms": list(samples_ms),
                 "passes": {name: list(times_ms) for name, times_ms in passes.items()}}
         self._take(line)
+        self._unsynced = True
         if self._file is None:
             self._rewrite()  # without what is done, and with an end to a line that was cut off
             self._file = open(self.path, "ab", buffering=0)  # noqa: SIM115 - open until it is closed
@@ -88,12 +90,13 @@ class Journal:
             raise StoreError(unwritable(self.path, failed)) from failed
 
     def sync(self) -> None:
-        """Let what was added outlive a loss of power. Raises StoreError."""
+        """Let what was added outlive a loss of power; that cells are done, their rows tell. Raises StoreError."""
         try:
-            if self._file is not None:
+            if self._file is not None and self._unsynced:
                 os.fsync(self._file.fileno())
         except OSError as error:
             raise StoreError(unwritable(self.path, error)) from error
+        self._unsynced = False
 
     def forget(self, key: str) -> None:
         """The cell has its row. Raises StoreError."""

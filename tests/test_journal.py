@@ -41,6 +41,16 @@ def test_nothing_is_written_before_the_first_batch_and_nothing_is_left_after_the
     assert not path.exists()
 
 
+def test_only_what_is_new_is_synced(path, monkeypatch):
+    journal, synced = filled(path), []
+    monkeypatch.setattr(os, "fsync", synced.append)
+    journal.sync()
+    journal.sync()
+    journal.forget("a")
+    journal.sync()
+    assert len(synced) == 1
+
+
 def test_a_cell_that_is_done_stays_so_even_if_its_row_is_lost_later(path):
     filled(path).forget("a")
     journal = Journal(path)

@@ -42,10 +42,11 @@ class Measuring:
             scene = SceneWork(self.bench.device, group.jobs[0].cell.scene, self.bench.split)
         except MemoryError as error:
             for job in group.jobs:
-                self._tell(Finished(job.key, *failure(error), values={}))
+                self.bench.emit(Finished(job.key, *failure(error), values={}))
             return
         try:
             allowed = [job for job in group.jobs if not self._skipped(job, scene.sizes)]
+            self.bench.emit(Synced())
             for chunk in self._chunks(allowed, scene.sizes):
                 self._chunk(chunk, scene)
         finally:
@@ -62,7 +63,7 @@ class Measuring:
         """Decide without compiling or allocating anything whether the device or the budget forbids the cell."""
         decision = judge(job.cell, self.catalog, sizes, self.bench.device.limits)
         if decision:
-            self._tell(Finished(job.key, *decision, values=scene_values(self._variant(job), sizes)))
+            self.bench.emit(Finished(job.key, *decision, values=scene_values(self._variant(job), sizes)))
         return decision is not None
 
     def _chunks(self, todo: Sequence[Job], sizes: Sizes) -> Iterator[list[Job]]:
