@@ -68,7 +68,7 @@ def _method_record(declared, device, reason: str | None) -> dict:
         "id": declared.id, "name": declared.name, "family": declared.family, "source": declared.source,
         "summary": declared.summary, "passes": list(declared.pass_names), "guarantee": declared.guarantee,
         "words_per_pixel": declared.words, "beside_the_words": declared.beside, "cost": declared.cost,
-        "ties": declared.ties, "failure": declared.failure,
+        "ties": declared.ties, "failure": declared.failure, "exact_where": declared.exact_where,
         "params": [{"name": p.name, "default": p.default, "allowed": p.allowed, "doc": p.doc,
                     "needs": dict(p.needs), "weakens": dict(p.weakens),
                     "unsupported": [c for c, f in p.needs.items() if device and f not in device.features]}

@@ -10,7 +10,7 @@ from typing import Any
 from ..errors import nearest
 from ..methods.spec import Method, Value
 from .axes import K, R, measure_at, point_count, points, scene_at
-from .columns import IDENTITY, MEASURED, MEASURED_BY_KIND
+from .columns import ALONG_BY_KIND, IDENTITY, MEASURED, MEASURED_BY_KIND
 from .layers import AXES
 from .layout import FULLEST, clustered_depths, has_mean_depth, is_flat, is_float32, quad_count
 from .model import KEPT, MAX_QUADS, Experiment, Measure, MethodEntry, Scene
@@ -219,7 +219,10 @@ class _Checker:
         axes = [key for section in AXES for key in self.document.mapping(section)]
         along = dict.fromkeys((*axes, *self._known(), *IDENTITY, *MEASURED))
         measured = MEASURED_BY_KIND.get(str(figure.get("kind")), MEASURED)
-        for key, names in (("x", along), ("y", measured), ("panels", along), ("gain_of", self._known())):
+        x = ALONG_BY_KIND.get(str(figure.get("kind")), along)
+        if figure.get("kind") == "pareto" and "y" not in figure:
+            self.problem((*path, "y"), f"missing; allowed: {', '.join(measured)}")
+        for key, names in (("x", x), ("y", measured), ("panels", along), ("gain_of", self._known())):
             if isinstance(figure.get(key), str) and figure[key] not in names:
                 self.problem((*path, key), f"unknown column {shown(figure[key])}; allowed: {', '.join(names)}"
                                            f"{nearest(figure[key], names)}")

@@ -12,4 +12,8 @@ MEASURED = ("fragments", "covered_pixels", "max_fragments", "samples", "time_ms"
             # derived when a figure is drawn: report.data.MEASURES
             "fps", "floor_ratio", "memory_mib", "memory_model_mib", "ms_per_mib", "fps_per_mib", "words_per_pixel")
 PER_PASS = ("time_ms", "share")
-MEASURED_BY_KIND = {"stacked_passes": PER_PASS, "maps": KEPT, "histogram": ("time_ms",)}  # others: MEASURED
+ERRORS = ("rmse", "flip", "max_error_all", "wrong_pixels_all")  # against all fragments
+COSTS = ("time_ms", "memory_bytes", "memory_mib")
+# y of a kind of figure, where it is not any of MEASURED; x, where it is not anything.
+MEASURED_BY_KIND = {"stacked_passes": PER_PASS, "maps": KEPT, "histogram": ("time_ms",), "pareto": ERRORS}
+ALONG_BY_KIND = {"pareto": COSTS}

@@ -1,7 +1,7 @@
 """What nothing measured beats in both cost and error, scene by scene, and tables of it.
 
-An error below ROUNDING is that of float32 arithmetic: such errors count as equal, so that of exact methods only the
-cheapest stands on a frontier.
+An error below that of ROUNDING comes from float32 arithmetic: such errors count as equal, so that of exact methods only
+the cheapest stands on a frontier.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from typing import Any
 from . import data
 from .data import Point, Result, number
 
-ROUNDING = 1e-6
-ERROR_LEVELS = (0.1, 0.03, 0.01, 0.003, 0.001, 1e-4, ROUNDING)
+ROUNDING = {"rmse": 1e-6, "flip": 1e-4, "max_error_all": 1e-5}  # FLIP of images 1e-7 apart is some 1e-5
+ERROR_LEVELS = (0.1, 0.03, 0.01, 0.003, 0.001, 1e-4, 1e-5, 1e-6)
 COSTS = ("time_ms", "memory_mib")
 ERRORS = ("rmse", "flip", "max_error_all")
 
@@ -47,8 +47,13 @@ class Place:
         return min(filter(allowed, self._with(cost, error)), key=key, default=None)
 
 
+def equal(error: str) -> str:
+    """Which errors count as equal, in words."""
+    return f"errors below {ROUNDING[error]:g} count as equal" if error in ROUNDING else "errors as they are"
+
+
 def rounded(point: Point, error: str) -> float:
-    return max(ROUNDING, point.measure(error)[1])
+    return max(ROUNDING.get(error, 0), point.measure(error)[1])
 
 
 def places(result: Result) -> list[Place]:
@@ -83,7 +88,7 @@ def _frontier_table(place: Place, error: str) -> Table:
                   *(number(p.measure(name)[1]) for name in (*COSTS, *ERRORS)))
                  for key, p in sorted(members.items(), key=lambda member: member[1].row["time_ms"]))
     title = f"Frontier of cost and {error}" + (f" ({place.name})" if place.name else "")
-    note = f"no measured cell is both cheaper and more accurate; errors below {ROUNDING:g} counted as equal"
+    note = f"no measured cell is both cheaper and more accurate; {equal(error)}"
     return title, note, ("method", "frontier of", "time (ms)", "memory (MiB)", *ERRORS), rows, 2
 
 
@@ -96,10 +101,11 @@ def _best_tables(found: Sequence[Place], error: str) -> Iterable[Table]:
                           "time_ms", error)
 
     names = tuple(place.name or "all" for place in found)
+    levels = [level for level in ERROR_LEVELS if level >= ROUNDING.get(error, 0)]
     if not found:
         return
     yield ("Fastest for a given error", f"of those with {error} at most that of the row, and the time in ms",
-           (error, *names), _rows(found, ERROR_LEVELS, fastest, "time_ms"), 1)
+           (error, *names), _rows(found, levels, fastest, "time_ms"), 1)
     yield ("Most accurate for a given time", f"of those with a time at most that of the row, and {error}",
            ("time (ms)", *names), _rows(found, _levels(found), closest, error), 1)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from .. import data, style
 from ..data import Point, Result
-from ..frontier import ROUNDING, Place, places
+from ..frontier import Place, equal, places
 from .scales import log_axis, nothing, y_label
 from .series import Options
 from .sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, legend_columns, sheet_of
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 LEAST = 1e-9  # where an error of 0 is drawn
 PLOT_IN, LABEL_CHARACTERS = 2.3, 34
 FADED = 0.22
-KEY = (f"Solid: no measured cell is both cheaper and more accurate (errors below {ROUNDING:g} counted as equal). "
-       "Faded: some cell is. Bars: 95 % interval of the median.")
 
 
 def pareto(result: Result, options: Options) -> Figure:
@@ -36,7 +34,9 @@ def pareto(result: Result, options: Options) -> Figure:
     legend_in = LEGEND_LINE_IN * 0.92 * math.ceil(len(names) / across)
     step = HEADING_IN + PLOT_IN + 0.24
     zero = any(p.measure(plot.y)[1] == 0 for place in plot.places for p in place.points)
-    notes = [KEY, f"An error of 0 is drawn at {LEAST:g}." * zero]
+    key = (f"Solid: no measured cell is both cheaper and more accurate ({equal(plot.y)}). Faded: some cell is. "
+           "Bars: 95 % interval of the median.")
+    notes = [key, f"An error of 0 is drawn at {LEAST:g}." * zero]
     sheet = sheet_of(result, options, notes, style.WIDTH_IN, rows * step + 0.2 + legend_in)
     figure = sheet.figure()
     width = (sheet.width - LEFT - EDGE - 0.12 * (columns - 1)) / columns
