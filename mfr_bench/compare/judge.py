@@ -183,7 +183,7 @@ class _Timed:
         if abs(moved) + NormalDist().inv_cdf(1 - SAME_RATE) * deviation < self._same:
             return SAME, ""
         if abs(moved) <= reach:
-            return UNCLEAR, f"two runs of one thing differ by up to {100 * math.expm1(reach):.2g} % here"
+            return UNCLEAR, "no more than what two runs of one thing differ by here"
         if abs(moved) <= self._limit:
             return UNCLEAR, f"no more than the noise floor of {100 * self._floor:.2g} %"
         return UNCLEAR, "no other cell of the method moved with it: measure both again"

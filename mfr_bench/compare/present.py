@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
+from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from ..report.data import number
@@ -18,7 +19,7 @@ COLUMNS = ("experiment", "name", "method", "params", "scene", "verdict", "reason
 NOTE = ("after / before, with the interval that holds it for all cells at once; what all methods of a scene have in "
         "common is taken out")
 ABSOLUTE_NOTE = "after / before, with the interval that holds it for all cells at once"
-NAME_WIDTH = 44
+NAME_WIDTH = 36
 MOST_LISTED = 10
 
 
@@ -85,14 +86,14 @@ def _grids(found: Comparison, whole: bool) -> list[Grid]:
         rows = tuple(_row(v) for v in shown)
         if rows:
             grids.append(Grid(experiment, ABSOLUTE_NOTE if found.absolute else NOTE,
-                              ("cell", "verdict", "before, ms", "after, ms", "ratio", "why"), rows, left=2))
+                              ("cell", "verdict", "before, ms", "after, ms", "ratio"), rows, left=2))
     return grids
 
 
 def _row(verdict: Verdict) -> tuple[str, ...]:
     name = verdict.name if len(verdict.name) <= NAME_WIDTH else f"{verdict.name[:NAME_WIDTH - 1]}…"
     return (name, verdict.verdict or "-", number(verdict.before.point.row["time_ms"]),
-            number(verdict.after.point.row["time_ms"]), _interval(verdict.ratio), verdict.reason)
+            number(verdict.after.point.row["time_ms"]), _interval(verdict.ratio))
 
 
 def _interval(ratio: Interval) -> str:
@@ -102,8 +103,10 @@ def _interval(ratio: Interval) -> str:
 
 def _lists(found: Comparison) -> Iterable[tuple[str, list[str]]]:
     changes = [f"{_sign(c.worse)}{v.experiment}: {v.name}: {c.text}" for v in found.verdicts for c in v.changes]
+    why = Counter(f"{v.verdict}: {v.reason}" for v in found.verdicts if v.reason)
     unsteady = [*found.before.unsteady, *found.after.unsteady]
-    for title, lines in (("Images, memory and status", changes),
+    for title, lines in (("Why", [f"{count} {reason}" for reason, count in why.most_common()]),
+                         ("Images, memory and status", changes),
                          (f"Only in {found.before.path}", _named(found.missing_after)),
                          (f"Only in {found.after.path}", _named(found.missing_before)),
                          ("Where they were measured", found.environment), ("Unsteady runs", unsteady)):

@@ -11,7 +11,7 @@ from mfr_bench.errors import DeviceError
 from mfr_bench.methods import catalog
 from mfr_bench.plan import Cell
 from mfr_bench.run import supervisor as supervisors
-from mfr_bench.run.events import Begun, Ended, Failed, Finished, Go, Group, Ready, Sampled, Stop, Synced
+from mfr_bench.run.events import Begun, Calibrated, Ended, Failed, Finished, Go, Group, Ready, Sampled, Stop, Synced
 from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger, Sheet
 from mfr_bench.run.process import Died
@@ -294,3 +294,23 @@ def test_after_a_timeout_larger_k_of_the_same_scene_are_left_out(play):
     rows = {row["params"]["k"]: row for row in stage.sheet.folder.cells()}
     assert {k: row["status"] for k, row in rows.items()} == {1: "ok", 2: "timeout", 8: "timeout"}
     assert "n = 4, k = 2 timed out" in rows[8]["reason"]
+
+
+@pytest.mark.parametrize(("events", "found"), [
+    ([Calibrated({"timer": "gpu"})], {"timer": "gpu"}), ([Ended({}), Calibrated({"timer": "wall"})], {"timer": "wall"}),
+    ([CRASH], None)])
+def test_the_calibration_at_the_end_is_the_workers_or_none(monkeypatch, events, found):
+    worker = Actor(lambda group: [])
+    monkeypatch.setattr(supervisors, "Worker", lambda want, timer=None: worker)
+    with Supervisor("auto") as supervisor:
+        supervisor.ready()
+        worker.events += events
+        assert supervisor.calibrate_again() == found
+
+
+def test_a_user_who_stops_the_run_waits_for_no_calibration(monkeypatch):
+    worker = Actor(lambda group: [])
+    monkeypatch.setattr(supervisors, "Worker", lambda want, timer=None: worker)
+    with Supervisor("auto", asked=lambda: True) as supervisor:
+        supervisor.ready()
+        assert supervisor.calibrate_again() is None
