@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..stats import Interval, real
+from ..stats import Interval
 from ..store import device_name
 from . import data
 from .data import Point, Result, number
@@ -64,12 +64,12 @@ class Advice:
 
     def ratio(self, point: Point) -> Interval:
         """Its time over the fastest one's."""
-        return data.time_ratio(point.cell, self.kept[0].cell)
+        return point.over(self.kept[0])
 
     def told_apart(self, point: Point) -> bool | None:
         """Whether it is surely slower than the fastest; None where too few samples say nothing."""
         ratio = self.ratio(point)
-        return None if None in ratio else real(ratio, self.noise or 0.0)
+        return None if None in ratio else point.apart(ratio)
 
     @property
     def rivals(self) -> list[Point]:

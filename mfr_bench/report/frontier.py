@@ -15,6 +15,7 @@ from .data import Point, Result, number
 
 ROUNDING = {"rmse": 1e-6, "flip": 1e-4, "max_error_all": 1e-5}  # FLIP of images 1e-7 apart is some 1e-5
 ERROR_LEVELS = (0.1, 0.03, 0.01, 0.003, 0.001, 1e-4, 1e-5, 1e-6)
+ALIKE = " ≈"
 COSTS = ("time_ms", "memory_mib")
 ERRORS = ("rmse", "flip", "max_error_all")
 
@@ -41,10 +42,10 @@ class Place:
     def _with(self, cost: str, error: str) -> list[Point]:
         return [p for p in self.points if p.measure(cost)[1] is not None and p.measure(error)[1] is not None]
 
-    def best(self, key: Callable[[Point], Any], allowed: Callable[[Point], bool], cost: str,
-             error: str) -> Point | None:
-        """The allowed point with the least key."""
-        return min(filter(allowed, self._with(cost, error)), key=key, default=None)
+    def ordered(self, key: Callable[[Point], Any], allowed: Callable[[Point], bool], cost: str,
+                error: str) -> list[Point]:
+        """The allowed points, that with the least key first."""
+        return sorted(filter(allowed, self._with(cost, error)), key=key)
 
 
 def equal(error: str) -> str:
@@ -93,36 +94,39 @@ def _frontier_table(place: Place, error: str) -> Table:
 
 
 def _best_tables(found: Sequence[Place], error: str) -> Iterable[Table]:
-    def fastest(place: Place, level: float) -> Point | None:
-        return place.best(lambda p: p.row["time_ms"], lambda p: p.measure(error)[1] <= level, "time_ms", error)
+    def fastest(place: Place, level: float) -> str:
+        kept = place.ordered(lambda p: p.row["time_ms"], lambda p: p.measure(error)[1] <= level, "time_ms", error)
+        alike = len(kept) > 1 and not kept[1].apart(kept[1].over(kept[0]))
+        return _told(kept, "time_ms") + ALIKE * alike
 
-    def closest(place: Place, level: float) -> Point | None:
-        return place.best(lambda p: (rounded(p, error), p.row["time_ms"]), lambda p: p.row["time_ms"] <= level,
-                          "time_ms", error)
+    def closest(place: Place, level: float) -> str:
+        return _told(place.ordered(lambda p: (rounded(p, error), p.row["time_ms"]), lambda p: p.row["time_ms"] <= level,
+                                   "time_ms", error), error)
 
     names = tuple(place.name or "all" for place in found)
     levels = [level for level in ERROR_LEVELS if level >= ROUNDING.get(error, 0)]
     if not found:
         return
-    yield ("Fastest for a given error", f"of those with {error} at most that of the row, and the time in ms",
-           (error, *names), _rows(found, levels, fastest, "time_ms"), 1)
+    note = f"of those with {error} at most that of the row, and the time in ms;{ALIKE} not told apart from the next"
+    yield ("Fastest for a given error", note, (error, *names), _rows(found, levels, fastest), 1)
     yield ("Most accurate for a given time", f"of those with a time at most that of the row, and {error}",
-           ("time (ms)", *names), _rows(found, _levels(found), closest, error), 1)
+           ("time (ms)", *names), _rows(found, _levels(found), closest), 1)
 
 
-def _rows(found: Sequence[Place], levels: Iterable[float], choose: Callable[[Place, float], Point | None],
-          told: str) -> tuple[tuple[str, ...], ...]:
-    def text(point: Point | None) -> str:
-        return f"{point.label}: {number(point.measure(told)[1])}" if point else "–"
+def _told(ordered: Sequence[Point], measure: str) -> str:
+    return f"{ordered[0].label}: {number(ordered[0].measure(measure)[1])}" if ordered else "–"
 
-    rows = [(f"{level:g}", *(text(choose(place, level)) for place in found)) for level in levels]
+
+def _rows(found: Sequence[Place], levels: Iterable[float],
+          choose: Callable[[Place, float], str]) -> tuple[tuple[str, ...], ...]:
+    rows = [(f"{level:g}", *(choose(place, level) for place in found)) for level in levels]
     while len(rows) > 1 and rows[-1][1:] == rows[-2][1:]:
         rows.pop()
     return tuple(rows)
 
 
 def _levels(found: Sequence[Place]) -> list[float]:
-    """1, 2, 5, 10, … ms, from the fastest cell's to the slowest's on any frontier."""
+    """1, 2, 5, 10, … ms, from the fastest cell's time to beyond the slowest's."""
     times = [p.row["time_ms"] for place in found for p in place.points if p.row["time_ms"]]
     levels = [m * 10.0**e for e in range(-4, 6) for m in (1, 2, 5)]
     return [v for v in levels if times and min(times) <= v <= 2.5 * max(times)]

@@ -56,9 +56,15 @@ def test_tables_name_the_fastest_and_the_most_accurate(tmp_path):
     assert [row[:2] for row in on[3]] == [("Cheap", "time"), ("Middle", "time"), ("Exact", "time"),
                                           ("AlsoExact", "memory")]
     assert dict(fastest[3]) == {"0.1": "Cheap: 1.00", "0.03": "Middle: 2.00", "0.01": "Middle: 2.00",
-                                "0.003": "Exact: 8.00"}
+                                "0.003": "Exact: 8.00 ≈"}
     assert dict(closest[3]) == {"1": "Cheap: 0.100", "2": "Middle: 0.0100", "5": "Middle: 0.0100",
                                 "10": "Exact: 3e-08"}
+
+
+@pytest.mark.parametrize(("time_ms", "alike"), [(2.01, True), (3.0, False)])
+def test_the_fastest_is_marked_where_the_next_may_be_as_fast(tmp_path, time_ms, alike):
+    _, fastest, _ = frontier.tables(load(tmp_path, [point("First", 2, 0.01), point("Next", time_ms, 0.01)]), "rmse")
+    assert fastest[3][0][1] == ("First: 2.00 ≈" if alike else "First: 2.00")
 
 
 def test_nothing_measured_is_no_mistake(tmp_path):
