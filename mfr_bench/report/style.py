@@ -52,6 +52,7 @@ HISTOGRAM = "#8fa3b8"
 MAP_COLOURS = "inferno"  # of maps: grows in lightness, whatever the sight
 PRINTED = {"linestyle": "", "marker": "D", "markersize": 4.2, "markerfacecolor": "white", "markeredgecolor": "#1a1a1a",
            "markeredgewidth": 0.9}  # the papers' own numbers
+GUIDE = {"color": "#1a1a1a", "linewidth": 0.8, "linestyle": (0, (1, 1.6)), "zorder": 1.2}
 OVER = {"linestyle": "", "marker": "X", "markersize": 5.0, "markeredgecolor": "white", "markeredgewidth": 0.4,
         "zorder": 5, "clip_on": False}  # cells without a value for lack of memory
 HATCH_INK = (1.0, 1.0, 1.0, 0.6)

@@ -134,6 +134,16 @@ def test_plot_names_damaged_cells_on_stderr(mfr, folder, no_figures):
     assert ended.err.startswith(f"out/cells/{name}: ")
 
 
+def test_plot_together_draws_what_several_results_hold(mfr, folder):
+    """A copy stands for a second folder of the same experiment; alone, it has nothing beside it."""
+    alone = mfr("plot", "out", "--together", "devices")
+    assert (alone.status, alone.out) == (0, "") and "no experiment is in more than one" in alone.err
+    shutil.copytree(folder, folder.parent / "again")
+    ended = mfr("plot", "out", "again", "--together", "devices")
+    assert ended.status == 0
+    assert ended.out.splitlines() == [f"devices/tiny-{i}.{kind}" for i in (1, 2) for kind in ("png", "svg")]
+
+
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"schema": 2}', '{"schema": 1, "cells": 3}'])
 def test_a_damaged_manifest_costs_no_row(mfr, folder, text):
     (folder / "manifest.json").write_text(text)

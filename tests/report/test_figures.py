@@ -478,6 +478,37 @@ def test_printed_times_are_marks_beside_the_pass(tmp_path):
     assert axes.get_ylabel() == "time of the referencing pass (ms)"
 
 
+def guides(axes):
+    return {line.get_label(): (list(line.get_xdata()), list(line.get_ydata())) for line in axes.lines
+            if line.get_label().startswith("printed: ")}
+
+
+def gaining(n=64):
+    return [cell("ab-array", f"AB {s}", ms, params={"sort": s}, scene={"depth_complexity": d},
+                 point={"scene.depth_complexity": d}) for d in (32, n) for s, ms in (("hybrid", 6.0), ("lplus", 4.0))]
+
+
+@pytest.mark.parametrize(("source", "options", "shown"), [
+    ({"paper": "occupancy2015", "figure": "4", "prints": ["gain_of_occupancy"]},
+     {"x": "n", "gain_of": "sort", "printed": "gain_of_occupancy"},
+     {"printed: from 20 %, GTX 780 Ti": ([0, 1], [20, 20]), "printed: to 50 %, GTX 780 Ti": ([0, 1], [50, 50])}),
+    ({"paper": "kplus2015", "figure": "§5.1.2", "prints": ["speedup"]},
+     {"x": "n", "gain_of": "sort", "printed": "speedup"},
+     {"printed: 3.1 ×, GTX 780 Ti": ([64], [pytest.approx(210)]),
+      "printed: 4.64 ×, GTX 780 Ti": ([128], [pytest.approx(364)])}),
+    ({"paper": "sbuffer2012", "figure": "3", "prints": ["best_counters"]},
+     {"x": "counters", "y": "fps", "printed": "best_counters"},
+     {"printed: about 30 shared counters, GTX 480": ([30, 30], [0, 1])})], ids=["share", "speed-up", "place"])
+def test_printed_numbers_of_an_axis_are_guides(tmp_path, source, options, shown):
+    """Gains as heights, speed-ups as gains at their n, places on x as such; the legend names the device."""
+    cells = gaining() if "gain_of" in options else [
+        cell("ab-sb", "AB_SB", 3.0, params={"counters": c}, point={"counters": c}) for c in (1, 32)]
+    figure = built(tmp_path, cells, {"kind": "lines", **options}, source=source)
+    assert guides(figure.axes[0]) == shown
+    told = [t.get_text().replace("\n", " ") for t in figure.legends[0].get_texts()]
+    assert set(shown) <= set(told)
+
+
 # --- fits, gains, lack of memory ---------------------------------------------------------------------
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from .. import data, style
 from ..data import Point, Result
 from .fits import Fit, draw_fit, fits_of
-from .marks import Mark, draw_marks, marks_of
+from .marks import Guide, Mark, draw_guides, draw_marks, guides_of, marks_of
 from .scales import log_axes, log_axis, log_base, nothing, y_label
 from .series import Options, axis_label, gaps, labels_of, panels_of, series_of, y_text
 from .sheet import EDGE, HEADING_IN, LEFT, fitted, sheet_of, text_width, widest
@@ -92,11 +92,16 @@ class Plot:
             return style.method_colour(point.method)
         return style.VARIANT_COLOURS[self.labels.index(point.label) % len(style.VARIANT_COLOURS)]
 
+    @cached_property
+    def guides(self) -> list[Guide]:
+        return guides_of(self.result, self.options)
+
     @property
     def entries(self) -> list[str]:
         """Everything that the legend may have to name."""
         over = dict.fromkeys(p.sign for p in self.points if p.status in OVER)
-        return [*self.labels, "floor", "bound", *over, *dict.fromkeys(mark.text for mark in self.marks)]
+        quoted = dict.fromkeys(mark.text for mark in (*self.marks, *self.guides))
+        return [*self.labels, "floor", "bound", *over, *quoted]
 
     @cached_property
     def numeric(self) -> bool:
@@ -125,6 +130,7 @@ class Plot:
         self._over(axes, points)
         draw_marks(axes, ((self.places[p.at(self.x)], mark) for mark in self.marks for p in points
                           if p is mark.point and p.at(self.x) is not None))
+        draw_guides(axes, self.guides)
         draw_fit(axes, self._fits(points), self.log_x)
 
     def _fits(self, points: Sequence[Point]) -> list[Fit]:
