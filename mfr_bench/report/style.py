@@ -33,9 +33,9 @@ SPARE_PASS_COLOURS = (SKY, GREEN, PURPLE, VERMILION, YELLOW)  # for passes witho
 WHOLE_FRAME = "#c4c8cc"  # a frame whose passes were not timed
 
 # A method has one colour in every figure: its family's, in the shade of its place among the family's methods. A
-# family's colour is found by the hash of its name, so that a new family changes no other's. The colours come from a
-# search for the largest least difference in CIE Lab among methods that figures of the papers show together, for normal
-# sight and without red or green cones; with this salt no two of today's families share one.
+# family's colour is found by the hash of its name, so that a new family changes no other's; where an earlier one of the
+# catalog has it, the next free one is taken. The colours come from a search for the largest least difference in CIE Lab
+# among methods that figures of the papers show together, for normal sight and without red or green cones.
 FAMILY_SALT = 8439
 FAMILY_COLOURS = (
     "#b50f7f", "#9a56de", "#146f29", "#c3826b", "#aaaf34", "#0618f7", "#9b2727", "#d1d147", "#170a86", "#e41a1c",
@@ -108,12 +108,20 @@ def method_colours() -> dict[str, str]:
     families: dict[str, list[str]] = {}
     for method in catalog().values():
         families.setdefault(method.family, []).append(method.id)
-    return {method: _shade(family_colour(family), place) for family, members in families.items()
+    colours = family_colours(families)
+    return {method: _shade(colours[family], place) for family, members in families.items()
             for place, method in enumerate(members)}
 
 
-def family_colour(family: str) -> str:
-    return FAMILY_COLOURS[zlib.crc32(f"{FAMILY_SALT}{family}".encode()) % len(FAMILY_COLOURS)]
+def family_colours(families: Iterable[str]) -> dict[str, str]:
+    """A colour for each family; they repeat only where there are more families than colours."""
+    slots: dict[int, str] = {}
+    for family in families:
+        slot = zlib.crc32(f"{FAMILY_SALT}{family}".encode())
+        while slot % len(FAMILY_COLOURS) in slots and len(slots) < len(FAMILY_COLOURS):
+            slot += 1
+        slots[slot % len(FAMILY_COLOURS) if len(slots) < len(FAMILY_COLOURS) else slot] = family
+    return {family: FAMILY_COLOURS[slot % len(FAMILY_COLOURS)] for slot, family in slots.items()}
 
 
 def _shade(colour: str, place: int) -> str:

@@ -381,8 +381,15 @@ def test_every_method_has_a_colour_of_its_own_by_family_and_place():
 
 
 def test_families_share_no_colour_and_a_new_one_changes_none():
-    assert len({style.family_colour(family) for family in families()}) == len(families())
-    assert style.family_colour("kplus") == "#170a86" and style.family_colour("array") == "#c3826b"
+    colours = style.family_colours(families())
+    assert len(set(colours.values())) == len(colours) == len(families())
+    more = style.family_colours([*families(), "brand-new"])
+    assert {family: more[family] for family in colours} == colours
+
+
+def test_more_families_than_colours_repeat_them():
+    many = [f"family {i}" for i in range(3 * len(style.FAMILY_COLOURS))]
+    assert list(style.family_colours(many)) and set(style.family_colours(many)) == set(many)
 
 
 def families():
