@@ -56,6 +56,7 @@ class Limits:
     features: frozenset[str]
     max_block_bytes: int  # largest shader storage block
     max_texture_size: int  # pixels, either side
+    max_local_array: int | None = None  # fragments in a shader's local array, where more would compile for minutes
 
 
 def expand(experiment: Experiment, catalog: Mapping[str, Method], only: Sequence[str] | None = None) -> list[Cell]:
@@ -107,6 +108,10 @@ def judge(cell: Cell, catalog: Mapping[str, Method], sizes: Sizes, limits: Limit
     deepest = variant.method.deepest
     if deepest and sizes.n > deepest:
         return "over_budget", f"a pixel has {sizes.n} fragments, the method has room for {deepest}"
+    local = variant.local_array(sizes)
+    if limits and limits.max_local_array and local > limits.max_local_array:
+        return "over_budget", (f"needs a local array of {local} fragments in a shader, which this driver compiles for "
+                               f"minutes; allowed: {limits.max_local_array}")
     side = max(sizes.W, sizes.H)
     if limits and side > limits.max_texture_size:
         return "over_budget", f"needs textures of {side} pixels a side, the device allows {limits.max_texture_size}"

@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 from mfr_bench import plan
 from mfr_bench.config import Experiment, Measure, MethodEntry, Scene
 from mfr_bench.errors import UsageError
+from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Sizes
 from mfr_bench.oracle import fragment_counts
 from mfr_bench.scene import generate
 
@@ -217,3 +219,18 @@ def test_expected_sizes_are_near_where_chance_decides(layout, probability):
     sizes, counts = plan.expected_sizes(scene), fragment_counts(generate(scene))
     assert pytest.approx(counts.sum(), rel=0.06) == sizes.F
     assert sizes.n == pytest.approx(counts.max(), rel=0.2)
+
+
+def test_a_local_array_that_the_driver_cannot_compile_is_refused():
+    """By the fragments that the resolve of a variant holds at once, not by those of the scene."""
+    sizes = Sizes(W=2, H=1, n=2000, F=4000, quads=2000, histogram=(0,) * 2000 + (2,))
+    methods = catalog()
+    lengths = {"ab-array": 2000, "peel-f2b": 0, "lin-pre": 0, "kb-ab-array": 8, "peel-kplus": 8}
+    assert {i: methods[i].variant({}).local_array(sizes) for i in lengths} == lengths
+    assert methods["ab-array"].variant({"sort": "lplus"}).local_array(sizes) == 32
+    limits = plan.Limits(frozenset(), 2**30, 16384, max_local_array=1024)
+    cell = plan.Cell("e", "ab-array", "AB", methods["ab-array"].variant({}).params, SCENE, Measure(), {})
+    status, reason = plan.judge(cell, methods, sizes, limits)
+    assert status == "over_budget"
+    assert "local array of 2000 fragments" in reason
+    assert plan.judge(cell, methods, replace(sizes, n=1024), limits) is None

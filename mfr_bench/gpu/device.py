@@ -19,6 +19,7 @@ from .rawgl import RawGL
 
 GL_MINIMUM = 430
 SOFTWARE = re.compile(r"llvmpipe|softpipe|swrast|software rasterizer", re.IGNORECASE)
+SOFTWARE_LOCAL_ARRAY = 1024  # fragments: llvmpipe takes seconds to compile it, and minutes for twice as many
 INSTALL = "sudo apt-get install -y libegl1 libgl1 libgl1-mesa-dri"
 MESA_VENDOR = "/usr/share/glvnd/egl_vendor.d/50_mesa.json"
 MOST_DEVICES = 16
@@ -74,7 +75,8 @@ class Device:
     def limits(self) -> Limits:
         info = self.ctx.info
         return Limits(features=self.features, max_block_bytes=int(info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]),
-                      max_texture_size=int(info["GL_MAX_TEXTURE_SIZE"]))
+                      max_texture_size=int(info["GL_MAX_TEXTURE_SIZE"]),
+                      max_local_array=SOFTWARE_LOCAL_ARRAY if self.kind == "cpu" else None)
 
     def program(self, sources: tuple[Source, ...], owner: str):
         """The linked program of the stages, compiled once. `owner` (method and pass) is named in errors."""

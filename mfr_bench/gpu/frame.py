@@ -594,7 +594,8 @@ class PassRunner:
         if state.blend:
             equation, source, destination = state.blend
             self.gl.glBlendEquation(rawgl.EQUATIONS[equation])
-            self.gl.glBlendFunc(rawgl.FACTORS[source], rawgl.FACTORS[destination])
+            factors = (source, destination, *(state.blend_alpha or (source, destination)))
+            self.gl.glBlendFuncSeparate(*(rawgl.FACTORS[factor] for factor in factors))
         for location, (equation, source, destination) in enumerate(state.blends):
             self.gl.glBlendEquationi(location, rawgl.EQUATIONS[equation])
             self.gl.glBlendFunci(location, rawgl.FACTORS[source], rawgl.FACTORS[destination])

@@ -20,7 +20,7 @@ TEXTURE0, MULTISAMPLE, TEXTURE_SAMPLES, SAMPLES, NUM_SAMPLE_COUNTS = 0x84C0, 0x8
 FORMATS = {"r8": 0x8229, "r16": 0x822A, "rgba16f": 0x881A, "r32f": 0x822E, "rg32f": 0x8230, "rgba32f": 0x8814,
            "r32ui": 0x8236, "depth16": 0x81A5, "depth32f": 0x8CAC, "depth24_stencil8": 0x88F0}
 EQUATIONS = {"add": 0x8006, "max": 0x8008}
-FACTORS = {"zero": 0, "one": 1, "one_minus_src_alpha": 0x0303, "one_minus_dst_alpha": 0x0305}
+FACTORS = {"zero": 0, "one": 1, "one_minus_src_alpha": 0x0303, "one_minus_dst_alpha": 0x0305, "dst_alpha": 0x0304}
 STENCIL_TESTS = {"equal": 0x0202, "always": 0x0207}
 STENCIL_UPDATES = {"increment": 0x1E02, "decrement": 0x1E03}  # both clamp
 DEPTH_FUNCTIONS = {"less": 0x0201, "equal": 0x0202, "lequal": 0x0203, "always": 0x0207}
@@ -35,7 +35,7 @@ _SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "glEnable": (None, (ENUM,)),
     "glDisable": (None, (ENUM,)),
     "glBlendEquation": (None, (ENUM,)),
-    "glBlendFunc": (None, (ENUM, ENUM)),
+    "glBlendFuncSeparate": (None, (ENUM, ENUM, ENUM, ENUM)),
     "glBlendEquationi": (None, (UINT, ENUM)),
     "glBlendFunci": (None, (UINT, ENUM, ENUM)),
     "glDepthFunc": (None, (ENUM,)),

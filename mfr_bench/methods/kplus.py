@@ -113,7 +113,7 @@ HISTOGRAM_PASS = Pass("histogram", "fullscreen", "methods/kplus/histogram.frag",
                       writes=("histogram",), decides=True)
 
 MULTI_PASS = Method(
-    id="peel-kplus", name="multi-pass K+B-Array", family="kplus", source="kplus_2015 §4.3", roundings=5,
+    id="peel-kplus", name="multi-pass K+B-Array", family="kplus", source="kplus_2015 §4.3", merges=True,
     summary="each iteration keeps and composites the k nearest fragments beyond the furthest of the last",
     guarantee="exact all", words="2*k + 5",
     beside="no row of Table 1: 2k + 2, and 3 for the boundary between iterations, a fragment and how often it was "

@@ -111,7 +111,7 @@ METHODS = [
                resolve("place", "page_link", "cells", fetch="methods/list/fetch_paged.glsl", defines=PAGED)),
     ),
     Method(
-        id="ab-ll-bucket", name="AB_LL-BUN", family="list", roundings=5,
+        id="ab-ll-bucket", name="AB_LL-BUN", family="list", merges=True,
         source="Vasilakis and Fudos 2013; kplus_2015 §2",
         summary="several linked lists per pixel by depth range, after a pass for the depth bounds; smaller sorts",
         guarantee="exact all", words="3*f + buckets + 2", beside=SPARE_CELLS, ties="kept, in no fixed order",

@@ -32,7 +32,22 @@ from .shared import (
     route,
     routed_targets,
 )
-from .spec import IMAGE, MAX, OVER, SAMPLE_FEATURES, UNDER, Buffer, Loop, Method, Param, Pass, State, Target
+from .spec import (
+    BEHIND,
+    IMAGE,
+    INVERTED_ALPHA,
+    MAX,
+    OVER,
+    SAMPLE_FEATURES,
+    SEEN_THROUGH_BOTH,
+    Buffer,
+    Loop,
+    Method,
+    Param,
+    Pass,
+    State,
+    Target,
+)
 
 ORDER = 1
 
@@ -41,6 +56,7 @@ SAMPLES = Param("samples", 4, "samples of a pixel, fragments taken by a pass; 8 
 MIDDLE = replace(PEELED, doc="layers peeled at most, half from the front and half from the back; 0: all of them",
                  weakens={"1-4096": "of more fragments than `layers`, those in the middle are missing"})
 NO_BOUNDS = (-2.0, -2.0, 0.0, 0.0)  # below every (-z, z)
+SEEN_THROUGH = (0.0, 0.0, 0.0, -1.0)  # no colour; the transmittance negated, for MAX blending
 UNBOUNDED = (1.0, 2.0, 0.0, 0.0)  # as (-z, z) around every depth
 
 METHODS = [
@@ -53,7 +69,7 @@ METHODS = [
         params=(PEELED, STOP_OPACITY),
         targets=(Target("layer", "rgba32f"), Target("layer_depth", "depth32f", copies=2)),
         steps=(
-            CLEAR_IMAGE,
+            replace(CLEAR_IMAGE, clears={IMAGE: (0.0, 0.0, 0.0, 1.0)}),
             Loop((
                 Pass("peel", "geometry", "methods/peel/f2b.frag", reads=("layer_depth.previous",),
                      into=("layer", "layer_depth.current"), clears={"layer": CLEARED, "layer_depth.current": (1.0,)},
@@ -61,12 +77,14 @@ METHODS = [
                 Pass("peel", "fullscreen", "methods/peel/held_layer.frag", reads=("layer", "layer_depth.current"),
                      probes=HELD),
                 Pass("composite", "fullscreen", "methods/peel/copy.frag", reads=("layer",), into=(IMAGE,),
-                     state=State(blend=UNDER)),
+                     state=State(blend=BEHIND, blend_alpha=SEEN_THROUGH_BOTH)),
             ), times="min(n + 1, layers or n + 1)"),
+            Pass("composite", "fullscreen", "methods/peel/finish.frag", into=(IMAGE,),
+                 state=State(blend=("add", "zero", "one"), blend_alpha=INVERTED_ALPHA)),
         ),
     ),
     Method(
-        id="peel-dual", name="DUAL", family="peel", roundings=5,
+        id="peel-dual", name="DUAL", family="peel", merges=True,
         source="Bavoil & Myers 2008; kplus_2015 §2",
         summary="dual peeling: the nearest and the furthest layer per geometry pass, by MAX blending",
         guarantee="exact all", words="20", cost="one geometry pass for every two layers",
@@ -77,11 +95,11 @@ METHODS = [
             Pass("bounds", "geometry", "common/depth_bounds.frag", into=("bounds.previous",),
                  clears={"bounds.previous": NO_BOUNDS}, state=State(blend=MAX)),
             Pass("clear", "clear", into=("front.previous", "back"),
-                 clears={"front.previous": CLEARED, "back": CLEARED}),
+                 clears={"front.previous": SEEN_THROUGH, "back": CLEARED}),
             Loop((
                 Pass("peel", "geometry", "methods/peel/dual.frag", reads=("bounds.previous", "front.previous"),
                      into=("bounds.current", "front.current", "behind"),
-                     clears={"bounds.current": NO_BOUNDS, "front.current": CLEARED, "behind": CLEARED},
+                     clears={"bounds.current": NO_BOUNDS, "front.current": SEEN_THROUGH, "behind": CLEARED},
                      state=State(blend=MAX)),
                 Pass("peel", "fullscreen", "methods/peel/held_dual.frag", reads=("bounds.previous",), probes=HELD),
                 Pass("blend", "fullscreen", "methods/peel/dual_blend.frag", reads=("behind", "bounds.current"),
@@ -92,14 +110,15 @@ METHODS = [
         ),
     ),
     Method(
-        id="peel-bucket", name="BUN", family="peel", roundings=5,
+        id="peel-bucket", name="BUN", family="peel", merges=True,
         source="Liu et al. 2009; Vasilakis & Fudos 2013; kplus_2015 §2",
         summary="bucket peeling: the pixel's depth range in uniform buckets, the nearest and the furthest fragment of "
                 "each per geometry pass, by MAX blending into as many targets",
         guarantee="exact all", words="2 + 14*buckets", ties="one of them is kept, the others are lost",
         params=(Param("buckets", 8, "buckets of a pixel, each a render target", high=8),),
         targets=(Target("bounds", "rg32f"), Target("edges", "rg32f", copies=2, layers="buckets")),
-        buffers=(Buffer("colours", "2*buckets*P"), Buffer("layers", "8*buckets*P", type="vec4", clear="0.0")),
+        buffers=(Buffer("colours", "2*buckets*P"), Buffer("layers", "8*buckets*P", type="vec4",
+                 clear="0.0, 0.0, 0.0, 1.0")),
         steps=(
             Pass("bounds", "geometry", "common/depth_bounds.frag", into=("bounds",),
                  clears={"bounds": NO_BOUNDS}, state=State(blend=MAX)),

@@ -22,6 +22,7 @@ Params = Mapping[str, Value]
 
 ON_OFF = ("on", "off")
 UNIT_ROUNDOFF = 2.0**-24  # of float32, to nearest
+ALPHA_STEPS = 255  # an 8-bit alpha is a multiple of 1/255
 LEAF_ROUNDINGS = 21  # unit roundoffs of a fragment's own colour and of the last terms (docs/accuracy.md)
 EMPTY = 0xFFFFFFFF  # no fragment, no next node: above the bits of every depth in [0, 1]
 SAMPLE_FEATURES: Mapping[str, int] = {f"samples_{count}": count for count in (4, 8, 16, 32)}  # of multisample targets
@@ -329,9 +330,13 @@ Blend = tuple[str, str, str]  # equation, source factor, destination factor
 
 @dataclass(frozen=True)
 class State:
-    """Fixed-function state of a draw. `blends` holds one blend for each location, where they differ."""
+    """Fixed-function state of a draw. `blends` holds one blend for each location, where they differ.
+
+    `blend_alpha`: the factors of alpha, where they are others than those of `blend`.
+    """
 
     blend: Blend | None = None
+    blend_alpha: tuple[str, str] | None = None
     blends: tuple[Blend, ...] = ()
     depth_test: Literal["less", "lequal", "equal", "always"] | None = None
     depth_write: bool = True  # where a depth target is attached
@@ -341,6 +346,9 @@ class State:
 
 
 UNDER = ("add", "one_minus_dst_alpha", "one")  # premultiplied, front to back
+BEHIND = ("add", "dst_alpha", "one")  # premultiplied, front to back, where alpha holds the transmittance
+SEEN_THROUGH_BOTH = ("zero", "one_minus_src_alpha")  # the factors of alpha that go with it
+INVERTED_ALPHA = ("one_minus_dst_alpha", "zero")  # under a source alpha of 1
 OVER = ("add", "one", "one_minus_src_alpha")  # premultiplied, back to front
 MAX = ("max", "one", "one")
 ADD = ("add", "one", "one")
@@ -450,7 +458,7 @@ class Method:
     cut: str | None = None  # the nearest fragments that its parameters leave of all, 0 for every one: a formula
     mixes: bool = False  # its image stands for every fragment, whatever its k; few or none are held as they were
     exact_where: str | None = None  # where an approximate method is exact all the same: a formula, e.g. "n <= k"
-    roundings: float = 1.0  # unit roundoffs of error that each fragment may add to a colour (docs/accuracy.md)
+    merges: bool = False  # composites groups of fragments by themselves before they are stacked
 
     def param(self, name: str) -> Param | None:
         return next((p for p in self.params if p.name == name), None)
@@ -599,6 +607,11 @@ class Variant:
             return None
         return decided.rule(sizes.histogram[1:], sizes.F, sizes.P, self.scope)
 
+    def local_array(self, sizes: Sizes) -> int:
+        """Fragments in the longest local array of any shader that a frame runs."""
+        return max((self.value(str(p.defines["LOCAL"]), sizes) for p in self.passes
+                    if "LOCAL" in p.defines and self.runs(p, sizes)), default=0)
+
     def error_bound(self, sizes: Sizes) -> float | None:
         """Largest channel error by float32 rounding (docs/accuracy.md) and by what the method leaves out.
 
@@ -608,7 +621,8 @@ class Variant:
             return None
         layers = min(sizes.n, self.promise(sizes).layers or sizes.n)
         left_out = float(self.scope[self.method.leaves_out]) if self.method.leaves_out else 0.0
-        return (self.method.roundings * layers + LEAF_ROUNDINGS) * UNIT_ROUNDOFF + left_out
+        steps = 5 * layers if self.method.merges else layers / 2 + 2 * min(layers, ALPHA_STEPS)
+        return (steps + LEAF_ROUNDINGS) * UNIT_ROUNDOFF + left_out
 
     def _values(self, sizes: Sizes) -> Params:
         """What resource formulas see: the parameters, and the k that the host chooses."""

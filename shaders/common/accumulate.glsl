@@ -1,41 +1,61 @@
-// The colour to which a resolve adds fragments, front to back: `colour = nothing_yet()`, then
-// `colour = onto(colour, behind)` for each. Rounded after each fragment as a target of 16-bit floats or of 8 bits would
-// round it; or with what the additions round away carried along, so that rounding does not grow with their number.
+// The colour to which a resolve adds fragments, front to back: `colour = nothing_yet()`, then `colour = onto(colour,
+// layer)` for each, then `composited(colour)`. In float32 by transmittance; rounded after each fragment as a target of
+// 16-bit floats or of 8 bits would round what is blended into it; or with what the additions round away carried along,
+// so that rounding does not grow with their number.
 // Source: compensated summation, Kahan 1965.
 #include "common/colour.glsl"
+#include "common/transmittance.glsl"
 
-#if ACCUMULATE_COMPENSATED
-
-vec4 excess;  // of the colour over the sum of what was added to it
-
-vec4 nothing_yet() {
-    excess = vec4(0.0);
-    return vec4(0.0);
-}
-
-vec4 onto(vec4 front, vec4 behind) {
-    precise vec4 added = ((1.0 - front.a) + excess.a) * behind - excess;
-    precise vec4 colour = front + added;
-    precise vec4 rounded = (colour - front) - added;
-    excess = rounded;
-    return colour;
-}
-
-#else
+#if ACCUMULATE_FLOAT16 || ACCUMULATE_UNORM8
 
 vec4 nothing_yet() {
     return vec4(0.0);
 }
 
-vec4 onto(vec4 front, vec4 behind) {
-    vec4 colour = under(front, behind);
+vec4 onto(vec4 front, vec4 layer) {
+    vec4 colour = under(front, layer);
 #if ACCUMULATE_FLOAT16
     return vec4(unpackHalf2x16(packHalf2x16(colour.rg)), unpackHalf2x16(packHalf2x16(colour.ba)));
-#elif ACCUMULATE_UNORM8
-    return unpackUnorm4x8(packUnorm4x8(colour));
 #else
-    return colour;
+    return unpackUnorm4x8(packUnorm4x8(colour));
 #endif
+}
+
+vec4 composited(vec4 colour) {
+    return colour;
+}
+
+float opacity_so_far(vec4 colour) {
+    return colour.a;
+}
+
+#else
+
+vec3 excess;  // of the colour over the sum of what was added to it
+
+vec4 nothing_yet() {
+    excess = vec3(0.0);
+    return NOTHING;
+}
+
+vec4 onto(vec4 front, vec4 layer) {
+#if ACCUMULATE_COMPENSATED
+    precise vec3 added = front.a * layer.rgb - excess;
+    precise vec3 colour = front.rgb + added;
+    precise vec3 rounded = (colour - front.rgb) - added;
+    excess = rounded;
+    return vec4(colour, front.a * (1.0 - layer.a));
+#else
+    return behind_of(front, layer);
+#endif
+}
+
+vec4 composited(vec4 colour) {
+    return with_opacity(colour);
+}
+
+float opacity_so_far(vec4 colour) {
+    return 1.0 - colour.a;
 }
 
 #endif

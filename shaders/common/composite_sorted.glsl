@@ -1,9 +1,10 @@
 // Composites a pixel's fragments as its fetch reads them, nearest first.
+#include "common/accumulate.glsl"
 #include "common/enough.glsl"
 
 vec4 composite_sorted(uint p) {
-    vec4 colour = vec4(0.0);
+    vec4 colour = nothing_yet();
     FRAGMENT fragment;
-    for (fetch_begin(p); !enough(colour) && fetch_next(fragment);) colour = under(colour, colour_of(fragment));
-    return colour;
+    for (fetch_begin(p); !enough(colour) && fetch_next(fragment);) colour = onto(colour, colour_of(fragment));
+    return composited(colour);
 }

@@ -14,5 +14,5 @@ vec4 resolve_pixel(uint p) {
     uint i = 0u;
     for (; i < count && !enough(colour); ++i) colour = onto(colour, colour_of(fragments[i]));
     if (i < count && !enough(colour)) atomicAdd(lost_fragments, count - i);
-    return colour;
+    return composited(colour);
 }

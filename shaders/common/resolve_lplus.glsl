@@ -53,5 +53,5 @@ vec4 resolve_pixel(uint p) {
         done += i;
     } while (offered > room && done < uint(KEEP) && !enough(colour));
     if (done < expected && !enough(colour)) atomicAdd(lost_fragments, expected - done);
-    return colour;
+    return composited(colour);
 }

@@ -59,7 +59,7 @@ vec4 resolve_pixel(uint p) {
     vec4 colour = nothing_yet();
     if (sorted_block()) count_lost();
     EACH(COMPOSITE)
-    return colour;
+    return composited(colour);
 }
 
 #else
@@ -99,7 +99,7 @@ vec4 resolve_pixel(uint p) {
         if (nearest == EMPTY) break;
         colour = onto(colour, colour_of(fragments[from * uint(NETWORK) + heads[from]++]));
     }
-    return colour;
+    return composited(colour);
 }
 
 #endif

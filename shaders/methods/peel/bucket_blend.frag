@@ -2,6 +2,7 @@
 // in front of those behind. Only pixels with fragments left pass, so that a count of zero ends the peeling.
 #include "common/pixel.glsl"
 #include "common/colour.glsl"
+#include "common/transmittance.glsl"
 
 void main() {
     uint p = pixel_index();
@@ -11,8 +12,8 @@ void main() {
         vec2 edge = texelFetch(edges, at, 0).xy;
         uint front = 2u * uint(bucket) * pixels + p, back = front + pixels;
         bool peeled = edge.y >= 0.0 && edge.y <= 1.0;
-        if (peeled) layers[front] = under(layers[front], premultiplied(colours[front]));
-        if (peeled && edge.y > -edge.x) layers[back] = under(premultiplied(colours[back]), layers[back]);
+        if (peeled) layers[front] = behind_of(layers[front], premultiplied(colours[front]));
+        if (peeled && edge.y > -edge.x) layers[back] = stacked(behind_of(NOTHING, premultiplied(colours[back])), layers[back]);
         left = left || texelFetch(edges_current, at, 0).y >= 0.0;
     }
     if (!left) discard;

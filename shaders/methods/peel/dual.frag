@@ -4,6 +4,7 @@
 // Source: Bavoil and Myers 2008, as in kplus_2015 §2.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"
+#include "methods/peel/front.glsl"
 
 void main() {
     if (rejected()) discard;
@@ -14,6 +15,6 @@ void main() {
     out_front = texelFetch(front, xy, 0);
     out_behind = vec4(0.0);
     if (z > nearest && z < furthest) out_bounds.xy = vec2(-z, z);
-    else if (z == nearest) out_front = under(out_front, premultiplied(incoming().y));
+    else if (z == nearest) out_front = in_front(behind_of(in_front(out_front), premultiplied(incoming().y)));
     else if (z == furthest) out_behind = premultiplied(incoming().y);
 }

@@ -1,7 +1,7 @@
 // Dual depth peeling, end: the front layers over the back layers.
-#include "common/colour.glsl"
+#include "methods/peel/front.glsl"
 
 void main() {
     ivec2 xy = ivec2(gl_FragCoord.xy);
-    out_image = under(texelFetch(front, xy, 0), texelFetch(back, xy, 0));
+    out_image = with_opacity(behind_of(in_front(texelFetch(front, xy, 0)), texelFetch(back, xy, 0)));
 }

@@ -9,7 +9,7 @@ uniform uint iteration;
 void main() {
     if (rejected()) discard;
 #if STOPS
-    if (texelFetch(image, ivec2(gl_FragCoord.xy), 0).a >= STOP_OPACITY) discard;
+    if (1.0 - texelFetch(image, ivec2(gl_FragCoord.xy), 0).a >= STOP_OPACITY) discard;
 #endif
     if (iteration > 0u && gl_FragCoord.z <= texelFetch(layer_depth, ivec2(gl_FragCoord.xy), 0).x) discard;
     out_layer = premultiplied(incoming().y);
