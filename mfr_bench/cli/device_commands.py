@@ -136,6 +136,9 @@ def _doctor_text(record: dict) -> str:
     lines += [f"  {name:4} resolves {_said_ms(tick)}" for name, tick in calibration["resolution_ms"].items()]
     lines += [f"  work {i}: wall {wall:8.3f} ms, gpu {gpu:8.3f} ms"
               for i, (wall, gpu) in enumerate(zip(calibration["wall_ms"], calibration["gpu_ms"], strict=True), start=1)]
+    rates = calibration["rates"]
+    lines += ["", (f"copies {rates['copy_bytes_per_s'] / 1e9:.3g} GB/s, read and written; fills "
+                   f"{rates['fill_pixels_per_s'] / 1e9:.3g} Gpixel/s of 16 bytes")]
     return "\n".join(lines)
 
 

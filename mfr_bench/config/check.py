@@ -222,7 +222,7 @@ class _Checker:
         x = ALONG_BY_KIND.get(str(figure.get("kind")), along)
         if figure.get("kind") == "pareto" and "y" not in figure:
             self.problem((*path, "y"), f"missing; allowed: {', '.join(measured)}")
-        for key, names in (("x", x), ("y", measured), ("panels", along), ("gain_of", self._known())):
+        for key, names in (("x", x), ("y", measured), ("panels", along), ("rows", along), ("gain_of", self._known())):
             if isinstance(figure.get(key), str) and figure[key] not in names:
                 self.problem((*path, key), f"unknown column {shown(figure[key])}; allowed: {', '.join(names)}"
                                            f"{nearest(figure[key], names)}")

@@ -15,5 +15,6 @@ PER_PASS = ("time_ms", "share")
 ERRORS = ("rmse", "flip", "max_error_all", "wrong_pixels_all")  # against all fragments
 COSTS = ("time_ms", "memory_bytes", "memory_mib")
 # y of a kind of figure, where it is not any of MEASURED; x, where it is not anything.
-MEASURED_BY_KIND = {"stacked_passes": PER_PASS, "maps": KEPT, "histogram": ("time_ms",), "pareto": ERRORS}
+MEASURED_BY_KIND = {"stacked_passes": PER_PASS, "maps": KEPT, "histogram": ("time_ms",), "pareto": ERRORS,
+                    "heat": (*MEASURED, "best_ratio"), "work": ("time_ms",)}
 ALONG_BY_KIND = {"pareto": COSTS}

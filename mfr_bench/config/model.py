@@ -158,17 +158,21 @@ class Measure(_Plain):
 class Figure(_Plain):
     """One figure: x and y are columns of results.csv, parameters or axes; `methods` picks labels, empty means all.
 
-    A kind `maps` draws the kept array y of each cell, `histogram` the fragments per pixel. `passes`: the time of the
-    first of these passes that a method has. `breaking` shows where along x, from mild to harsh in the order of the
-    sweep, each method breaks. `bound`: the error that rounding explains, as a line. `gain_of`: what this parameter
-    gains over its first value. `fit`: a polynomial through each line. `printed`: the paper's numbers of this quantity
-    as marks. A kind `pareto` draws an error y against a cost x, and what nothing beats in both.
+    A kind `maps` draws the kept array y of each cell, `histogram` the fragments per pixel. `heat` is a table of y,
+    `rows` down and x across, with a panel for each value of all other axes; its y may be `best_ratio`, the time over
+    that of the fastest other method. `work` shows what each method does, where measure.counters asks for it.
+    `breaking` shows where along x, from mild to harsh in the order of the sweep, each method breaks. `passes`: the
+    time of the first of these passes that a method has. `bound`: the error that rounding explains, as a line.
+    `gain_of`: what this parameter gains over its first value. `fit`: a polynomial through each line. `printed`: the
+    paper's numbers of this quantity as marks. A kind `pareto` draws an error y against a cost x, and what nothing beats
+    in both.
     """
 
     __pydantic_config__: ClassVar[dict] = STRICT
 
-    kind: Literal["stacked_passes", "lines", "bars", "maps", "histogram", "breaking", "pareto"]
+    kind: Literal["stacked_passes", "lines", "bars", "maps", "histogram", "breaking", "pareto", "heat", "work"]
     x: Text
+    rows: Text | None = None
     y: Text = "time_ms"
     log: Literal["x", "y", "xy"] | None = None
     log_base: Literal[2, 10] = 10

@@ -552,7 +552,8 @@ class PassRunner:
         if self.buffers:
             self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
         for binding in self.buffers:
-            self.gl.zero(self.frame.buffer(binding, iteration).glo)
+            buffer = self.frame.buffer(binding, iteration)
+            self.gl.zero(buffer.glo, buffer.size)
 
     def _bind(self, iteration: int) -> None:
         for binding in self.buffers:

@@ -6,7 +6,7 @@ import ctypes
 from typing import Any
 
 ENUM, UINT, INT, FLOAT, BOOL = ctypes.c_uint, ctypes.c_uint, ctypes.c_int, ctypes.c_float, ctypes.c_ubyte
-SIZE, POINTER = ctypes.c_int, ctypes.c_void_p
+SIZE, OFFSET, POINTER = ctypes.c_int, ctypes.c_ssize_t, ctypes.c_void_p
 
 BLEND, DEPTH_TEST, STENCIL_TEST, COLOR, DEPTH, DEPTH_STENCIL = 0x0BE2, 0x0B71, 0x0B90, 0x1800, 0x1801, 0x84F9
 SCISSOR_TEST, COPY_WRITE_BUFFER, RED_INTEGER, UNSIGNED_INT = 0x0C11, 0x8F37, 0x8D94, 0x1405
@@ -45,7 +45,7 @@ _SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "glColorMask": (None, (BOOL, BOOL, BOOL, BOOL)),
     "glScissor": (None, (INT, INT, SIZE, SIZE)),
     "glBindBuffer": (None, (ENUM, UINT)),
-    "glClearBufferData": (None, (ENUM, ENUM, ENUM, ENUM, POINTER)),
+    "glClearBufferSubData": (None, (ENUM, ENUM, OFFSET, OFFSET, ENUM, ENUM, POINTER)),
     "glViewport": (None, (INT, INT, SIZE, SIZE)),
     "glClearBufferfv": (None, (ENUM, INT, ctypes.POINTER(FLOAT))),
     "glClearBufferuiv": (None, (ENUM, INT, ctypes.POINTER(UINT))),
@@ -118,10 +118,10 @@ class RawGL:
         if self.glClipControl:
             self.glClipControl(LOWER_LEFT, ZERO_TO_ONE if wanted else NEGATIVE_ONE_TO_ONE)
 
-    def zero(self, buffer: int) -> None:
-        """Set every word of a buffer to 0."""
+    def zero(self, buffer: int, size: int) -> None:
+        """Set the first `size` bytes of a buffer to 0."""
         self.glBindBuffer(COPY_WRITE_BUFFER, buffer)
-        self.glClearBufferData(COPY_WRITE_BUFFER, FORMATS["r32ui"], RED_INTEGER, UNSIGNED_INT, None)
+        self.glClearBufferSubData(COPY_WRITE_BUFFER, FORMATS["r32ui"], 0, size, RED_INTEGER, UNSIGNED_INT, None)
 
     def sample_counts(self, format: str) -> frozenset[int]:
         """The numbers of samples that multisample textures of a format can have."""

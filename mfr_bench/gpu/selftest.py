@@ -20,6 +20,7 @@ from ..scene import generate
 from .capture import capture
 from .device import Device
 from .frame import Canvas, Frame, SceneBuffer
+from .rates import rates
 from .single import shown
 from .timers import GpuTimer, Timer, WallTimer
 
@@ -178,6 +179,7 @@ class Calibration:
     gpu_ms: tuple[float, ...]
     reason: str
     resolution_ms: dict[str, float | None] = field(default_factory=dict)  # tick of each timer's clock
+    rates: dict[str, float] = field(default_factory=dict)  # see `gpu.rates`
 
 
 def calibrate(device: Device) -> Calibration:
@@ -195,7 +197,8 @@ def calibrate(device: Device) -> Calibration:
         frame.release()
         rounds *= 2
     bench.release()
-    return Calibration(*_verdict(wall_ms, gpu_ms), {timer.name: timer.resolution_ms for timer in (wall, gpu)})
+    return Calibration(*_verdict(wall_ms, gpu_ms), {timer.name: timer.resolution_ms for timer in (wall, gpu)},
+                       rates(device))
 
 
 def _verdict(wall_ms: list[float], gpu_ms: list[float]) -> tuple[str, tuple[float, ...], tuple[float, ...], str]:

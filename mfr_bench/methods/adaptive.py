@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 from .shared import CLEARED, HELD, PAYLOAD, PIXEL_CLASS
 from .spec import IMAGE, OVER, Buffer, Known, Method, Param, Params, Pass, Plan, Planned, State, Target
 
-ORDER = 6
+ORDER = 9
 
 EXACT = 2.0**-15  # of the transmittance: a third of what an exact image may differ by
 
@@ -142,9 +142,9 @@ METHODS = [
                     clears={PIXEL_CLASS.name: (1.0,)}, state=State(depth_test="always")),
             *(replace(STORE, defines=layout.defines, runs_in=layout.runs_in, tallies=bool(layout.defines["DENSE"]))
               for layout in LAYOUTS),
-            *(Pass("held", "fullscreen", "methods/adaptive/held.frag", region=True, reads=layout.reads,
+            *(Pass("resolve", "fullscreen", "methods/adaptive/held.frag", region=True, reads=layout.reads,
                    defines=layout.defines, runs_in=layout.runs_in, probes=HELD) for layout in LAYOUTS),
-            Pass("held", "geometry", "methods/adaptive/blended.frag", runs_in=_in(DIRECT), probes=HELD),
+            Pass("blend", "geometry", "methods/adaptive/blended.frag", runs_in=_in(DIRECT), probes=HELD),
             *_resolves(),
         ),
     ),

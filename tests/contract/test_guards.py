@@ -71,6 +71,7 @@ class _Fenced:
     def __init__(self, device, plain):
         self.size = plain.size
         self._buffer = device.ctx.buffer(bytes(self.size) + GUARD)
+        self.glo = self._buffer.glo
         plain.release()
 
     def bind_to_storage_buffer(self, binding):

@@ -2,7 +2,7 @@
 
 `build` returns the matplotlib Figure of one entry of the config's `figures`:
 
-    kind     stacked_passes | bars | lines | maps | histogram | breaking | pareto
+    kind     stacked_passes | bars | lines | maps | histogram | breaking | pareto | heat | work
     x, y     a swept key or column (see `data.Point.at`), a measure (see `data.MEASURES`)
     log      x | y | xy; log_base 2 or 10
     panels   a swept key or column: one panel for each of its values
@@ -10,6 +10,7 @@
     floor    true: the floor as a dashed line
     bound    true: the error that rounding explains, as a dotted line
     passes   the time of the first of these passes that a method has, instead of y
+    rows     of heat: a swept key, one row for each of its values
     gain_of  what a parameter gains over its first value, instead of y
     fit      linear | quadratic: a polynomial through each line
     printed  the paper's numbers of this quantity, as marks
@@ -27,19 +28,21 @@ from .. import data
 from ..data import Result
 from .bars import bars, stacked_passes
 from .breaking import breaking
+from .heat import BEST, heat
 from .histogram import histogram
 from .lines import lines
 from .maps import maps
 from .pareto import pareto
 from .series import Options
 from .sheet import styled
+from .work import work
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 KINDS: Mapping[str, Callable[[Result, Options], Figure]] = {
     "stacked_passes": stacked_passes, "bars": bars, "lines": lines, "maps": maps, "histogram": histogram,
-    "breaking": breaking, "pareto": pareto}
+    "breaking": breaking, "pareto": pareto, "heat": heat, "work": work}
 
 
 def build(result: Result, options: Options) -> Figure:
@@ -49,9 +52,12 @@ def build(result: Result, options: Options) -> Figure:
     if kind not in KINDS:
         raise StoreError(f"{where}: kind: {kind!r} unknown; allowed: {', '.join(KINDS)}{nearest(str(kind), KINDS)}")
     y = str(options.get("y") or "time_ms")
-    y = _array(y, where) if kind == "maps" else data.drawn_measure(y, where)
+    if kind != "heat" or y != BEST:
+        y = _array(y, where) if kind == "maps" else data.drawn_measure(y, where)
     if not options.get("x"):
         raise StoreError(f"{where}: x: missing; allowed: a swept key such as k, or a column of results.csv")
+    if kind == "heat" and not options.get("rows"):
+        raise StoreError(f"{where}: rows: missing; allowed: a swept key, or a column of results.csv")
     with styled():
         return KINDS[kind](result, {**options, "y": y, "zip": tuple(result.manifest.get("zip") or ())})
 
