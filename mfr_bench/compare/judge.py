@@ -157,14 +157,16 @@ class _Timed:
         A method that changed moves in more than one of its cells; a burst of load hits one.
         """
         distances = [self._distance(i) for i in self._of_method[self._shifts[number].method]]
-        mine = self._distance(number)
-        support = sorted(d * math.copysign(1.0, mine) for d in distances)[-2] if distances[1:] else None
-        if support is None:
-            return abs(mine) > ALONE * self._critical
-        if abs(mine) > self._critical * (1.0 if min(support, abs(mine)) > SUPPORT else AGAINST):
+        sign = math.copysign(1.0, self._distance(number))
+        mine, same_way = sign * self._distance(number), [sign * d for d in distances]
+        if not distances[1:]:
+            return mine > ALONE * self._critical
+        support = sorted(same_way)[-2]
+        if mine > self._critical * (1.0 if min(support, mine) > SUPPORT else AGAINST):
             return True
-        together = abs(sum(max(-self._critical, min(self._critical, d)) for d in distances)) / math.sqrt(len(distances))
-        return together > self._critical and abs(mine) > SUPPORT and support > TOGETHER
+        capped = [max(-self._critical, min(self._critical, d)) for d in same_way]
+        together = sum(capped) / math.sqrt(len(capped))
+        return together > self._critical and mine > SUPPORT and support > TOGETHER
 
     def judge(self, after: Entry) -> tuple[str, str, Interval, float | None]:
         """Verdict, reason, ratio with its interval, ratio as measured."""

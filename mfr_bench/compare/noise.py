@@ -16,6 +16,7 @@ from statistics import NormalDist, median
 COMMON_LEAST = 5  # methods in a scene, from which on what they have in common can be told from what one of them did
 SPREAD_LEAST = 20  # cells, from which on they show their own spread
 PRIOR_CELLS = 10  # cells' worth of evidence that the noise floors are
+LEAST = 1e-6  # deviation: no clock tells times apart to one in a million
 HALF_NORMAL = 0.6745  # median of the absolute value of a normal variable
 TAILS = ((0.8, 1.0), (0.9, 1.0), (0.95, 0.9))  # quantile of the distances, and its weight: the last is of few cells
 
@@ -48,13 +49,13 @@ def estimate(shifts: Sequence[Shift], floor: float, alike: bool = True) -> Noise
     Runs that are not `alike`, of two devices, tell nothing of it: each cell is then as far apart as its pair.
     """
     if not alike:
-        return Noise((0.0,) * len(shifts), tuple(math.hypot(s.error, floor) for s in shifts), 1.0)
+        return Noise((0.0,) * len(shifts), tuple(max(LEAST, math.hypot(s.error, floor)) for s in shifts), 1.0)
     common = _common(shifts)
     rest = [s.log_ratio - c for s, c in zip(shifts, common, strict=True)]
     errors = [s.error for s in shifts]
     between = _between(rest, errors, floor)
-    deviations = tuple(math.hypot(error, between) for error in errors)
-    distances = sorted(abs(r) / d for r, d in zip(rest, deviations, strict=True) if d)
+    deviations = tuple(max(LEAST, math.hypot(error, between)) for error in errors)
+    distances = sorted(abs(r) / d for r, d in zip(rest, deviations, strict=True))
     return Noise(common, deviations, _stretch(distances) if len(distances) >= SPREAD_LEAST else 1.0)
 
 

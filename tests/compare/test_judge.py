@@ -71,6 +71,16 @@ def test_one_cell_that_moved_against_the_others_of_its_method_must_be_far_out():
     assert "no other cell of the method" in next(v.reason for v in compare(before, after).verdicts if v.name == name)
 
 
+@pytest.mark.parametrize("methods", [2, 30])
+def test_times_without_any_noise_compare_too(methods):
+    def still(factor):
+        return side([cell(f"m{m}", [factor if m == 0 else 1.0] * 10, {"depth_complexity": n})
+                     for m in range(methods) for n in SCENES], noise=0.0)
+    assert set(verdicts(compare(still(1.0), still(1.0))).values()) == {SAME}
+    assert {name for name, verdict in verdicts(compare(still(1.0), still(1.1))).items() if verdict != SAME} == {
+        "m0, n 16", "m0, n 32"}
+
+
 def test_too_few_samples_and_other_timers_are_unclear():
     few = [c | {"samples_ms": c["samples_ms"][:4]} for c in cells()]
     assert {v.reason for v in compare(side(cells()), side(few)).verdicts} == {"too few samples for an interval"}
