@@ -329,9 +329,10 @@ def heading(name: str, value: Any, between: str = " = ") -> str:
 
 
 def plain(value: Any) -> str:
-    """A coordinate as people write it: 640×480, 0.25, random."""
+    """A coordinate as people write it: 640×480, 0.25, 0.1–0.6, random."""
     if isinstance(value, (tuple, list)):
-        return "×".join(map(plain, value))
+        between = "–" if any(isinstance(v, float) for v in value) else "×"
+        return between.join(map(plain, dict.fromkeys(value) if between == "–" else value))
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 

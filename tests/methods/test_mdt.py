@@ -40,7 +40,7 @@ def test_32_bits_lose_all_but_one_colour_of_equal_depths(device, k):
     assert all(min(np.abs(pixel - one).max() for one in shown) < 1e-5 for pixel in image.reshape(-1, 4))
 
 
-@pytest.mark.parametrize(("depth_bits", "collide"), [(8, True), (11, True), (13, False), (24, False)])
+@pytest.mark.parametrize(("depth_bits", "collide"), [(8, True), (11, True), (13, False), (24, False), (32, False)])
 def test_scaled_conversion_loses_what_is_finer(device, depth_bits, collide):
     """Depths 2**-12 apart need more than 12 bits."""
     scene = stack([0.5, 0.5 + 2**-12], COLOURS[:2])
@@ -65,6 +65,6 @@ def test_bits_of_the_conversion_mean_nothing_to_float_bits():
 def test_the_whole_depth_range_keeps_its_order(device):
     """Depth 0 and depth 1 included, where the bits of a float are at their ends."""
     depths = [1.0, 0.0, 2.0**-23, 1 - 2.0**-23]
-    for key in ("float_bits", "fixed"):
-        with drawn(device, "kb-mdt32", stack(depths, COLOURS), k=4, key=key) as frame:
+    for chosen in ({}, {"key": "fixed"}, {"key": "fixed", "depth_bits": 32}):
+        with drawn(device, "kb-mdt32", stack(depths, COLOURS), k=4, **chosen) as frame:
             assert_shows(frame, [COLOURS[i] for i in (1, 2, 3, 0)])
