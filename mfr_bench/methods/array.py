@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .shared import OCCUPANCY, PAYLOAD, RESOLVE_OPTIONS, K, clear, occupied, resolve
+from .shared import OCCUPANCY, PAYLOAD, RESOLVE_OPTIONS, TOUCHED, K, clear, occupied, resolve, touching
 from .spec import Buffer, Method, Param, Pass
 
 ORDER = 2
@@ -14,9 +14,9 @@ def array(method_id: str, name: str, source: str, summary: str, *params: Param, 
     store = Pass("store", "geometry", "methods/array/store.frag", writes=("counter", "nodes"))
     return Method(
         id=method_id, name=name, family="array", source=source, summary=summary, words="2*n + 1",
-        params=(*params, *RESOLVE_OPTIONS, PAYLOAD),
+        params=(*params, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
         buffers=(Buffer("counter", "P", clear="0u"), Buffer("nodes", "2*n*P", type="FRAGMENT")),
-        steps=(
+        steps=touching(
             clear("counter"),
             *(occupied(store) if select else (store,)),
             resolve("counter", "nodes", fetch="methods/array/fetch.glsl", select=select, defines={"SLOTS": "n"}),

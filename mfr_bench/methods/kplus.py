@@ -24,11 +24,13 @@ from .shared import (
     RESOLVE_OPTIONS,
     SORT,
     SYNC,
+    TOUCHED,
     K,
     clear,
     count,
     occupied,
     resolve,
+    touching,
 )
 from .spec import PAYLOAD_WORDS, UNDER, Buffer, Choice, Counted, Decided, Loop, Method, Param, Params, Pass, State, when
 
@@ -69,9 +71,9 @@ def kplus(method_id: str, name: str, section: str, summary: str, *params: Param,
         id=method_id, name=name, family="kplus", source=f"kplus_2015 {section}", summary=summary,
         words="2*k + 2", beside="counter and semaphore are the 2 words; with sync: interlock only the counter",
         local="k", fixed=fixed,
-        params=(K, *params, SYNC, CULLING, occupancy, *RESOLVE_OPTIONS, PAYLOAD),
+        params=(K, *params, SYNC, CULLING, occupancy, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
         buffers=(COUNTER, SEMAPHORE, NODES),
-        steps=(
+        steps=touching(
             clear("counter", "semaphore", "nodes"),
             *occupied(store(shader, defines=PER_PIXEL)),
             resolve("counter", "nodes", fetch=FETCH, defines=PER_PIXEL),

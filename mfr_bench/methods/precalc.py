@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE
-from .shared import PAYLOAD, RESOLVE_OPTIONS, clear, count, resolve
+from .shared import PAYLOAD, RESOLVE_OPTIONS, TOUCHED, clear, count, resolve, touching
 from .spec import Buffer, Counted, Loop, Method, Param, Pass, when
 
 ORDER = 5
@@ -54,9 +54,9 @@ METHODS = [
         source="sbuffer_2012 §4 (PreCalc_Fixed), after Peeper 2008",
         summary="room for n fragments in every pixel: address = pixel * n; needs n beforehand",
         guarantee="exact all", words="2*n + 2", ties="kept, in no fixed order",
-        params=(*RESOLVE_OPTIONS, PAYLOAD),
+        params=(*RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
         buffers=(COUNTER, ADDRESS, replace(NODES, words="2*n*P")),
-        steps=(
+        steps=touching(
             clear("counter"),
             Pass("scan", "fullscreen", "methods/precalc/address_fixed.frag", writes=("address",)),
             Pass("store", "geometry", "methods/precalc/store_fixed.frag", reads=("address",),

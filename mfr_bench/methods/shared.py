@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -53,6 +53,8 @@ ACCUMULATE = Param(
              "unorm8": "rounded to 8 bits after each fragment, an error of up to n/510"})
 # Of `resolve`; a method may offer some or all.
 RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE, ACCUMULATE, STOP_OPACITY)
+TOUCHED = Param("touched", "off", "what clears and resolves touch: the viewport (off), or the rectangle that bounds "
+                "the geometry, which the host knows; the image is cleared beside it", choices=("off", "bounds"))
 ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emulated by 32-bit ones",
                  choices=("native", "emulated"), needs={"native": "shader_atomic_int64"})
 EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of `culling_opacity`",
@@ -84,6 +86,19 @@ CLEAR_IMAGE = Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,))
 def clear(*buffers: str, **more) -> Pass:
     """Full-screen pass that gives the buffers their initial values."""
     return Pass("clear", "fullscreen", "common/clear.frag", writes=buffers, **more)
+
+
+def touching(*steps: Pass) -> tuple[Pass, ...]:
+    """The passes with TOUCHED as their parameter: full-screen ones in which each pixel works for itself alone."""
+    beside = Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), region=True, when=when("touched", "bounds"))
+    return (beside, *(replace(p, expand=partial(_within, expand=p.expand)) if p.kind == "fullscreen" else p
+                      for p in steps))
+
+
+def _within(step: Pass, scope: Params, expand: Callable[[Pass, Params], tuple[Pass, ...]] | None) -> tuple[Pass, ...]:
+    made = expand(step, scope) if expand else (replace(step, expand=None),)
+    bounded = scope.get("touched") == "bounds"
+    return tuple(replace(p, region=bounded and p.kind == "fullscreen") for p in made)
 
 
 def wide_buffers(name: str, elements: str, word: str = "0u", condition: When | None = None,

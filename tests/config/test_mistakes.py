@@ -157,7 +157,7 @@ ONE_LINE = [
      "F:5: figures[0].y: unknown column 'time_ms'; allowed: rmse, flip, max_error_all, wrong_pixels_all"),
     (GOOD.replace("lines, x: k, y: time_ms", "pareto, x: time_ms"), "F:5: figures[0].y: missing; allowed: rmse, flip"),
     (GOOD.replace("x: k", "x: k, log: z"), "F:5: figures[0].log: 'z' is not allowed; allowed: x | y | xy"),
-    (GOOD.replace("x: k", "x: k, colour: red"), "F:5: figures[0].colour: unknown key; allowed: kind, x, y"),
+    (GOOD.replace("x: k", "x: k, colour: red"), "F:5: figures[0].colour: unknown key; allowed: kind, x, rows"),
     (GOOD.replace("x: k", "x: k, methods: [K+B-Aray]"), "F:5: figures[0].methods[0]: no method has the label 'K+B-"),
     (GOOD.replace("x: k", "x: k, methods: [K+B-Aray]"), "; allowed: K+B-Array, AB_Array; nearest: 'K+B-Array'"),
     # profiles

@@ -41,7 +41,7 @@ FAULTS = [
     ("adaptive", "methods/adaptive/store.frag", "slot * PLACES + p", "slot + p"),
     ("adaptive", "methods/adaptive/allocate.frag", "atomicAdd(taken[0], count)", "taken[0]"),
     ("adaptive", "methods/adaptive/count.frag", "1.0 / 65535.0", "2.0 / 65535.0"),
-    ("adaptive", "methods/adaptive/network.glsl", "uint(i) < cell_count", "uint(i) + 1u < cell_count"),
+    ("adaptive", "methods/adaptive/network.glsl", "at < end_cell", "at + cell_step < end_cell"),
     ("kb-ll", "methods/ll/store.frag", "<= fragment.x", ">= fragment.x"),
     ("kb", "methods/kb/store.frag", "incoming()", "incoming().yx"),
     ("kb-multi", "methods/kb/tidy.frag", "held.x != EMPTY", "held.x == EMPTY"),

@@ -1,23 +1,19 @@
-// The cells of a pixel: `cell_count` of them, from `first_cell` on, `cell_step` apart.
+// The cells of a pixel: from `first_cell` on, `cell_step` apart, as far as `end_cell`.
 #include "methods/adaptive/region.glsl"
 #if !DENSE
 #include "methods/adaptive/tally.glsl"
 #endif
 
-uint first_cell, cell_step, cell_count;
+uint first_cell, end_cell, cell_step;
 
 void find_cells(uint p) {
 #if DENSE
-    cell_count = counter[p];
-    first_cell = p;
     cell_step = PLACES;
+    first_cell = p;
+    end_cell = p + counter[p] * cell_step;
 #else
-    cell_count = tallied();
-    first_cell = counter[p] - cell_count;
     cell_step = 1u;
+    end_cell = counter[p];
+    first_cell = end_cell - tallied();
 #endif
-}
-
-FRAGMENT cell(uint i) {
-    return nodes[first_cell + i * cell_step];
 }

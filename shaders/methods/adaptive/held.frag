@@ -3,5 +3,6 @@
 
 void main() {
     find_cells(place());
-    if (cell_count > 0u) atomicAdd(held_fragments, cell_count);
+    uint count = (end_cell - first_cell) / cell_step;
+    if (count > 0u) atomicAdd(held_fragments, count);
 }

@@ -10,13 +10,14 @@
 
 #define LOAD(i) \
     block[32 + (i)] = NO_FRAGMENT; \
-    if (at + uint(i) < cell_count) { \
-        FRAGMENT fragment = cell(at + uint(i)); \
+    if (at < end_cell) { \
+        FRAGMENT fragment = nodes[at]; \
         if (fragment.x >= from) { \
             block[32 + (i)] = fragment; \
             ++met; \
         } \
-    }
+    } \
+    at += cell_step;
 #define EMPTY_PLACE(i) block[i] = NO_FRAGMENT;
 #define KEEP_NEARER(i) if (block[63 - (i)].x < block[i].x) block[i] = block[63 - (i)];
 #define COMPOSITE(i) if (block[i].x < limit) colour = under(colour, colour_of(block[i]));
@@ -35,7 +36,7 @@
 uint sweep(uint from) {
     uint met = 0u;
     EACH32(EMPTY_PLACE)
-    for (uint at = 0u; at < cell_count; at += 32u) {
+    for (uint at = first_cell; at < end_cell;) {
         EACH32(LOAD)
         SORT16(32)
         SORT16(48)
@@ -47,8 +48,8 @@ uint sweep(uint from) {
 }
 
 vec4 composite_alike(vec4 colour, uint depth) {
-    for (uint i = 0u; i < cell_count; ++i) {
-        FRAGMENT fragment = cell(i);
+    for (uint at = first_cell; at < end_cell; at += cell_step) {
+        FRAGMENT fragment = nodes[at];
         if (fragment.x == depth) colour = under(colour, colour_of(fragment));
     }
     return colour;
@@ -57,7 +58,7 @@ vec4 composite_alike(vec4 colour, uint depth) {
 vec4 resolve_pixel() {
     vec4 colour = vec4(0.0);
     uint from = 0u;
-    bool more = cell_count > 0u;
+    bool more = first_cell < end_cell;
     while (more) {
         more = sweep(from) > 32u;
         uint limit = more ? block[31].x : EMPTY;

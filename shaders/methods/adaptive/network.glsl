@@ -4,11 +4,13 @@
 
 #define LOAD(i) \
     block[i] = NO_FRAGMENT; \
-    if (uint(i) < cell_count) block[i] = cell(uint(i));
+    if (at < end_cell) block[i] = nodes[at]; \
+    at += cell_step;
 #define COMPOSITE(i) colour = under(colour, colour_of(block[i]));
 
 vec4 resolve_pixel() {
     vec4 colour = vec4(0.0);
+    uint at = first_cell;
     EACH(LOAD)
     SORT_BLOCK
     EACH(COMPOSITE)

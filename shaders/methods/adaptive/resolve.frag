@@ -6,5 +6,5 @@
 void main() {
     find_cells(place());
     out_image = resolve_pixel();
-    COUNT(empty, cell_count == 0u)
+    COUNT(empty, first_cell == end_cell)
 }
