@@ -1,6 +1,7 @@
 // Store: the pixel's counter gives each fragment a cell of its own. DENSE: as many cells for every pixel as the
 // geometry has layers, neighbours side by side; else the pixel's range, where the counter began at its first cell.
-// Invariant: no pixel has more fragments than layers, or than were counted: every cell lies in the buffer.
+// Invariant: no pixel has more fragments than layers, or than were counted: every cell lies in the buffer. One that did
+// not would be lost, and counted; llvmpipe stores faster behind this test than without one.
 // Source: Crassin 2010 (dense); sbuffer_2012 §3.3 (ranges).
 #include "scene/fragment.glsl"
 #include "methods/adaptive/region.glsl"
@@ -12,5 +13,6 @@ void main() {
 #if DENSE
     slot = slot * PLACES + p;
 #endif
-    nodes[slot] = incoming();
+    if (slot < capacity) nodes[slot] = incoming();
+    else atomicAdd(lost_fragments, 1u);
 }
