@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SLOTS_PER_ROW = 48  # bars side by side whose labels can still be read
+ROW_IN, NUMBER_GAP_IN = 1.75, 0.08  # least height of a plot; around the number above a bar
 GROUP_GAP = 1.0  # in bars
 LONG_LABEL = 24  # characters from which a label is broken where there is room
 WHOLE = "whole frame"
@@ -163,6 +164,12 @@ class Chart:
                   and -0.03 < share(mark.value) - share(top) < 0.14]
         return max([top, *hiding]), 5.0 if hiding else 2.5
 
+    @property
+    def numbers_share(self) -> float:
+        """Part of the height of a plot that the longest number above a bar takes, set upright."""
+        numbers = (number(p.shown(self.y)[1]) for p in self.points if is_drawn(p, self.y))
+        return min(0.4, (widest(numbers, style.NUMBER_PT) + NUMBER_GAP_IN) / ROW_IN)
+
     @cached_property
     def limits(self) -> tuple[float, float]:
         """One range for all rows, so that bars of different rows compare. Room above is for the numbers."""
@@ -173,10 +180,10 @@ class Chart:
         if max(tops, default=0) <= 0:
             return (0.1, 10.0) if self.log else (0.0, 1.0)
         if not self.log:
-            return 0.0, max(tops) * 1.2
+            return 0.0, max(tops) / (1 - self.numbers_share)
         lowest = min(v for v in (*firsts, *self.floors_ms(drawn), *(top / 2 for top in tops)) if v > 0)
         low = max(0.7 * lowest, max(tops) / 1e5)
-        return low, max(tops) * (max(tops) / low) ** 0.16
+        return low, max(tops) * (max(tops) / low) ** (self.numbers_share / (1 - self.numbers_share))
 
 
 def _extent(groups: Sequence[Group]) -> float:
@@ -195,7 +202,7 @@ def _bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
     legend_height = LEGEND_LINE_IN * math.ceil(len(legend) / columns) + 0.08 if legend else 0.0
     label_lines = (line for label in labels_of(chart.points) for line in _broken(label, slot_width).splitlines())
     label_height = widest(label_lines, _label_size(slot_width)) + 0.07
-    plot_height = 2.3 if len(rows) == 1 else 1.75
+    plot_height = 2.3 if len(rows) == 1 else ROW_IN
     panelled = any(panel for panel, _ in rows)
     row_height = HEADING_IN * (2 if panelled else 1) + plot_height + label_height
     gap = 0.06
@@ -305,7 +312,8 @@ def _totals(axes: Axes, slots: Sequence[Slot], chart: Chart) -> None:
         axes.vlines(xs, lows, highs, colors=style.INK, linewidth=0.7, zorder=4)
         axes.hlines(middles, [x - 0.42 for x in xs], [x + 0.42 for x in xs], colors=style.INK, linewidth=0.9, zorder=4)
     for slot, (x, _, middle, high) in zip(measured, intervals, strict=True):
-        top, raised = chart.above(slot.point, high or middle)
+        stack = sum(segment.height for segment in chart.segments(slot.point))
+        top, raised = chart.above(slot.point, max(stack, high or middle))
         axes.annotate(number(middle), (x, top), (0, raised), textcoords="offset points", rotation=90, ha="center",
                       va="bottom", fontsize=style.NUMBER_PT, annotation_clip=False, zorder=5)
 
