@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from .spec import Method
+from .spec import ALPHA_STEPS, LEAF_ROUNDINGS, Method
 
 HEAD = """# The methods
 
@@ -36,6 +36,16 @@ def _promise(method: Method) -> str:
     return ": ".join(parts[:2]) + "".join(f"; {part}" for part in parts[2:])
 
 
+def _bound(method: Method) -> str:
+    """Error of an exact method by rounding, in words; docs/accuracy.md derives it."""
+    if not method.guarantee.startswith("exact"):
+        return "none promised"
+    names = "n" if method.guarantee == "exact all" else "n, k"
+    layers = names if names == "n" else f"min({names})"
+    steps = f"5·{layers}" if method.merges else f"{layers}/2 + 2·min({names}, {ALPHA_STEPS})"
+    return f"{steps} + {LEAF_ROUNDINGS}" + (f", and `{method.leaves_out}`" if method.leaves_out else "")
+
+
 def as_markdown(methods: Iterable[Method]) -> str:
     """docs/methods.md: what each method is, promises and costs; its parameters; what becomes of equal depths."""
     methods = list(methods)
@@ -43,8 +53,8 @@ def as_markdown(methods: Iterable[Method]) -> str:
     lines += _table(("id", "name in the papers", "what", "source"),
                     ((f"`{m.id}`", m.name, m.summary, m.source) for m in methods))
     lines += ["", "## What they promise and cost", ""]
-    lines += _table(("id", "guarantee", "words", "passes", "needs"),
-                    ((f"`{m.id}`", _promise(m), f"`{m.words}`",
+    lines += _table(("id", "guarantee", "error at most, units of 2^-24", "words", "passes", "needs"),
+                    ((f"`{m.id}`", _promise(m), _bound(m), f"`{m.words}`",
                       ", ".join(m.pass_names), _needs(m)) for m in methods))
     lines += ["", "## What is allocated beside the words, or how they are used", ""]
     lines += _table(("id", "beside the words"), ((f"`{m.id}`", m.beside) for m in methods if m.beside))
