@@ -19,7 +19,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from .shared import CLEARED, HELD, PAYLOAD, PIXEL_CLASS
-from .spec import IMAGE, OVER, Buffer, Known, Method, Param, Params, Pass, Plan, Planned, State, Target
+from .spec import IMAGE, OVER, Buffer, Known, Method, Param, Params, Pass, Plan, Planned, State, Target, When
 
 ORDER = 9
 
@@ -29,12 +29,13 @@ MAX_ERROR = Param("max_error", EXACT, "largest error of a channel by which fragm
                   "out; by default so small that the image counts as exact", real=True, low=0, high=1,
                   weakens={"0.0000306-1": "fragments behind others may be left out, an error of up to max_error"})
 
-DIRECT, DENSE, RANGES = "direct", "dense", "ranges"
+DIRECT, DENSE, RANGES, CUT = "direct", "dense", "ranges", "cut"
 SPARE = 1 / 20  # of the memory of exact ranges and two words per pixel, that `dense` may take beside it
 
 NETWORKS = (2, 4, 8, 16, 32)  # fragments of each sorting network; deeper pixels are swept
 SWEPT = 64  # places of the network that sweeps: 32 fragments kept, and 32 that are new
 DEEPEST = 65535  # fragments that 16 bits can count
+WORTH_CUTTING = 24  # layers from which two cheap passes for the opacity cost less than storing what it hides
 UNCLASSED = 4  # layers up to which telling pixels apart costs more than it saves
 BOUNDS = (0, *NETWORKS, 2**32)
 ADD = ("add", "one", "one")
@@ -44,12 +45,25 @@ def plan(known: Known, params: Params) -> Plan:
     """The cheapest way that is right and stays within the memory of exact ranges."""
     if known.layers <= 1:
         return Plan(DIRECT, known, 0)
+    if float(params.get("max_error", EXACT)) > EXACT and known.layers >= WORTH_CUTTING:
+        return Plan(CUT, known)
     cells = known.layers * known.area
     if known.fragments is not None:
         room = known.fragments + SPARE * (known.fragments + known.pixels)
         if cells <= room:
             return Plan(DENSE, known, cells)
     return Plan(RANGES, known)
+
+
+@dataclass(frozen=True)
+class Above(When):
+    """Holds where the parameter `name` is above the one value."""
+
+    def holds(self, params: Params) -> bool:
+        return float(params[self.name]) > float(self.values[0])
+
+
+APPROXIMATE = Above(MAX_ERROR.name, (EXACT,))
 
 
 @dataclass(frozen=True)
@@ -75,17 +89,17 @@ def _beside(plan: Plan) -> bool:
 
 def _classed(plan: Plan) -> bool:
     """Whether pixels are told apart by their number of fragments."""
-    return plan.path == RANGES and plan.known.layers > UNCLASSED
+    return plan.path in (RANGES, CUT) and plan.known.layers > UNCLASSED
 
 
 WHOLE = Layout(lambda plan: plan.path == DENSE and plan.known.area == plan.known.pixels, {"DENSE": 1, "PART": 0})
 PART = Layout(lambda plan: plan.path == DENSE and plan.known.area < plan.known.pixels, {"DENSE": 1, "PART": 1})
-EXACT_RANGES = Layout(_in(RANGES), {"DENSE": 0, "PART": 0})
+EXACT_RANGES = Layout(_in(RANGES, CUT), {"DENSE": 0, "PART": 0})
 LAYOUTS = (WHOLE, PART, EXACT_RANGES)
 
 
 def _ranged(plan: Plan) -> bool:
-    return plan.path == RANGES and not _classed(plan)
+    return plan.path in (RANGES, CUT) and not _classed(plan)
 
 
 def _resolves() -> tuple[Pass, ...]:
@@ -113,6 +127,14 @@ def _resolve_class(index: int) -> Pass:
                    state=State(depth_test="equal", depth_write=False, early=True))
 
 
+def _before_cut(step: Pass) -> Pass:
+    """The pass without the fragments that early z discards."""
+    return replace(step, into=(*step.into, "cut_depth"), runs_in=_in(CUT), when=APPROXIMATE,
+                   state=replace(step.state, depth_test="lequal", depth_write=False, early=True))
+
+
+COUNT = Pass("count", "geometry", "methods/adaptive/count.frag", into=("tally",), clears={"tally": CLEARED},
+             state=State(blend=ADD), counts=True)
 ALLOCATE = Pass("allocate", "fullscreen", "methods/adaptive/allocate.frag", region=True, reads=("tally",),
                 writes=("counter", "taken"))
 STORE = Pass("store", "geometry", "methods/adaptive/store.frag", writes=("counter", "nodes"))
@@ -124,24 +146,31 @@ METHODS = [
                 "exact ranges; sorts in registers as few fragments as a pixel has",
         guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
         beside="one word for the cells taken; where cells are dense, at most a twentieth of 2f + 2 for those that stay "
-               "empty",
+               "empty; with max_error above its default, two words per pixel for the cut",
         params=(MAX_ERROR, PAYLOAD), leaves_out=MAX_ERROR.name, deepest=DEEPEST, capacity=Planned(plan),
         buffers=(Buffer("counter", "P"), Buffer("taken", "1"), Buffer("nodes", "2*capacity", type="FRAGMENT")),
-        targets=(Target("tally", "r16"), replace(PIXEL_CLASS, format="depth16")),
+        targets=(Target("tally", "r16"), replace(PIXEL_CLASS, format="depth16"),
+                 Target("opacity", "rgba8", when=APPROXIMATE), Target("cut_depth", "depth32f", when=APPROXIMATE)),
         steps=(
             Pass("blend", "geometry", "methods/baseline/floor.frag", into=(IMAGE,), clears={IMAGE: CLEARED},
                  state=State(blend=OVER), runs_in=_in(DIRECT)),
             Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), runs_in=_classed),
             Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), region=True, runs_in=_beside),
             Pass("clear", "clear", writes=("counter",), runs_in=_in(DENSE)),
-            Pass("count", "geometry", "methods/adaptive/count.frag", into=("tally",), clears={"tally": CLEARED},
-                 state=State(blend=ADD), counts=True, runs_in=_in(RANGES)),
-            Pass("clear", "clear", writes=("taken",), runs_in=_in(RANGES)),
+            Pass("cut", "geometry", "methods/adaptive/opacity.frag", into=("opacity",), clears={"opacity": CLEARED},
+                 state=State(blend=ADD), runs_in=_in(CUT), when=APPROXIMATE),
+            Pass("cut", "fullscreen", "methods/adaptive/cut.frag", region=True, reads=("opacity",), into=("cut_depth",),
+                 state=State(depth_test="always"), runs_in=_in(CUT), when=APPROXIMATE),
+            replace(COUNT, runs_in=_in(RANGES)),
+            _before_cut(COUNT),
+            Pass("clear", "clear", writes=("taken",), runs_in=_in(RANGES, CUT)),
             replace(ALLOCATE, defines={"CLASSED": 0, "PART": 0}, runs_in=_ranged),
             replace(ALLOCATE, defines={"CLASSED": 1, "PART": 0}, runs_in=_classed, into=(PIXEL_CLASS.name,),
                     clears={PIXEL_CLASS.name: (1.0,)}, state=State(depth_test="always")),
             *(replace(STORE, defines=layout.defines, runs_in=layout.runs_in, tallies=bool(layout.defines["DENSE"]))
-              for layout in LAYOUTS),
+              for layout in (WHOLE, PART)),
+            replace(STORE, defines=EXACT_RANGES.defines, runs_in=_in(RANGES)),
+            _before_cut(replace(STORE, defines=EXACT_RANGES.defines)),
             *(Pass("resolve", "fullscreen", "methods/adaptive/held.frag", region=True, reads=layout.reads,
                    defines=layout.defines, runs_in=layout.runs_in, probes=HELD) for layout in LAYOUTS),
             Pass("blend", "geometry", "methods/adaptive/blended.frag", runs_in=_in(DIRECT), probes=HELD),

@@ -6,7 +6,7 @@ import pytest
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.methods import catalog
-from mfr_bench.methods.adaptive import DENSE, DIRECT, RANGES, plan
+from mfr_bench.methods.adaptive import CUT, DENSE, DIRECT, RANGES, plan
 from mfr_bench.methods.spec import Known
 from mfr_bench.oracle import composite, sizes_of
 from mfr_bench.scene import generate
@@ -93,6 +93,23 @@ def test_what_is_left_out_is_within_the_bound_and_is_said(device, max_error):
         error = np.abs(frame.image() - over(rgba)).max()
         assert frame.variant.guarantee == "approximate"
     assert 1e-6 < error <= max_error + 1e-6
+
+
+@pytest.mark.parametrize("config", [
+    SceneConfig(size=(64, 48), depth_complexity=40, alpha=(0.5, 0.5), seed=5),
+    SceneConfig(size=(64, 48), depth_complexity=40, fragment_probability=0.6, layout="tiles", pixel_density=0.5),
+    SceneConfig(size=(64, 48), depth_complexity=30, alpha=(0.01, 1.0), layout="random", seed=6),
+    SceneConfig(size=(64, 48), depth_complexity=40, alpha=(1.0, 1.0), seed=7),
+    SceneConfig(size=(64, 48), depth_complexity=40, alpha=(0.004, 0.01), seed=8)])
+@pytest.mark.parametrize("max_error", [1 / 512, 0.05])
+def test_what_the_cut_discards_is_within_the_bound(device, config, max_error):
+    scene = generate(config)
+    with drawn(device, "adaptive", scene, max_error=max_error) as frame:
+        assert frame._plan.path == CUT and frame.lost_fragments() == 0
+        assert np.abs(frame.image() - composite(scene)).max() <= max_error + 1e-5
+        held = frame.probe()["held_fragments"]
+    faint = config.alpha[1] < 0.1
+    assert (held == sizes_of(scene).F) == faint
 
 
 def test_the_default_error_is_a_third_of_what_exact_images_may_differ_by():
