@@ -15,6 +15,7 @@ FAULTS = {  # in the order in which they are looked for
     "hung": "the cell ran out of time",
     "refused": "the method, the device or the budget forbids the cell",
     "lost": "fragments are lost, by the method's own count",
+    "ties": "equal depths of different colours: all are held, and show otherwise than in the order of submission",
     "image": "an exact method's image is wrong, or differs from frame to frame",
     "bound": "an exact method's error exceeds what rounding explains",
     "differs": "an approximate method's image differs from the one that it aims at",
@@ -32,10 +33,17 @@ def state(point: Point) -> str:
     if point.row["lost_fragments"]:
         return "lost"
     if point.status == "wrong":
-        return "image"
+        return "ties" if _only_reordered(point) else "image"
     if bound is not None and error is not None and error > bound:
         return "bound"
     return "differs" if error is not None and error > EXACT_ERROR else HOLDS
+
+
+def _only_reordered(point: Point) -> bool:
+    """Whether the scene has equal depths of different colours, and the method holds as many as it promises."""
+    scene, row = point.cell["scene"], point.row
+    tied = scene.get("depth_copies", 1) > 1 and scene.get("copies") == "different"
+    return tied and row["hit_ratio"] is not None and row["hit_ratio"] == row["promised_ratio"]
 
 
 def detail(point: Point) -> str:

@@ -61,7 +61,7 @@ HATCH_INK = (1.0, 1.0, 1.0, 0.6)
 STATE_COLOURS = {
     "holds": ("#cfe8dc", "#2d5f4a"), "differs": ("#ffe08a", INK), "bound": ("#f5a35c", INK),
     "image": ("#d1495b", "white"), "lost": ("#8e2f7f", "white"), "refused": ("#c4c8cc", INK),
-    "hung": ("#54606b", "white"), "crashed": ("#101418", "white"),
+    "ties": ("#a9c8e8", INK), "hung": ("#54606b", "white"), "crashed": ("#101418", "white"),
 }
 
 RC = {

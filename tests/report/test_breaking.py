@@ -64,6 +64,15 @@ def test_levels_keep_the_order_of_the_config(tmp_path):
     assert text.first[0] == "nan"
 
 
+@pytest.mark.parametrize(("held", "copies", "state"), [(1.0, "different", "ties"), (0.5, "different", "image"),
+                                                       (1.0, "alike", "image")])
+def test_another_order_of_equal_depths_is_no_loss(tmp_path, held, copies, state):
+    made = cell("ab-ll", status="wrong", reason="because", scene={"depth_copies": 2, "copies": copies},
+                values=GOOD | {"max_abs_error": 0.3, "hit_ratio": held, "promised_ratio": 1.0})
+    (point,) = data.load(folder(tmp_path, [made])).points
+    assert breaking.state(point) == state
+
+
 def test_panels_are_told_apart(tmp_path):
     cells = [cell("ab-ll", "A", scene={"depth_at": at, "depth_gap_log2": gap},
                   point={"scene.depth_at": at, AXIS: gap},
