@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from .. import data, style
 from ..data import Point, Result, number
 from .series import Options, axis_label
-from .sheet import EDGE, sheet_of
+from .sheet import EDGE, fitted, sheet_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 BEST = "best_ratio"  # time over that of the fastest other method whose image is right
 COLUMNS = 3  # panels side by side
-ROW_IN, HEADING_IN, FOOT_IN, LEFT_IN, GAP_IN = 0.19, 0.3, 0.36, 0.52, 0.12
+ROW_IN, HEADING_IN, FOOT_IN, LEFT_IN, GAP_IN = 0.19, 0.36, 0.36, 0.52, 0.12
 EVEN = 0.1  # ratios within it of 1 are neither faster nor slower
 
 
@@ -113,7 +113,8 @@ class Heat:
         axes.set_xlabel(axis_label(x), fontsize=style.SMALL_PT, labelpad=1.5)
         if first:
             axes.set_ylabel(data.short(rows), fontsize=style.SMALL_PT, labelpad=2)
-        axes.set_title(heading, loc="left", fontsize=7.0, pad=3)
+        lines = fitted(heading, 7.0, axes.get_position().width * style.WIDTH_IN + 2 * EDGE)
+        axes.set_title("\n".join(lines), loc="left", fontsize=7.0, pad=3, linespacing=1.1)
         for side in axes.spines.values():
             side.set_visible(False)
 
