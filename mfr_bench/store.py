@@ -449,9 +449,10 @@ def find_results(paths: Iterable[str | os.PathLike[str]]) -> list[Path]:
         below = sorted(_manifests(start))
         found.update(dict.fromkeys(below))
         if not start.is_dir():
-            mistakes.append(f"{start}: no such folder")
+            mistakes.append(f"{start}: no such folder; allowed: a folder that 'mfr-bench run' wrote, or one above such")
         elif not below:
-            mistakes.append(f"{start}: no results in or below it; allowed: a folder that 'mfr-bench run' wrote")
+            mistakes.append(f"{start}: no results in or below it; allowed: a folder that 'mfr-bench run' wrote, "
+                            "or one above such")
     if mistakes:
         raise UsageError(mistakes)
     return list(found)

@@ -1,15 +1,34 @@
 """The documentation says what the declarations say."""
 
+import re
 from pathlib import Path
 
 import pytest
 
-from mfr_bench.config import load
+from mfr_bench.claims import CLAIMS
+from mfr_bench.cli.main import cli
+from mfr_bench.config import load, shipped
 from mfr_bench.methods import catalog
 from mfr_bench.methods.catalog_text import as_markdown
 from mfr_bench.report.conformance import HAZARDS, HEAD, HEADER
 
-DOCS = Path(__file__).parents[1] / "docs"
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+
+
+def test_the_readme_names_every_command_and_counts_right():
+    text = (ROOT / "README.md").read_text()
+    papers = [name for name in shipped() if load(name, catalog())[0].source.get("paper")]
+    assert f"lists all {len(papers)}: source" in text
+    assert f"the papers' {len(CLAIMS)} sentences" in text
+    assert [name for name in cli.commands if f"\nmfr-bench {name} " not in text] == []
+
+
+def test_links_of_the_documentation_lead_somewhere():
+    pages = [ROOT / "README.md", *DOCS.glob("*.md")]
+    links = [(page, link) for page in pages for link in re.findall(r"\]\((?!http|#)([^)#]+)", page.read_text())]
+    assert links
+    assert [(page.name, link) for page, link in links if not (page.parent / link).exists()] == []
 
 
 def test_methods_page_is_what_the_declarations_give():

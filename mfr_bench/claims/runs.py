@@ -50,6 +50,5 @@ def _run(result: Result, ran: Mapping[str, Any], name: str, points: list[Point])
         about = dict(ran) | about
     makers = " ".join(str(about[part]) for part in ("vendor", "renderer") if about.get(part)) or name
     software = about.get("kind") == "cpu" or bool(SOFTWARE.search(makers))
-    noise = result.manifest.get("noise_floor_rel")
     return Run(result.name, str(result.folder.path), name, makers, software,
-               noise if isinstance(noise, (int, float)) else None, tuple(points))
+               result.manifest.get("noise_floor_rel"), tuple(points))

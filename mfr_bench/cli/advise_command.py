@@ -37,9 +37,9 @@ class Positive(click.ParamType):
               help="The error: root mean square, NVIDIA's FLIP, or the largest of any channel.")
 @JSON
 def advise(targets: tuple[str, ...], max_error: float, memory_mb: float | None, metric: str, as_json: bool) -> None:
-    """Name the fastest measured method that keeps an error and a memory budget.
+    """Name the fastest method within an error and a memory budget.
 
-    Scene by scene, from cells measured on this machine: the method with its parameters, those that come next with
+    Scene by scene, from what was measured: the method with its parameters, those that come next with
     the interval of how much slower they are, and whether the fastest is told apart from them.
 
     \b
@@ -82,6 +82,3 @@ def _of_config(target: str) -> list[Path]:
         raise UsageError(f"{target}: nothing is measured in results/*/{names[0]}; run: mfr-bench run {target}, or give "
                          "the folder that it was measured into")
     return measured
-
-
-COMMANDS = (advise,)

@@ -16,10 +16,10 @@ from .report_commands import FOLDERS
 @click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per claim and device.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
 def claims(folders: tuple[str, ...], as_json: bool, as_csv: bool, as_markdown: bool) -> None:
-    """Test what the papers state on every result at or below DIR, device by device.
+    """Test what the papers claim on all results at or below DIR.
 
-    For each claim: its source, what the paper found, the rule, what was measured with its interval, and whether it
-    holds, does not hold, or cannot be tested here, and why.
+    Device by device. For each claim: its source, what the paper found, the rule, what was measured with its
+    interval, and whether it holds, does not hold, or cannot be tested here, and why.
 
     \b
     Examples: mfr-bench claims results/llvmpipe
@@ -41,6 +41,3 @@ def claims(folders: tuple[str, ...], as_json: bool, as_csv: bool, as_markdown: b
     for folder in results:
         for line in folder.damaged:
             note(line)
-
-
-COMMANDS = (claims,)

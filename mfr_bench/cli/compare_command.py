@@ -45,7 +45,7 @@ class Percentage(click.ParamType):
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
 def compare(before: str, after: str, threshold: float, across_devices: bool, absolute: bool, strict: bool, whole: bool,
             as_json: bool, as_csv: bool, as_markdown: bool) -> int:
-    """Say which cells of DIR_B are faster, slower or worse than in DIR_A.
+    """Say where DIR_B is faster, slower or worse than DIR_A.
 
     Cells are matched by config, method, parameters and scene, in all results at or below each folder.
 
@@ -102,6 +102,3 @@ def _sides(before: str, after: str):
     if mistakes:
         raise UsageError(mistakes)
     return sides
-
-
-COMMANDS = (compare,)

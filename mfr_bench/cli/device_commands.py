@@ -201,7 +201,7 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
 
     if Path(out).suffix not in (".npy", ".png"):
         raise UsageError(f"--out: {out!r} is neither; allowed: a file that ends in .npy or .png")
-    cell, variant = _first_cell(config, method_id, profile, overrides)
+    cell, variant = _first_cell(config, method(method_id, "--method"), profile, overrides)
     made = generate(cell.scene)
 
     from ..gpu.device import open_device
@@ -225,19 +225,18 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
         click.get_current_context().exit(WRONG)
 
 
-def _first_cell(config: str, method_id: str, profile: str | None, overrides: tuple[str, ...]):
+def _first_cell(config: str, declared, profile: str | None, overrides: tuple[str, ...]):
     """The first cell of a method in a config, --set above all else; a method that is not listed has no entry there."""
     from ..config import MethodEntry
     from ..methods import catalog
     from ..plan import expand
 
-    declared = method(method_id)
     experiment = first_experiment(config, profile, overrides)
-    entry = next((e for e in experiment.methods if e.id == method_id), MethodEntry(method_id, declared.name, {}))
+    entry = next((e for e in experiment.methods if e.id == declared.id), MethodEntry(declared.id, declared.name, {}))
     chosen = {text.partition("=")[0].strip().removeprefix("params.") for text in overrides}
     own = {name: value for name, value in entry.params.items() if name not in chosen}
     cells = expand(replace(experiment, methods=(replace(entry, params=own),)), catalog())
-    cell = next(c for c in cells if c.method == method_id)
+    cell = next(c for c in cells if c.method == declared.id)
     return cell, declared.variant(cell.params)
 
 
@@ -285,7 +284,7 @@ def shader(method_id: str, pass_name: str | None, config: str, profile: str | No
     from ..glsl import stages
     from ..plan import expected_sizes
 
-    cell, variant = _first_cell(config, method_id, profile, overrides)
+    cell, variant = _first_cell(config, method(method_id, "METHOD"), profile, overrides)
     names = variant.pass_names
     if pass_name is not None and pass_name not in names:
         raise UsageError(f"--pass: {method_id} has no pass {pass_name!r}; allowed: {', '.join(names)}"
@@ -296,6 +295,3 @@ def shader(method_id: str, pass_name: str | None, config: str, profile: str | No
             continue
         for stage in stages(variant, step, sizes):
             say(f"// {method_id}, pass {step.name}: {stage.entry}\n{stage.text}")
-
-
-COMMANDS = (methods, doctor, scene, render, shader)

@@ -38,8 +38,27 @@ Shell completion (or zsh_source, fish_source):
 """
 
 
+SECTIONS = {
+    "Measure": (run_command.run, stress_command.stress),
+    "Read what was measured": (report_commands.table, report_commands.plot, advise_command.advise,
+                               compare_command.compare, claims_command.claims, report_commands.conformance),
+    "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, device_commands.scene,
+                    device_commands.render, device_commands.shader),
+}
+WHOLE = 200  # characters of a command's line in the list, which is never cut
+
+
 class Commands(click.Group):
-    """Names the nearest command for one that does not exist."""
+    """Lists commands by section; names the nearest for one that does not exist."""
+
+    def list_commands(self, context):
+        return [command.name for commands in SECTIONS.values() for command in commands]
+
+    def format_commands(self, context, formatter):
+        longest = max(map(len, self.commands))
+        for title, commands in SECTIONS.items():
+            with formatter.section(title):
+                formatter.write_dl([(f"{c.name:{longest}}", c.get_short_help_str(WHOLE)) for c in commands])
 
     def resolve_command(self, context, args):
         if args and self.get_command(context, args[0]) is None:
@@ -62,9 +81,8 @@ def cli(context: click.Context) -> None:
         context.exit(2)
 
 
-for module in (run_command, stress_command, report_commands, advise_command, claims_command, compare_command,
-               device_commands):
-    for command in module.COMMANDS:
+for commands in SECTIONS.values():
+    for command in commands:
         cli.add_command(command)
 
 

@@ -59,20 +59,20 @@ class DeviceKind(click.Choice):
 
 
 DEVICE = click.option("--device", type=DeviceKind(["auto", "gpu", "cpu"]), default="auto", show_default=True,
-                      help="The OpenGL device: a GPU, a software driver on the CPU, or a GPU where there is one.")
+                      help="The OpenGL device; auto: a GPU where there is one, else a software driver on the CPU.")
 SET = click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE",
                    help="Change a key of the config, e.g. k=8 or scene.size=[64,64]; may be repeated.")
 PROFILE = click.option("--profile", metavar="NAME", help="Lay this profile of the config over it, e.g. smoke.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 
-def method(method_id: str):
-    """The method of this id. Raises UsageError with the nearest id."""
+def method(method_id: str, where: str):
+    """The method of this id, given by the argument `where`. Raises UsageError with the nearest id."""
     from ..errors import UsageError
     from ..methods import catalog
 
     if method_id not in catalog():
-        raise UsageError(f"unknown method {method_id!r}; allowed: {', '.join(catalog())}"
+        raise UsageError(f"{where}: unknown method {method_id!r}; allowed: {', '.join(catalog())}"
                          f"{nearest(method_id, catalog())}")
     return catalog()[method_id]
 

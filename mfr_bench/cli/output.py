@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import shutil
 import sys
+from collections.abc import Mapping
+from typing import Any
 
 import click
 
@@ -15,6 +17,13 @@ NARROWEST = 40
 def width() -> int:
     """Columns to lay text out for: the terminal's, within bounds."""
     return max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 24)).columns))
+
+
+def place(point: Mapping[str, Any]) -> str:
+    """Where a cell stands in its sweep: 'size=96×96 k=8'."""
+    from ..report.data import plain
+
+    return " ".join(f"{name.removeprefix('scene.')}={plain(value)}" for name, value in point.items())
 
 
 def say(text: object) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from .output import note, say
+from .output import note, place, say
 from .session import Choices, result_folders, sources
 
 
@@ -101,9 +101,9 @@ def _kept(todo, folders, keep_failed: bool) -> dict[int, tuple[Any, dict[str, An
 def _plan_text(experiment, rows: list[dict[str, Any]], folder, predicted: list[str]) -> str:
     lines = [f"{experiment.name}: {experiment.title}", f"  {len(rows)} cells -> {folder.path}", *predicted]
     label = max(len(r["label"]) for r in rows)
-    where = [" ".join(f"{k.removeprefix('scene.')}={v}" for k, v in r["point"].items()) for r in rows]
-    place = max(map(len, where))
-    lines += [f"  {r['label']:{label}}  {w:{place}}  {r['memory_bytes'] / 2**20:10,.2f} MiB  {r['decision']}"
+    where = [place(r["point"]) for r in rows]
+    longest = max(map(len, where))
+    lines += [f"  {r['label']:{label}}  {w:{longest}}  {r['memory_bytes'] / 2**20:10,.2f} MiB  {r['decision']}"
               for r, w in zip(rows, where, strict=True)]
     measured = sum(r["decision"] == "measure" for r in rows)
     return "\n".join([*lines, f"  {measured} to measure, {len(rows) - measured} not"])

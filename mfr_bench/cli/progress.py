@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
-from .output import note
+from .output import note, place
 
 ENOUGH = 0.1  # cells; from fewer no time is foretold
 STOPPING = "stopping; Ctrl-C again ends at once"
@@ -25,11 +25,10 @@ def duration(seconds: float) -> str:
 
 def outcome(row: Mapping[str, Any]) -> str:
     """One line on a finished cell: method, where it stands in the sweep, time or reason."""
-    point = " ".join(f"{name.removeprefix('scene.')}={value}" for name, value in row["point"].items())
     time_ms = row["values"].get("time_ms")
     said = ([] if row["status"] == "ok" else [row["status"]]) + ([row["reason"]] if row["reason"] else [])
     said += [] if time_ms is None else [f"{time_ms:.3g} ms"]
-    return f"{' '.join([row['label'], point]).rstrip()}: {', '.join(said)}"
+    return f"{' '.join([row['label'], place(row['point'])]).rstrip()}: {', '.join(said)}"
 
 
 class Progress:

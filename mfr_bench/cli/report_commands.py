@@ -92,6 +92,7 @@ def configs(papers: bool, as_markdown: bool) -> None:
     """
     from ..config import load, shipped
     from ..methods import catalog
+    from ..report.data import figure_of
 
     if as_markdown:
         say(_experiments_page().rstrip("\n"))
@@ -103,8 +104,7 @@ def configs(papers: bool, as_markdown: bool) -> None:
             if experiment.source.get("paper"):
                 say(name)
             continue
-        source = " ".join(filter(None, (experiment.source.get("paper"), f"figure {experiment.source['figure']}"
-                                        if experiment.source.get("figure") else "")))
+        source = " ".join(filter(None, (experiment.source.get("paper"), figure_of(experiment.source))))
         say(f"{name:{longest}}  {experiment.title}{f' ({source})' if source else ''}")
 
 
@@ -137,6 +137,3 @@ def conformance(folders: tuple[str, ...]) -> None:
     from ..report.data import load
 
     say(conformance_page(map(load, _results(folders)), catalog()).rstrip("\n"))
-
-
-COMMANDS = (plot, table, conformance, configs)

@@ -103,6 +103,3 @@ def _experiments(configs: Sequence[str], profile: str | None, overrides: Sequenc
     if mistakes:
         raise UsageError(mistakes)
     return list(found.values())
-
-
-COMMANDS = (run,)

@@ -45,7 +45,7 @@ def stressors() -> dict[str, Path]:
 @click.command()
 @click.argument("names", nargs=-1, metavar="[NAME...]", type=StressorName())
 @click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
-              help="Where results go: DIR/<config>/ each, DIR itself for one. [default: results/<device>/<config>]")
+              help="Where results go; with several stressors DIR/<name>/ each. [default: results/<device>/<name>]")
 @PROFILE
 @click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
 @SET
@@ -54,7 +54,7 @@ def stressors() -> dict[str, Path]:
 @click.option("--list", "listed", is_flag=True, help="List the stressors.")
 def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: str | None,
            overrides: tuple[str, ...], device: str, force: bool, listed: bool) -> int:
-    """Drive every method along stressors, and tell the first level at which each breaks.
+    """Tell the first level of stress at which each method breaks.
 
     NAME is a stressor of --list; without any, all of them. Each is a config, whose levels go from mild to harsh. A
     method breaks where its image is beyond the promise, where it loses fragments, crashes, hangs, or is refused.
@@ -83,6 +83,3 @@ def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: s
         choices = Choices(out, force, keep_failed=False, try_hopeless=False)
         statuses = Session(supervisor, interruption.asked, choices, started, breaking_text).run(plans)
     return FAILED if statuses & ENDED else 0
-
-
-COMMANDS = (stress,)

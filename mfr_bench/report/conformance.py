@@ -28,11 +28,11 @@ def conformance_page(results: Iterable[Result], catalog: Mapping[str, Method]) -
     """The page as Markdown. Results must name methods of the catalog (KeyError)."""
     results = [r for r in results if r.points]
     series: dict[str, list[Point]] = {}
-    for point in (p for r in results for p in r.points):
+    for point in _distinct(results):
         series.setdefault(point.label, []).append(point)
     variants = {label: catalog[points[0].method].variant(points[0].cell["params"]) for label, points in series.items()}
     frames = max((p.cell["measure"].get("repeat_images", 1) for points in series.values() for p in points), default=1)
-    parts = [HEAD.format(frames=frames), *map(_about, results), "## All methods",
+    parts = [HEAD.format(frames=frames), *_about(results), "## All methods",
              _grid(HEADER, [_row(variants[label], label, points) for label, points in series.items()]),
              "## Methods with a known failure",
              _grid(HAZARDS, [_hazard(variants[label], label, points) for label, points in series.items()
@@ -41,15 +41,27 @@ def conformance_page(results: Iterable[Result], catalog: Mapping[str, Method]) -
     return "\n\n".join(part.rstrip("\n") for part in parts) + "\n"
 
 
-def _about(result: Result) -> str:
-    """Name, cells, axes and device of one result."""
-    swept = (result.manifest.get("sweep") or {}).items()
-    axes = "; ".join(f"{data.short(axis)} {', '.join(map(data.plain, found))}" for axis, found in swept)
-    lines = [f"`{result.name}`, {len(result.points)} cells ({axes}). {result.provenance}."]
-    if "llvmpipe" in result.provenance:
+def _distinct(results: Iterable[Result]) -> list[Point]:
+    """Every cell once, although several results have it, as they all have the floor's."""
+    return list({p.cell["key"]: p for r in results for p in r.points}.values())
+
+
+def _about(results: Sequence[Result]) -> list[str]:
+    """Name, cells, axes and device; one paragraph for results that have all of these in common."""
+    alike: dict[tuple[str, str, str], list[Result]] = {}
+    for result in results:
+        swept = (result.manifest.get("sweep") or {}).items()
+        axes = "; ".join(f"{data.short(axis)} {', '.join(map(data.plain, found))}" for axis, found in swept)
+        alike.setdefault((result.name, axes, result.provenance), []).append(result)
+    return [_paragraph(*place, found) for place, found in alike.items()]
+
+
+def _paragraph(name: str, axes: str, provenance: str, results: Sequence[Result]) -> str:
+    lines = [f"`{name}`, {len(_distinct(results))} cells ({axes}). {provenance}."]
+    if "llvmpipe" in provenance:
         lines.append(IN_ORDER)
-    if result.unmeasured:
-        lines.append(f"{result.unmeasured} planned cells have no record yet.")
+    if unmeasured := sum(result.unmeasured for result in results):
+        lines.append(f"{unmeasured} planned cells have no record yet.")
     return " ".join(lines)
 
 
@@ -93,4 +105,5 @@ def _not_run(series: Mapping[str, Sequence[Point]]) -> list[str]:
             if p.status not in ("ok", "wrong"):
                 told = f"{p.sign}: {p.cell.get('reason')}"
                 counts[label, told] = counts.get((label, told), 0) + 1
-    return [f"- {label}: {count} cells {told}" for (label, told), count in counts.items()] or ["Nothing."]
+    return [f"- {label}: {count} cell{'s' * (count > 1)} {told}"
+            for (label, told), count in counts.items()] or ["Nothing."]

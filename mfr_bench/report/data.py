@@ -179,7 +179,7 @@ class Result:
         manifest = self.manifest
         source, device = manifest.get("source") or {}, manifest.get("device") or {}
         device = device if isinstance(device, Mapping) else {"renderer": device}
-        paper = ", ".join(str(v) for v in (source.get("paper"), _figure_of(source)) if v)
+        paper = ", ".join(str(v) for v in (source.get("paper"), figure_of(source)) if v)
         version = (manifest.get("versions") or {}).get("mfr-bench")
         stand_in = source.get("stand_in")
         parts = [paper and f"after {paper}", stand_in and f"scene: {stand_in}",
@@ -232,7 +232,8 @@ class Result:
         return names
 
 
-MANIFEST_TYPES = {"figures": list, "source": dict, "sweep": dict, "zip": dict, "device": (dict, str)}
+MANIFEST_TYPES = {"figures": list, "source": dict, "sweep": dict, "zip": dict, "device": (dict, str),
+                  "noise_floor_rel": (int, float)}
 
 
 def _sound(folder: ResultFolder) -> dict[str, Any]:
@@ -251,8 +252,7 @@ def load(folder: ResultFolder) -> Result:
     cells = _current(folder.cells())
     floors, labels = Floors(cells), _labels(cells)
     parameters = frozenset(name for cell in cells for name in cell["params"])
-    noise = manifest.get("noise_floor_rel")
-    noise = noise if isinstance(noise, (int, float)) else 0.0
+    noise = manifest.get("noise_floor_rel") or 0.0
     points = tuple(Point(cell, row, label, floors.of(cell), parameters, folder=folder, noise=noise)
                    for cell, row, label in zip(cells, result_rows(cells), labels, strict=True))
     return Result(folder, manifest, points)
@@ -348,7 +348,8 @@ def number(value: float | None, digits: int = 3) -> str:
     return f"{value:#.{digits}g}".rstrip(".")
 
 
-def _figure_of(source: Mapping[str, Any]) -> str:
+def figure_of(source: Mapping[str, Any]) -> str:
+    """'Fig. 6', 'Table 1', '§4': where in its paper an experiment stands."""
     figure = str(source.get("figure") or "")
     return f"Fig. {figure}" if figure[:1].isdigit() else figure
 

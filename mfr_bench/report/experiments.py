@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..config.model import Experiment
-from .data import plain, short
+from .data import figure_of, plain, short
 
 HEAD = """# The experiments
 
@@ -39,8 +39,7 @@ def as_markdown(pairs: Iterable[tuple[Sized, Sized]]) -> str:
 
 def _row(full: Sized, smoke: Sized) -> str:
     e = full.experiment
-    figure = str(e.source.get("figure") or "")
-    source = f"{e.source['paper']} {f'Fig. {figure}' if figure[:1].isdigit() else figure}".strip()
+    source = f"{e.source['paper']} {figure_of(e.source)}".strip()
     fields = f"`{e.name}`", source, f"{e.title}: {_shown(e)}", _scene(e), _size(full), _size(smoke)
     return f"| {' | '.join(f.replace('|', chr(92) + '|') for f in fields)} |"
 

@@ -19,6 +19,8 @@ def test_the_help_lists_every_command_and_exit_status(mfr):
     assert {"run", "plot", "table", "methods", "doctor", "scene", "render", "shader", "configs"} <= set(COMMANDS)
     for name in COMMANDS:
         assert f"\n  {name} " in ended.out
+    assert list(cli.commands) == cli.list_commands(None)
+    assert "..." not in ended.out.partition("Options:")[2]  # no line is cut
     assert "Examples:" in ended.out
     assert "Exit status: 0 done; 1 " in ended.out
     assert "_MFR_BENCH_COMPLETE" in ended.out
@@ -47,6 +49,8 @@ def test_shipped_configs_are_listed_by_the_names_that_run_takes(mfr):
     lines = mfr("configs").out.splitlines()
     assert [line.split()[0] for line in lines] == list(shipped())
     assert any(line.startswith("smoke ") and line.endswith("Every method, small") for line in lines)
+    assert any(line.endswith("(kplus2015 Fig. 6)") for line in lines)
+    assert any(line.endswith("(kplus2015 Table 1)") for line in lines)
 
 
 def completed(words):

@@ -144,7 +144,8 @@ def test_plot_together_draws_what_several_results_hold(mfr, folder):
     assert ended.out.splitlines() == [f"devices/tiny-{i}.{kind}" for i in (1, 2) for kind in ("png", "svg")]
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", '{"schema": 2}', '{"schema": 1, "cells": 3}'])
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"schema": 2}', '{"schema": 1, "cells": 3}',
+                                  '{"schema": 1, "noise_floor_rel": "little"}'])
 def test_a_damaged_manifest_costs_no_row(mfr, folder, text):
     (folder / "manifest.json").write_text(text)
     ended = mfr("table", "out")

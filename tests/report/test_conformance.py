@@ -37,6 +37,15 @@ def test_a_row_is_the_worst_of_all_cells(page):
     assert row(page, "All methods", "AB_Array")[3:8] == ["1", "0", "1", "0.50", "0"]
 
 
+def test_results_in_pieces_are_told_as_one_and_no_cell_twice(tmp_path):
+    floor = cell("floor", "Blending floor")
+    made = [folder(tmp_path / name, [floor, cell(method, label)])
+            for name, method, label in (("one", "kb", "KB"), ("two", "ab-array", "AB_Array"))]
+    page = conformance_page(map(load, made), catalog())
+    assert page.count("`planted`, 3 cells") == page.count("`planted`, ") == 1
+    assert row(page, "All methods", "Blending floor")[3] == "1"
+
+
 def test_hazards_are_told_with_the_failure_that_is_known(page):
     found = row(page, "Methods with a known failure", "KB")
     assert found[2:] == [catalog()["kb"].failure, "1 of 2", "41", "0.8000", "3", "7"]
@@ -44,6 +53,6 @@ def test_hazards_are_told_with_the_failure_that_is_known(page):
 
 
 def test_what_was_not_run_has_its_reason(page):
-    assert "- KB: 1 cells unsupported: needs slots" in page
+    assert "- KB: 1 cell unsupported: needs slots" in page
     assert "distinct ones\nof 50 frames" in page
     assert "races between the fragments of a pixel do" in page
