@@ -246,6 +246,21 @@ def test_frames_of_different_images_are_counted_and_wrong_where_one_is_promised(
     assert rows["ab-array", None]["reason"] == "3 different images of one scene"
 
 
+def test_the_worst_of_all_repeated_images_counts(run, monkeypatch):
+    """Neither the first nor the last check sees the one frame that lacks something."""
+    def lacks_once(self, real=Frame.image):
+        self.shown = getattr(self, "shown", 0) + 1
+        return real(self) * np.float32(1 - 0.5 * (self.shown == 5))
+
+    monkeypatch.setattr(Frame, "image", lacks_once)
+    measure = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=7, repeat_images=9)
+    rows, _ = run([cell(measure=measure), cell("kb", k=4, measure=measure)])
+    for row in rows.values():
+        assert (row["values"]["distinct_images"], row["values"]["wrong_pixels"]) == (2, 192)
+        assert row["values"]["max_abs_error"] > 0.1
+    assert (rows["ab-array", None]["status"], rows["kb", 4]["status"]) == ("wrong", "ok")
+
+
 # --- interruptions -------------------------------------------------------------------------------
 
 
