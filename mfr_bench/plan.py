@@ -33,7 +33,10 @@ Decision = tuple[Literal["unsupported", "over_budget"], str]
 
 @dataclass(frozen=True)
 class Cell:
-    """One point to measure: a method, all its parameters, a scene. `point` is where the axes that matter to it are."""
+    """One point to measure: a method, all its parameters, a scene. `point` is where the axes that matter to it are.
+
+    `k_saves_passes`: more k is not more work, for the geometry is drawn less often.
+    """
 
     experiment: str
     method: str
@@ -42,6 +45,7 @@ class Cell:
     scene: Scene
     measure: Measure
     point: Mapping[str, Any]
+    k_saves_passes: bool = False
 
     @property
     def identity(self) -> tuple:
@@ -95,7 +99,7 @@ def _cell(experiment: Experiment, method: Method, entry: MethodEntry, point: Map
     mine = {key: value for key, value in point.items()
             if "." in key or (key in params and key not in entry.params) or (with_r and key in ("r", "k"))}
     return Cell(experiment.name, entry.id, entry.label, params, scene_at(experiment.scene, experiment.params, point),
-                measure_at(experiment.measure, point), mine)
+                measure_at(experiment.measure, point), mine, method.k_saves_passes)
 
 
 def judge(cell: Cell, catalog: Mapping[str, Method], sizes: Sizes, limits: Limits | None) -> Decision | None:
@@ -141,6 +145,7 @@ class Known:
     def __str__(self) -> str:
         scene = self.cell.scene
         where = f"{scene.size[0]} x {scene.size[1]} pixels, n = {scene.depth_complexity}"
+        where += f" (mean {mean_depth(scene):g})" if has_mean_depth(scene) else ""
         where += f", k = {self.cell.params['k']}" if "k" in self.cell.params else ""
         took = "timed out" if self.time_ms is None else f"took {self.time_ms / 1e3:.3g} s a frame"
         return f"{self.cell.label} at {where} {took}"
@@ -165,7 +170,10 @@ def _no_smaller(cell: Cell, other: Cell) -> bool:
 
 def _kind_and_size(cell: Cell) -> tuple[tuple, tuple]:
     scene, params = cell.scene.as_dict(), dict(cell.params)
-    size = (*scene.pop("size"), *(scene.pop(name) for name in GROWING), params.pop("k", 0))
+    scene["mean_depth"] = None
+    mean = mean_depth(cell.scene) if has_mean_depth(cell.scene) else 0
+    k = 0 if cell.k_saves_passes else params.pop("k", 0)
+    size = (*scene.pop("size"), *(scene.pop(name) for name in GROWING), mean, k)
     return (cell.method, repr(sorted(params.items())), repr(sorted(scene.items()))), size
 
 

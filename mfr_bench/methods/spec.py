@@ -473,6 +473,14 @@ class Method:
         return Variant(self, self.complete(params))
 
     @property
+    def k_saves_passes(self) -> bool:
+        """Whether a loop runs less often the more fragments each round of it keeps."""
+        deep = Sizes(W=1, H=1, n=1024, F=1024, quads=1024)
+        few, many = (self.complete({}) | {"k": k} for k in (1, deep.n))
+        return any(evaluate(step.times, deep, many) < evaluate(step.times, deep, few)
+                   for step in self.steps if isinstance(step, Loop))
+
+    @property
     def passes(self) -> tuple[Pass, ...]:
         """Every declared pass in order, loops unrolled once."""
         return tuple(p for step in self.steps for p in (step.passes if isinstance(step, Loop) else (step,)))
