@@ -101,7 +101,7 @@ METHODS = [
         id="ab-ll-paged", name="LL-Paged", family="list",
         source="Crassin 2010; gpupro5_ch1 §1.2; kplus_2014 (LL-Paged)",
         summary="linked lists of pages of 4 fragments; a lock per pixel only while a page is taken",
-        guarantee="exact all", words=f"(2 + 1/{PAGE})*paged({PAGE})/P + 1", ties="kept, in order of the cells",
+        guarantee="exact all", words=f"(2 + 1/{PAGE})*paged({PAGE})/P + 1", ties="kept, in no fixed order",
         beside=f"a link per page in place of one per cell, Crassin's page, counter and lock of a pixel in one word; "
                f"beside them {SPARE_CELLS}",
         params=(*RESOLVE_OPTIONS, PAYLOAD), fixed=(ALLOCATION.at("paged"), ONE_LIST), capacity=GROWN_IN_PAGES,

@@ -12,7 +12,7 @@ from .drawing import drawn
 
 EXACT = [m.id for m in catalog().values() if m.guarantee.startswith("exact")]
 # Without a local array for every fragment of a pixel, which llvmpipe compiles for minutes at this length.
-ANY_DEPTH = [("peel-bucket", {}), ("peel-kplus", {"k": 32}), ("lin-pre", {})]
+ANY_DEPTH = [("peel-f2b", {}), ("peel-dual", {}), ("peel-bucket", {}), ("peel-kplus", {"k": 32}), ("lin-pre", {})]
 AT_128 = generate(SceneConfig(size=(9, 5), depth_complexity=128, alpha=(0.02, 0.1), seed=21))
 AT_33 = generate(SceneConfig(size=(9, 5), depth_complexity=33, alpha=(0.02, 0.1), seed=21))
 # 1 minus a sum of opacities would stop short of zero here, and let every further layer through: an error of 5e-5.
