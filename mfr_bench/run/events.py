@@ -17,12 +17,13 @@ from .jobs import Job
 class Group:
     """Measure these cells of one scene. `partials`: samples by key that earlier processes took.
 
-    With `twin` one of the cells is sampled twice, for the noise floor. most_bytes: of main memory, for the process.
+    Of each set of keys in `twins` one cell is sampled twice, for the noise floor. most_bytes: of main memory, for the
+    process.
     """
 
     jobs: tuple[Job, ...]
     partials: Mapping[str, Partial] = field(default_factory=dict)
-    twin: bool = True
+    twins: tuple[frozenset[str], ...] = ()
     most_bytes: float = float("inf")
 
 

@@ -128,6 +128,11 @@ class Ledger:
         found = {job.key: self._home(job.key).partials.get(job.key) for job in jobs}
         return {key: partial for key, partial in found.items() if partial}
 
+    def without_floor(self, keys: Iterable[str]) -> tuple[frozenset[str], ...]:
+        """Those of the keys that stand in each experiment of which no cell was sampled twice yet."""
+        lacking = (sheet.jobs.keys() & set(keys) for sheet in self.sheets if sheet.noise_floor_rel is None)
+        return tuple(frozenset(found) for found in lacking if found)
+
     def sampled(self, batch: Sampled) -> None:
         with self.split.work("store"):
             self._home(batch.key).add(batch.key, self._session, batch.samples_ms, batch.passes)
@@ -166,7 +171,7 @@ class Ledger:
                 self._done(sheet, sheet.jobs[job.key], row)
         if finished.noise_floor_rel is not None:
             for sheet in self.sheets:
-                if sheet.pending or job.key in sheet.jobs:
+                if job.key in sheet.jobs and sheet.noise_floor_rel is None:
                     sheet.noise_floor_rel = finished.noise_floor_rel
         self.report(row)
 

@@ -35,7 +35,7 @@ class Measuring:
 
     def group(self, group: Group) -> None:
         """Measure the cells of one scene. Raises DeviceLost, once the cell that it cost is told."""
-        self._partials, self._twin = group.partials, group.twin
+        self._partials, self._twins = group.partials, list(group.twins)
         self._live_bytes = min(LIVE_BYTES, LIVE_SHARE * group.most_bytes)
         self.bench.emit(Begun(None, "scene"))
         try:
@@ -120,11 +120,12 @@ class Measuring:
             entries = [(cell, s) for cell, s in entries if s.wanted and not cell.done]
 
     def _plant_twin(self, running: list[CellWork]) -> None:
-        """One cell a run is sampled twice: the difference is the noise floor."""
-        fresh = [cell for cell in running if cell.checked and not cell.sampler.samples_ms]
-        if self._twin and fresh:
-            fresh[0].twin = Sampler(fresh[0].job.cell.measure)
-            self._twin = False
+        """One cell of an experiment is sampled twice: the difference is the noise floor."""
+        for cell in running:
+            served = [keys for keys in self._twins if cell.job.key in keys]
+            if served and cell.checked and not cell.sampler.samples_ms:
+                cell.twin = Sampler(cell.job.cell.measure)
+                self._twins = [keys for keys in self._twins if keys not in served]
 
     def _guarded(self, cell: CellWork, step: Callable[[CellWork], None]) -> None:
         """Run a step of a cell that is not done; what goes wrong in it costs that cell alone."""

@@ -161,9 +161,9 @@ class Supervisor:
 
     def _group(self, left: dict[str, Job], ledger: Ledger, share: Callable[[float], None]) -> bool:
         """Follow the worker through a group, taking what is done from `left`. Whether the group came to its end."""
-        twin = any(sheet.noise_floor_rel is None for sheet in ledger.sheets if sheet.pending)
         hand = Hand(left)
-        self._worker.send(Group(tuple(left.values()), ledger.partials(left.values()), twin, self._limit_bytes(hand)))
+        self._worker.send(Group(tuple(left.values()), ledger.partials(left.values()), ledger.without_floor(left),
+                                self._limit_bytes(hand)))
         self._stopping = self._progressed = False
         try:
             while not (ended := self._event(hand, ledger, share)):

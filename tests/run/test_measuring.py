@@ -74,7 +74,8 @@ class Run:
         self.ledger.settle(force)
         try:
             for group in self.ledger.groups():
-                self.measuring.group(Group(tuple(group), self.ledger.partials(group), most_bytes=2**40))
+                twins = self.ledger.without_floor([job.key for job in group])
+                self.measuring.group(Group(tuple(group), self.ledger.partials(group), twins, most_bytes=2**40))
         finally:
             self.ledger.close()
 
@@ -130,6 +131,20 @@ def test_the_same_cell_twice_gives_the_noise_floor(run):
     assert made.sheet.noise_floor_rel == 0  # the planted clock has no noise
     _, made = run([cell("floor", measure=Measure(min_samples=3, max_samples=3))])
     assert made.sheet.noise_floor_rel is None
+
+
+def test_each_experiment_has_a_noise_floor_of_its_own(device, tmp_path):
+    """Two experiments that share a scene and no cell, a third that has the first one's cell: two cells have a twin."""
+    made = Run(device, [cell("ab-array")], Clock(), tmp_path / "first")
+    others = [Sheet(ResultFolder(tmp_path / name), jobs([cell(method)], catalog(), device.info, "wall"))
+              for name, method in (("second", "ab-ll"), ("third", "ab-array"))]
+    made.ledger = Ledger([made.sheet, *others], device.info)
+    made.sheet.jobs |= others[0].jobs  # `hear` looks its jobs up there
+    made.sheet.statuses |= dict.fromkeys(others[0].jobs, "ok")
+    made.all()
+    sampled = [event.key for event in made.events if isinstance(event, Finished) and event.noise_floor_rel is not None]
+    assert sorted(sampled) == sorted([*others[0].jobs, *others[1].jobs])
+    assert [sheet.noise_floor_rel for sheet in (made.sheet, *others)] == [0, 0, 0]
 
 
 def test_scenes_and_their_oracles_are_made_once(run, monkeypatch):
