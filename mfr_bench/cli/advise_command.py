@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from ..errors import UsageError
-from .options import JSON, ConfigName
+from .options import JSON, ConfigName, OneOf
 from .output import note, say, width
 
 
@@ -33,7 +33,7 @@ class Positive(click.ParamType):
 @click.option("--max-error", type=Positive(), required=True, metavar="E",
               help="The error that an image may have, against the float64 image of all fragments.")
 @click.option("--memory-mb", type=Positive(), metavar="M", help="The MiB that a method may allocate; default: any.")
-@click.option("--metric", type=click.Choice(["rmse", "flip", "max"]), default="rmse", show_default=True,
+@click.option("--metric", type=OneOf(["rmse", "flip", "max"]), default="rmse", show_default=True,
               help="The error: root mean square, NVIDIA's FLIP, or the largest of any channel.")
 @JSON
 def advise(targets: tuple[str, ...], max_error: float, memory_mb: float | None, metric: str, as_json: bool) -> None:

@@ -84,7 +84,8 @@ def _method_text(record: dict, width: int) -> str:
     params = [f"{p['name']}={p['default']} ({p['allowed']}"
               + (f"; {', '.join(p['unsupported'])} not on this device" if p["unsupported"] else "") + ")"
               for p in record["params"]]
-    lines = [record["summary"], f"{record['guarantee']}; {record['words_per_pixel']} words per pixel; {here}",
+    words = "word" if record["words_per_pixel"] == "1" else "words"
+    lines = [record["summary"], f"{record['guarantee']}; {record['words_per_pixel']} {words} per pixel; {here}",
              f"passes: {', '.join(record['passes'])}; source: {record['source']}",
              f"equal depths: {record['ties']}", *(params or [])]
     head = f"{record['id']}  {record['name']}"

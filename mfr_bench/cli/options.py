@@ -49,8 +49,8 @@ class OutPath(click.Path):
         return super().convert(value, param, context)
 
 
-class DeviceKind(click.Choice):
-    """Names the nearest kind for one that does not exist."""
+class OneOf(click.Choice):
+    """Names the nearest choice for one that does not exist."""
 
     def convert(self, value, param, context):
         if value not in self.choices:
@@ -58,7 +58,7 @@ class DeviceKind(click.Choice):
         return value
 
 
-DEVICE = click.option("--device", type=DeviceKind(["auto", "gpu", "cpu"]), default="auto", show_default=True,
+DEVICE = click.option("--device", type=OneOf(["auto", "gpu", "cpu"]), default="auto", show_default=True,
                       help="The OpenGL device; auto: a GPU where there is one, else a software driver on the CPU.")
 SET = click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE",
                    help="Change a key of the config, e.g. k=8 or scene.size=[64,64]; may be repeated.")

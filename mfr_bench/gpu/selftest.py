@@ -22,7 +22,7 @@ from .device import Device
 from .frame import Canvas, Frame, SceneBuffer
 from .rates import rates
 from .single import shown
-from .timers import GpuTimer, Timer, WallTimer
+from .timers import GpuTimer, WallTimer
 
 ROUTED_SCENE = SceneConfig(size=(16, 16), depth_complexity=4)
 SLANTED_SCENE = SceneConfig(size=(96, 80), depth_complexity=12, slant=0.8)
@@ -211,7 +211,3 @@ def _verdict(wall_ms: list[float], gpu_ms: list[float]) -> tuple[str, tuple[floa
     else:
         timer, reason = "gpu", f"GPU timers agree with the wall clock within {TIMER_TOLERANCE:.0%}"
     return timer, tuple(wall_ms), tuple(gpu_ms), reason
-
-
-def timer_for(device: Device, calibration: Calibration) -> Timer:
-    return GpuTimer(device) if calibration.timer == "gpu" else WallTimer(device)

@@ -58,7 +58,8 @@ def test_nothing_measured_says_what_to_run(tmp_path, monkeypatch):
     (["tiny.yaml", "--max-error", "0"], "'0' is not allowed; allowed: a number above 0"),
     (["tiny.yaml", "--max-error", "nan"], "'nan' is not allowed; allowed: a number above 0"),
     (["tiny.yaml", "--max-error", "1", "--memory-mb", "-3"], "'-3' is not allowed; allowed: a number above 0"),
-    (["tiny.yaml", "--max-error", "1", "--metric", "rsme"], "'rsme' is not one of 'rmse', 'flip', 'max'"),
+    (["tiny.yaml", "--max-error", "1", "--metric", "rsme"],
+     "'rsme' is not allowed; allowed: rmse, flip, max; nearest: 'rmse'"),
     (["tyni.yaml", "--max-error", "1"], "tyni.yaml: no such file"),
 ])
 def test_mistakes_are_one_line(measured, arguments, says):

@@ -14,7 +14,7 @@ from ..data import Point, Result, number
 from .marks import Mark, draw_marks, marks_of
 from .scales import log_axes, log_axis, log_base, nothing, y_label
 from .series import Options, is_drawn, labels_of, panels_of, series_of, y_text
-from .sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, RIGHT, legend_columns, sheet_of, widest
+from .sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, LONG_LABEL, RIGHT, legend_columns, sheet_of, widest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 SLOTS_PER_ROW = 48  # bars side by side whose labels can still be read
 ROW_IN, NUMBER_GAP_IN = 1.75, 0.08  # least height of a plot; around the number above a bar
 GROUP_GAP = 1.0  # in bars
-LONG_LABEL = 24  # characters from which a label is broken where there is room
 WHOLE = "whole frame"
 UNMEASURED = "not measured"
 

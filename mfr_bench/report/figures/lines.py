@@ -15,7 +15,7 @@ from .fits import Fit, draw_fit, fits_of
 from .marks import Guide, Mark, draw_guides, draw_marks, guides_of, marks_of
 from .scales import log_axes, log_axis, log_base, nothing, y_label
 from .series import Options, axis_label, gaps, labels_of, panels_of, series_of, y_text
-from .sheet import EDGE, HEADING_IN, LEFT, fitted, sheet_of, text_width, widest
+from .sheet import EDGE, HEADING_IN, LEFT, LONG_LABEL, fitted, sheet_of, text_width, widest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 OVER = ("over_budget", "out_of_memory", "overflow")
 MOST_TICKS = 13  # each value of x has one, up to so many
-LONG_LABEL = 24  # characters from which a label is broken where there is room
 
 
 def lines(result: Result, options: Options) -> Figure:

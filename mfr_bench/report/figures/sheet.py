@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 LEFT, RIGHT, EDGE = 0.76, 0.08, 0.07  # room for y labels; at the right; around text
 HINTING = 1.03  # glyphs fitted to a screen's pixels are up to this much wider than their outlines
+LONG_LABEL = 24  # characters from which a label is broken where there is room
 TITLE_IN, HEADING_IN, LEGEND_LINE_IN, SMALL_LINE_IN = 0.2, 0.2, 0.165, 0.112
 
 
