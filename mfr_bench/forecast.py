@@ -1,7 +1,7 @@
 """How long a run will take, before it starts: from what was measured on the device, else from its calibration. Pure.
 
 A cell's time is that of its frames, which the sampling rules bound, and of what surrounds them: shaders to compile,
-images to compare. docs/measurement.md says how near it comes.
+images to compare. docs/measurement.md says what each is taken from.
 """
 
 from __future__ import annotations

@@ -57,6 +57,17 @@ def test_the_page_is_what_the_configs_give():
         "docs/experiments.md is out of date: mfr-bench configs --markdown >docs/experiments.md")
 
 
+@pytest.mark.parametrize("path", [path for path in sorted((ROOT / "configs").rglob("*.yaml"))
+                                  if not path.stem.startswith("gpupro5-")], ids=lambda path: path.stem)
+def test_what_is_emulated_says_so_in_its_name(path):
+    """But in GPU Pro 5's own experiments, whose methods of these names are the emulated ones (§1.6)."""
+    for profile in (None, "smoke"):
+        loaded, = load(str(path), catalog(), profile)
+        for entry in loaded.methods:
+            emulated = entry.params.get("atomic64") == "emulated"
+            assert emulated == ("emulated" in entry.label), entry
+
+
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_it_loads_in_both_profiles_under_its_own_name(name):
     """At full size in the paper's viewport, in the profile smoke in one of at most a hundredth of its pixels."""

@@ -207,7 +207,7 @@ def _verdict(before: Entry, after: Entry, timed: _Timed) -> Verdict:
     b, a = before.point, after.point
     changes = tuple(_changes(before, after))
     about = (after.name, after.experiment, before, after)
-    if b.status not in ("ok", "wrong") or a.status not in ("ok", "wrong") or "wrong" in (b.status, a.status):
+    if (b.status, a.status) != ("ok", "ok"):
         return Verdict(*about, None, changes=changes)
     if b.row["timer"] != a.row["timer"]:
         return Verdict(*about, UNCLEAR, f"timed by {b.row['timer']}, then by {a.row['timer']}", changes=changes)
