@@ -151,10 +151,23 @@ def throttle_reasons(mask: str | None) -> list[str] | None:
 
 
 def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str]:
-    """'mesa: 22.3.6 -> 23.1.0' for every lasting entry in which two environments differ."""
-    first, second = (dict(_flat({n: v for n, v in tree.items() if n not in PASSING})) for tree in (before, after))
+    """'mesa: 22.3.6 -> 23.1.0' for every lasting entry in which two environments differ, and what held a GPU back."""
+    first, second = (dict(_flat({n: v for n, v in tree.items() if n not in PASSING} | _held_back(tree)))
+                     for tree in (before, after))
     return [f"{name}: {_said(first.get(name))} -> {_said(second.get(name))}"
             for name in dict.fromkeys([*first, *second]) if first.get(name) != second.get(name)]
+
+
+def _held_back(tree: Mapping[str, Any]) -> dict[str, str]:
+    """Why the GPU's clocks were lowered at either end of a run; nothing where the driver does not tell."""
+    ends = (_entry(_entry(tree, part), "gpu") for part in PASSING)
+    told = [reasons for gpu in ends if isinstance(reasons := gpu.get("throttle_reasons"), list)]
+    held = sorted({str(reason) for reasons in told for reason in reasons} - {"idle"})
+    return {"throttle reasons": ", ".join(held) or "none"} if told else {}
+
+
+def _entry(tree: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    return found if isinstance(found := tree.get(name), Mapping) else {}
 
 
 def _flat(tree: Mapping[str, Any], under: str = "") -> Iterator[tuple[str, Any]]:

@@ -84,3 +84,16 @@ def test_differences_leave_out_what_changes_all_the_time():
     assert differences(before, after) == ["mesa: 22 -> 23", "revision.commit: unknown -> abc",
                                           "revision.dirty: unknown -> False"]
     assert differences(before, before) == []
+
+
+def test_what_held_the_clocks_back_is_a_difference_and_being_idle_is_not():
+    def ends(*reasons):
+        return {part: {"load": [1], "gpu": {"throttle_reasons": found}}
+                for part, found in zip(("start", "end"), reasons, strict=True)}
+
+    assert differences(ends(["idle"], []), ends([], ["software power cap", "idle"])) == [
+        "throttle reasons: none -> software power cap"]
+    assert differences(ends(["idle"], []), ends([], None)) == []
+    assert differences({"start": {"gpu": None}}, ends(["hardware slowdown"], [])) == [
+        "throttle reasons: unknown -> hardware slowdown"]
+    assert differences({"start": 3, "end": {"gpu": {"throttle_reasons": 4}}}, {}) == []
