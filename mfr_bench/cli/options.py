@@ -63,6 +63,13 @@ DEVICE = click.option("--device", type=OneOf(["auto", "gpu", "cpu"]), default="a
 SET = click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE",
                    help="Change a key of the config, e.g. k=8 or scene.size=[64,64]; may be repeated.")
 PROFILE = click.option("--profile", metavar="NAME", help="Lay this profile of the config over it, e.g. smoke.")
+FORCE = click.option("--force", is_flag=True, help="Measure cells again that the folder already has.")
+KEEP_FAILED = click.option("--keep-failed", is_flag=True, help="Keep cells that crashed, timed out or ran out of "
+                           "memory; else they are measured again.")
+TRY_HOPELESS = click.option("--try-hopeless", is_flag=True, help="Measure cells although a frame of a smaller one "
+                            "already took longer than the time limit.")
+DRY_RUN = click.option("--dry-run", is_flag=True,
+                       help="Print the plan: what would be measured, its memory and time, what skipped, and why.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 

@@ -36,7 +36,7 @@ def print_plans(plans, supervisor, choices: Choices) -> None:
             todo = jobs(cells, catalog(), ready.device, ready.timer, codes)
             _decide(rows, todo, (folder, *beside), choices, shared)
         measured = [cell for cell, row in zip(cells, rows, strict=True) if row["decision"] == "measure"]
-        say(_plan_text(experiment, rows, folder, _predicted(forecast, measured)))
+        say(_plan_text(experiment, rows, folder, _predicted(forecast, measured)) + "\n" * (len(plans) > 1))
         to_come += measured
     if len(plans) > 1 and forecast:
         say(f"{len(to_come)} cells to measure in all: {forecast.run(to_come).text}")

@@ -3,18 +3,31 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
 from .interruption import Interruption
-from .options import DEVICE, PROFILE, SET, ConfigName, MethodName, OutPath
+from .options import (
+    DEVICE,
+    DRY_RUN,
+    FORCE,
+    KEEP_FAILED,
+    PROFILE,
+    SET,
+    TRY_HOPELESS,
+    ConfigName,
+    MethodName,
+    OutPath,
+)
 from .plan_text import print_plans
 from .session import Choices, Session
 
 WRONG, FAILED = 3, 1
+ENDED = {"crashed", "timeout", "out_of_memory"}
 
 
 @click.command()
@@ -26,13 +39,10 @@ WRONG, FAILED = 3, 1
 @click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
 @SET
 @DEVICE
-@click.option("--force", is_flag=True, help="Measure cells again that the folder already has.")
-@click.option("--keep-failed", is_flag=True,
-              help="Keep cells that crashed, timed out or ran out of memory; else they are measured again.")
-@click.option("--try-hopeless", is_flag=True,
-              help="Measure cells although a frame of a smaller one already took longer than the time limit.")
-@click.option("--dry-run", is_flag=True,
-              help="Print the plan: what would be measured, its memory and time, what skipped, and why.")
+@FORCE
+@KEEP_FAILED
+@TRY_HOPELESS
+@DRY_RUN
 def run(configs: tuple[str, ...], out: str | None, profile: str | None, only: str | None,
         overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
         dry_run: bool) -> int:
@@ -49,19 +59,23 @@ def run(configs: tuple[str, ...], out: str | None, profile: str | None, only: st
       mfr-bench run smoke --only kplus-array,kplus-heap --set k=32
       mfr-bench run smoke --set scene.order=back_to_front --force
     """
+    statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
+                         Choices(out, force, keep_failed, try_hopeless), dry_run)
+    return WRONG if "wrong" in statuses else FAILED if statuses & ENDED else 0
+
+
+def carry_out(plans_made: Callable[[], Any], device: str, choices: Choices, dry_run: bool,
+              table: Callable[[Any, int], str] | None = None) -> set[str]:
+    """Measure the plans, which are made while the device is opened; the statuses of all cells, of a dry run none."""
     from ..run.supervisor import Supervisor
 
     started = time.perf_counter()
     with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor:
-        plans = plans_of(configs, profile, only, overrides)
-        choices = Choices(out, force, keep_failed, try_hopeless)
+        plans = plans_made()
         if dry_run:
             print_plans(plans, supervisor, choices)
-            return 0
-        statuses = Session(supervisor, interruption.asked, choices, started).run(plans)
-    if "wrong" in statuses:
-        return WRONG
-    return FAILED if statuses & {"crashed", "timeout", "out_of_memory"} else 0
+            return set()
+        return Session(supervisor, interruption.asked, choices, started, table).run(plans)
 
 
 def plans_of(configs: Sequence[str], profile: str | None, only: str | None, overrides: Sequence[str]):

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import time
+from functools import partial
 from pathlib import Path
 
 import click
 
-from .interruption import Interruption
-from .options import DEVICE, PROFILE, SET, MethodName, OutPath
+from .options import DEVICE, DRY_RUN, FORCE, KEEP_FAILED, PROFILE, SET, TRY_HOPELESS, MethodName, OutPath
 from .output import say
-from .run_command import FAILED, plans_of
-from .session import Choices, Session
-
-ENDED = {"crashed", "timeout", "out_of_memory"}
+from .run_command import ENDED, FAILED, carry_out, plans_of
+from .session import Choices
 
 
 class StressorName(click.ParamType):
@@ -45,15 +42,20 @@ def stressors() -> dict[str, Path]:
 @click.command()
 @click.argument("names", nargs=-1, metavar="[NAME...]", type=StressorName())
 @click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
-              help="Where results go; with several stressors DIR/<name>/ each. [default: results/<device>/<name>]")
+              help="Where results go; with several stressors DIR/stress-<name>/ each. "
+                   "[default: results/<device>/stress-<name>]")
 @PROFILE
 @click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
 @SET
 @DEVICE
-@click.option("--force", is_flag=True, help="Measure cells again that the folder already has.")
+@FORCE
+@KEEP_FAILED
+@TRY_HOPELESS
+@DRY_RUN
 @click.option("--list", "listed", is_flag=True, help="List the stressors.")
 def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: str | None,
-           overrides: tuple[str, ...], device: str, force: bool, listed: bool) -> int:
+           overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
+           dry_run: bool, listed: bool) -> int:
     """Tell the first level of stress at which each method breaks.
 
     NAME is a stressor of --list; without any, all of them. Each is a config, whose levels go from mild to harsh. A
@@ -63,13 +65,13 @@ def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: s
     \b
     Examples:
       mfr-bench stress --list
+      mfr-bench stress --profile smoke --dry-run
       mfr-bench stress --profile smoke --out /tmp/stress
       mfr-bench stress depth-gap equal-depths --only kb-mdt32,kplus-array
     """
     from ..config import load
     from ..methods import catalog
     from ..report import breaking_text
-    from ..run.supervisor import Supervisor
 
     known = stressors()
     if listed:
@@ -77,9 +79,7 @@ def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: s
         for name, path in known.items():
             say(f"{name:{longest}}  {load(str(path), catalog())[0].title}")
         return 0
-    started = time.perf_counter()
-    with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor:
-        plans = plans_of([str(known[name]) for name in names or known], profile, only, overrides)
-        choices = Choices(out, force, keep_failed=False, try_hopeless=False)
-        statuses = Session(supervisor, interruption.asked, choices, started, breaking_text).run(plans)
+    configs = [str(known[name]) for name in names or known]
+    statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
+                         Choices(out, force, keep_failed, try_hopeless), dry_run, breaking_text)
     return FAILED if statuses & ENDED else 0

@@ -58,3 +58,12 @@ def test_a_wrong_image_is_told_and_is_no_failure(mfr, plant):
     assert ended.status == 0
     assert "none: " in ended.out
     assert " 1 wrong" in ended.out
+
+
+def test_a_dry_run_measures_nothing(mfr, here):
+    ended = mfr("stress", "depth-gap", "reach", "--only", "kb-mdt32", "--profile", "smoke", "--dry-run")
+    assert ended.status == 0
+    assert ended.out.startswith("stress-depth-gap: ")
+    assert "\n\nstress-reach: " in ended.out
+    assert " cells to measure in all: " in ended.out
+    assert not (here / "results").exists()
