@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any
 
-from ..report.data import Point
+from ..report.data import Point, percent
 from ..report.data import number as digits
 from ..stats import Interval
 
@@ -142,7 +142,7 @@ def decided(interval: Interval, bound: Bound, noise: float) -> tuple[Outcome, st
     if not inside and not bound.excludes(low, high):
         return Outcome.UNCLEAR, "the interval reaches over the limit"
     if any(abs(value - limit) < noise * limit for limit in bound.limits):
-        return Outcome.UNCLEAR, f"no further from the limit than the run's noise floor of {100 * noise:.2g} %"
+        return Outcome.UNCLEAR, f"no further from the limit than the run's noise floor of {percent(noise)}"
     return (Outcome.HOLDS if inside else Outcome.FAILS), ""
 
 

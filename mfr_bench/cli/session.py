@@ -177,13 +177,15 @@ def _of_the_measuring(before: Mapping[str, Any], now: Mapping[str, Any], all_kep
 
 def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
     """How an experiment ended, and where its results are."""
+    from ..report.data import percent
+
     statuses = ", ".join(f"{count} {status}" for status, count in sorted(sheet.counts.items(), key=_ok_first))
     kept = f"; {sheet.kept} kept from before, --force measures them again" if sheet.kept else ""
     copied = f"; {sheet.copied} copied from other results, where they are the same" if sheet.copied else ""
     noise = manifest.get("noise_floor_rel")
     lines = [f"{len(sheet.statuses)} cells: {statuses}{kept}{copied}"]
     if noise is not None:
-        lines.append(f"noise floor {100 * noise:.2g} %: the same method measured twice differs by that")
+        lines.append(f"noise floor {percent(noise)}: the same method measured twice differs by that")
     for title, suffix in (("tables", ".md"), ("figures", ".png")):
         paths = [str(path) for path in written if path.suffix == suffix]
         lines += [f"{title if number == 0 else '':8}{path}" for number, path in enumerate(paths)]

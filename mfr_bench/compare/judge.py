@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
 
-from ..report.data import EXACT_ERROR
+from ..report.data import EXACT_ERROR, percent
 from ..stats import Interval, ratio_interval
 from .noise import Noise, Shift, estimate
 from .sides import Entry, Side, changed_environment, refuse_other_devices
@@ -187,7 +187,7 @@ class _Timed:
         if abs(moved) <= reach:
             return UNCLEAR, "no more than what two runs of one thing differ by here"
         if abs(moved) <= self._limit:
-            return UNCLEAR, f"no more than the noise floor of {100 * self._floor:.2g} %"
+            return UNCLEAR, f"no more than the noise floor of {percent(self._floor)}"
         return UNCLEAR, "no other cell of the method moved with it: measure both again"
 
 

@@ -7,7 +7,7 @@ import textwrap
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
-from ..report.data import number
+from ..report.data import number, percent
 from ..report.tables import Grid
 from ..stats import Interval
 from ..store import csv_text
@@ -63,19 +63,16 @@ def as_markdown(found: Comparison, whole: bool = False) -> str:
 
 
 def _about(found: Comparison) -> list[str]:
-    floors = f"noise floors {_percent(found.before.noise)} and {_percent(found.after.noise)}"
+    noises = (found.before.noise, found.after.noise)
+    floors = "noise floors {} and {}".format(*("unknown" if n is None else percent(n) for n in noises))
     lines = [f"{found.before.path} -> {found.after.path}",
              f"differences below {100 * found.threshold:.3g} % do not matter; {floors}"]
     if found.common:
-        low, high = (f"{100 * (ratio - 1):+.2g} %" for ratio in found.common)
+        low, high = (percent(ratio - 1, "+") for ratio in found.common)
         span = low if low == high else f"{low} to {high}, by scene"
         taken = "counted as theirs" if found.absolute else "taken out: another load or clock does the same"
         lines.append(f"all methods together {span}: {taken}")
     return lines
-
-
-def _percent(noise: float | None) -> str:
-    return "unknown" if noise is None else f"{100 * noise:.2g} %"
 
 
 def _grids(found: Comparison, whole: bool) -> list[Grid]:

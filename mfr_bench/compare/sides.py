@@ -7,11 +7,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ..config import Scene
 from ..environment import differences
 from ..errors import UsageError
+from ..methods import catalog
 from ..report.data import Point, Result, heading, load
 from ..store import ResultFolder, find_results
 
+PLAIN_SCENE = Scene(size=(1, 1), depth_complexity=1).as_dict()  # every key at its default; these two are always given
 Identity = str  # JSON of config name, method, parameters and scene: never of shaders, driver, settings or label
 
 
@@ -66,8 +69,10 @@ def load_side(path: str) -> Side:
 
 
 def identity(experiment: str, point: Point) -> Identity:
-    cell = point.cell
-    return json.dumps([experiment, cell["method"], cell["params"], cell["scene"]], sort_keys=True)
+    """What older results do not have of parameters and scene was then as the defaults are now."""
+    cell, method = point.cell, catalog().get(point.cell["method"])
+    params = (method.complete({}) if method else {}) | cell["params"]
+    return json.dumps([experiment, cell["method"], params, PLAIN_SCENE | cell["scene"]], sort_keys=True)
 
 
 def _name(result: Result, point: Point) -> str:

@@ -121,7 +121,7 @@ def _spread(ratio: Interval) -> str:
 
 def _certainty(advice: Advice) -> str:
     noise = ("its noise floor is not known" if advice.noise is None
-             else f"a method measured twice differs by {100 * advice.noise:.2g} %")
+             else f"a method measured twice differs by {data.percent(advice.noise)}")
     if advice.sure is None:
         return "Nothing else that was measured keeps the limits."
     if advice.sure:

@@ -348,6 +348,11 @@ def number(value: float | None, digits: int = 3) -> str:
     return f"{value:#.{digits}g}".rstrip(".")
 
 
+def percent(share: float, sign: str = "") -> str:
+    """'2.5 %', '38 %', '210 %'; with `sign` '+', also those that grow have theirs."""
+    return f"{100 * share:{sign}{'.0f' if abs(share) >= 0.1 else '.2g'}} %"
+
+
 def figure_of(source: Mapping[str, Any]) -> str:
     """'Fig. 6', 'Table 1', '§4': where in its paper an experiment stands."""
     figure = str(source.get("figure") or "")

@@ -285,7 +285,7 @@ def _about(result: Result) -> list[str]:
     manifest = result.manifest
     title = f"{result.name}: {manifest['title']}" if manifest.get("title") else result.name
     noise = manifest.get("noise_floor_rel")
-    noise_line = "" if noise is None else f"noise floor {100 * noise:.2g} % (the same method measured twice)"
+    noise_line = "" if noise is None else f"noise floor {data.percent(noise)} (the same method measured twice)"
     drift = manifest.get("calibration_drift")
     return [line for line in (title, result.provenance, noise_line, drift and f"unsteady: {drift}") if line]
 

@@ -33,6 +33,15 @@ def test_times_beyond_noise_and_threshold_count(factor, verdict):
     assert found.doubtful == (verdict == UNCLEAR)
 
 
+def test_what_a_program_learnt_since_is_at_its_default_in_older_results():
+    def made(params, scene):
+        return side([cell("kplus-array", spread(1.0, 22, 0.004), {"depth_complexity": 16} | scene, params=params)])
+
+    old, new = made({"k": 4}, {}), made({"k": 4, "touched": "off"}, {"overhang": 0})
+    assert len(compare(old, new).verdicts) == 1
+    assert compare(old, made({"k": 4, "touched": "bounds"}, {})).verdicts == ()
+
+
 def test_the_threshold_is_the_smallest_difference_that_matters():
     before, after = side(cells(), noise=0.002), side(cells({"a": 1.05, "b": 2.0}), noise=0.002)
     assert verdicts(compare(before, after, 0.02))["a, n 16"] == SLOWER
