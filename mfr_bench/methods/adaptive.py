@@ -4,8 +4,8 @@ Before a frame the host knows its geometry: how many primitives can cover a pixe
 how many fragments the frame before had. From these it plans the frame:
 
 - `direct`: no pixel can have two fragments. They are blended, and nothing is stored.
-- `dense`: cells for every layer of every pixel of the rectangle take no more memory than exact ranges would. Nothing is
-  counted beforehand; the cells of neighbours lie side by side.
+- `dense`: cells for every layer of every pixel of the rectangle take hardly more memory (SPARE) than exact ranges would.
+  Nothing is counted beforehand; the cells of neighbours lie side by side.
 - `ranges`: a count by blending, then each pixel takes a range of exactly its fragments; empty pixels take none.
 
 No plan can lose a fragment: what the frame before had only decides how much memory `dense` may take. The fragments of
@@ -42,7 +42,7 @@ ADD = ("add", "one", "one")
 
 
 def plan(known: Known, params: Params) -> Plan:
-    """The cheapest way that is right and stays within the memory of exact ranges."""
+    """The cheapest way that is right and stays within the memory of exact ranges and SPARE."""
     if known.layers <= 1:
         return Plan(DIRECT, known, 0)
     if float(params.get("max_error", EXACT)) > EXACT and known.layers >= WORTH_CUTTING:

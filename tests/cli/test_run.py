@@ -6,6 +6,7 @@ import shutil
 
 import pytest
 
+from mfr_bench.report.data import percent
 from mfr_bench.store import ResultFolder
 
 from .conftest import CELLS, FIGURE, TINY, apart, cells, rows
@@ -93,7 +94,7 @@ def test_the_manifest_keeps_the_split_and_the_noise_floor(measured):
         manifest["split_s"])
     assert manifest["noise_floor_rel"] > 0
     assert len(manifest["cells"]) == CELLS
-    assert f"noise floor {100 * manifest['noise_floor_rel']:.2g} %" in (measured / "tables" / "results.md").read_text()
+    assert f"noise floor {percent(manifest['noise_floor_rel'])}" in (measured / "tables" / "results.md").read_text()
 
 
 # --- again ---------------------------------------------------------------------------------------
