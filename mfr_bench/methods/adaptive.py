@@ -4,9 +4,10 @@ Before a frame the host knows its geometry: how many primitives can cover a pixe
 how many fragments the frame before had. From these it plans the frame:
 
 - `direct`: no pixel can have two fragments. They are blended, and nothing is stored.
-- `dense`: cells for every layer of every pixel of the rectangle take hardly more memory (SPARE) than exact ranges would.
+- `dense`: cells for every layer of every pixel of the rectangle take at most SPARE more memory than exact ranges would.
   Nothing is counted beforehand; the cells of neighbours lie side by side.
 - `ranges`: a count by blending, then each pixel takes a range of exactly its fragments; empty pixels take none.
+- `cut`: the same, of what lies before the depth behind which no more than `max_error` shows through.
 
 No plan can lose a fragment: what the frame before had only decides how much memory `dense` may take. The fragments of
 a pixel are sorted in registers, by a network as small as their number allows; beyond 32 the nearest 32 are kept,

@@ -290,6 +290,10 @@ def _about(result: Result) -> list[str]:
     return [line for line in (title, result.provenance, noise_line, drift and f"unsteady: {drift}") if line]
 
 
+def _head(result: Result, width: int) -> str:
+    return "\n".join(part for line in _about(result) for part in textwrap.wrap(line, width, break_on_hyphens=False))
+
+
 def _wrapped(lines: Iterable[str], width: int) -> list[str]:
     return [part for line in lines for part in
             textwrap.wrap(line, width, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)]
@@ -335,7 +339,7 @@ def _sections(result: Result, passes: bool) -> list[Grid]:
 def terminal_table(folder: ResultFolder, width: int = WIDTH) -> str:
     """The tables as plain text, at most `width` columns wide where labels allow."""
     result = data.load(folder)
-    parts = ["\n".join(part for line in _about(result) for part in textwrap.wrap(line, width))]
+    parts = [_head(result, width)]
     for grid in _sections(result, passes=False):
         tables = "\n\n".join(chunk.text() for chunk in grid.chunks(width))
         parts.append("\n".join([grid.title, *_notes(grid, width), tables]))
@@ -348,7 +352,7 @@ def terminal_table(folder: ResultFolder, width: int = WIDTH) -> str:
 def breaking_text(folder: ResultFolder, width: int = WIDTH) -> str:
     """What `stress` prints of a folder: where each method breaks."""
     result = data.load(folder)
-    parts = ["\n".join(part for line in _about(result) for part in textwrap.wrap(line, width))]
+    parts = [_head(result, width)]
     parts += ["\n".join([grid.title, "\n\n".join(chunk.text() for chunk in grid.chunks(width))])
               for grid in breaking_grids(result)]
     return "\n\n".join(parts) + "\n"
