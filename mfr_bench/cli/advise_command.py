@@ -66,8 +66,9 @@ def _results(targets: Iterable[str]) -> list[Path]:
 
     found: dict[Path, None] = {}
     for target in targets:
-        below = find_results([target]) if Path(target).is_dir() and any(Path(target).rglob("manifest.json")) else None
-        found.update(dict.fromkeys(below if below is not None else _of_config(target)))
+        folder = Path(target)
+        holds_results = folder.is_dir() and (any(folder.rglob("manifest.json")) or not any(folder.glob("*.yaml")))
+        found.update(dict.fromkeys(find_results([target]) if holds_results else _of_config(target)))
     return list(found)
 
 

@@ -18,6 +18,7 @@ def measured(tmp_path, monkeypatch):
     """A config, and its results where `run` writes them."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "tiny.yaml").write_text(TINY)
+    (tmp_path / "empty").mkdir()
     planted.folder(tmp_path / "results" / "llvmpipe" / "tiny", [point("wboit", 1.0, 0.1), point("ab-array", 4.0, 1e-8)],
                    name="tiny")
     return tmp_path
@@ -61,6 +62,7 @@ def test_nothing_measured_says_what_to_run(tmp_path, monkeypatch):
     (["tiny.yaml", "--max-error", "1", "--metric", "rsme"],
      "'rsme' is not allowed; allowed: rmse, flip, max; nearest: 'rmse'"),
     (["tyni.yaml", "--max-error", "1"], "tyni.yaml: no such file"),
+    (["empty", "--max-error", "1"], "empty: no results in or below it; allowed: a folder that 'mfr-bench run' wrote"),
 ])
 def test_mistakes_are_one_line(measured, arguments, says):
     ended = without_gl("advise", *arguments)
