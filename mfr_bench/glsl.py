@@ -135,7 +135,7 @@ def define_values(variant: Variant, step: Pass, sizes: Sizes) -> dict[str, int]:
         "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
         "N": sizes.n, "KEEP": variant.value("keep", sizes), "LOCAL": variant.value("keep", sizes),
         "REJECTS": int(sizes.rejects), "COMPUTE": int(step.kind == "compute"),
-        "PAYLOAD_RGBA16F": 0, "CULLS": 0, "STOP_OPACITY": 1.0,
+        "PAYLOAD_RGBA16F": 0, "CULLS": 0, "BY_TILE": int(step.by_tile), "STOP_OPACITY": 1.0,
         "ACCUMULATE_COMPENSATED": 0, "ACCUMULATE_FLOAT16": 0, "ACCUMULATE_UNORM8": 0,
     }
     for param in variant.all_params:

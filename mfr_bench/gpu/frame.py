@@ -27,7 +27,10 @@ from ..glsl import (
 )
 from ..instrument import WORK
 from ..methods.spec import (
+    DISPATCH_OFFSET,
     IMAGE,
+    TILE_COMMAND,
+    TILE_LIST,
     Counted,
     Grown,
     Known,
@@ -426,6 +429,10 @@ class Frame:
         """float32 (H, W, 4), premultiplied, row 0 at the bottom."""
         return self.canvas.framebuffer.read()
 
+    def named(self, name: str):
+        """A buffer of one copy."""
+        return self._buffers[name][0]
+
     def buffer(self, binding: Binding, iteration: int):
         copies = self._buffers[split_ref(binding.ref)[0]]
         return copies[_copy(binding.ref, iteration, len(copies))]
@@ -474,17 +481,23 @@ class PassRunner:
         self.buffers = buffer_bindings(variant, step)
         self.textures = texture_bindings(variant, step)
         self.touched = frozenset(split_ref(b.ref)[0] for b in self.buffers)
+        self.touched |= {TILE_LIST, TILE_COMMAND} if step.by_tile else set()
         self.written = frozenset(split_ref(r)[0] for r in step.writes) & self.touched
         self.framebuffers: dict[int, Framebuffer] = {}
         self.program = self.vao = None
         if step.kind != "clear":
             self.program = frame.device.program(self._stages(), f"method {variant.method.id}, pass {step.name}")
         if step.kind in ("geometry", "fullscreen"):
-            content = frame.quads.attributes(self.program) if step.kind == "geometry" else []
-            self.vao = frame.device.ctx.vertex_array(self.program, content)
+            self.vao = frame.device.ctx.vertex_array(self.program, self._content())
         self.groups = int(evaluate(step.groups, sizes, variant.scope)) if step.groups else 0
         self.instances = variant.value(step.instances, sizes)
         self.writes_depth = step.state.depth_write and any(frame.texture(r, 0).is_depth for r in step.into)
+
+    def _content(self) -> list[tuple]:
+        """The attributes of each instance."""
+        if self.step.by_tile:
+            return [(self.frame.named(TILE_LIST), "1u /i", "in_tile")]
+        return self.frame.quads.attributes(self.program) if self.step.kind == "geometry" else []
 
     def _stages(self) -> tuple[Source, ...]:
         return stages(self.frame.variant, self.step, self.frame.sizes)
@@ -539,7 +552,15 @@ class PassRunner:
             framebuffer.clear(texture, values)
         self.gl.glDisable(rawgl.SCISSOR_TEST)
 
+    def _tile_command(self):
+        """The buffer of the indirect command, once what shaders have written there and to the list is in place."""
+        self.gl.glMemoryBarrier(rawgl.BARRIERS["indirect"])
+        return self.frame.named(TILE_COMMAND)
+
     def _draw_screen(self) -> None:
+        if self.step.by_tile:
+            self.vao.render_indirect(self._tile_command(), mode=5, count=1)  # GL_TRIANGLE_STRIP
+            return
         if self.step.region:
             self.gl.glEnable(rawgl.SCISSOR_TEST)
             self.gl.glScissor(*self.frame.region)
@@ -569,7 +590,10 @@ class PassRunner:
             self.frame.texture(ref, iteration).bind_image(unit)
         if self.step.into:
             self.gl.glMemoryBarrier(rawgl.BARRIERS["image"])
-        self.program.run(self.groups)
+        if self.step.by_tile:
+            self.program.run_indirect(self._tile_command(), DISPATCH_OFFSET)
+        else:
+            self.program.run(self.groups)
         if self.step.into:
             self.gl.glMemoryBarrier(rawgl.BARRIERS["image"])
 

@@ -25,7 +25,8 @@ STENCIL_TESTS = {"equal": 0x0202, "always": 0x0207}
 STENCIL_UPDATES = {"increment": 0x1E02, "decrement": 0x1E03}  # both clamp
 DEPTH_FUNCTIONS = {"less": 0x0201, "equal": 0x0202, "lequal": 0x0203, "always": 0x0207}
 # `image`: shader image access, fetches from textures, and everything done through framebuffers.
-BARRIERS = {"storage": 0x2000, "buffer_update": 0x200, "image": 0x20 | 0x8 | 0x400}
+# `indirect`: commands and vertex attributes that come from buffers.
+BARRIERS = {"storage": 0x2000, "buffer_update": 0x200, "image": 0x20 | 0x8 | 0x400, "indirect": 0x40 | 0x1}
 WRITE_ONLY = 0x88B9
 LOWER_LEFT, NEGATIVE_ONE_TO_ONE, ZERO_TO_ONE = 0x8CA1, 0x935E, 0x935F
 ERRORS = {0x0500: "GL_INVALID_ENUM", 0x0501: "GL_INVALID_VALUE", 0x0502: "GL_INVALID_OPERATION",

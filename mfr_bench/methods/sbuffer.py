@@ -4,7 +4,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import OCCUPANCY, OCCUPIED, PAYLOAD, RESOLVE_OPTIONS, UNOCCUPIED, K, clear, count, occupied, resolve
+from .shared import (
+    OCCUPANCY,
+    OCCUPIED,
+    PAYLOAD,
+    RESOLVE_OPTIONS,
+    TOUCHED_TILES,
+    UNOCCUPIED,
+    K,
+    clear,
+    count,
+    occupied,
+    resolve,
+    tiled,
+)
 from .spec import Buffer, Counted, Method, Param, Pass
 
 ORDER = 4
@@ -55,7 +68,7 @@ def sbuffer(method_id: str, name: str, source: str, summary: str, fill: tuple[Pa
         steps=(
             clear("counter", "group_total"),
             *fill,
-            finish,
+            tiled(finish),
         ),
         **{"guarantee": "exact all", "ties": "kept, in no fixed order", **more},
     )
@@ -63,13 +76,14 @@ def sbuffer(method_id: str, name: str, source: str, summary: str, fill: tuple[Pa
 
 METHODS = [
     sbuffer("ab-sb", "AB_SB", "sbuffer_2012 §3", "S-buffer: ranges from S shared counters, only for non-empty pixels",
-            params=(COUNTERS, MAPPING, HASH, *RESOLVE_OPTIONS, PAYLOAD)),
+            params=(COUNTERS, MAPPING, HASH, *RESOLVE_OPTIONS, TOUCHED_TILES, PAYLOAD)),
     sbuffer("ab-lbuffer", "l-buffer", "Lipowski 2010; sbuffer_2012 §2, §4",
             "ranges from one shared counter, only for non-empty pixels",
-            params=(*RESOLVE_OPTIONS, PAYLOAD), fixed=(COUNTERS.at(1), MAPPING.at("forward"), HASH.at("column"))),
+            params=(*RESOLVE_OPTIONS, TOUCHED_TILES, PAYLOAD),
+            fixed=(COUNTERS.at(1), MAPPING.at("forward"), HASH.at("column"))),
     sbuffer("kb-ab-sb", "KB-AB_SB", "kplus_2015 §2, §5", "S-buffer of all fragments; the resolve picks the k nearest",
             fill=occupied_steps(), finish=resolve("counter", "address", "nodes", fetch=FETCH, select=True),
             guarantee="exact k nearest",
             ties="kept; the first to arrive wins the last place", local="k",
-            params=(K, COUNTERS, MAPPING, HASH, OCCUPANCY, *RESOLVE_OPTIONS, PAYLOAD)),
+            params=(K, COUNTERS, MAPPING, HASH, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED_TILES, PAYLOAD)),
 ]

@@ -13,6 +13,8 @@ from .spec import (
     MAX,
     ON_OFF,
     SAMPLE_STENCIL,
+    TILE_COMMAND,
+    TILE_LIST,
     Buffer,
     Param,
     Params,
@@ -54,7 +56,12 @@ ACCUMULATE = Param(
 # Of `resolve`; a method may offer some or all.
 RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE, ACCUMULATE, STOP_OPACITY)
 TOUCHED = Param("touched", "off", "what clears and resolves touch: the viewport (off), or the rectangle that bounds "
-                "the geometry, which the host knows; the image is cleared beside it", choices=("off", "bounds"))
+                "the geometry, which the host knows (bounds); or the resolve alone only tiles of 8x8 pixels that have "
+                "fragments, listed on the device after the store (tiles); the image is cleared beside it",
+                choices=("off", "bounds", "tiles"))
+TOUCHED_TILES = replace(TOUCHED, doc="what the resolve touches: the viewport (off), or only tiles of 8x8 pixels that "
+                        "have fragments, listed on the device after the store (tiles); the image is cleared beside",
+                        choices=("off", "tiles"))
 ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emulated by 32-bit ones",
                  choices=("native", "emulated"), needs={"native": "shader_atomic_int64"})
 EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of `culling_opacity`",
@@ -92,13 +99,43 @@ def touching(*steps: Pass) -> tuple[Pass, ...]:
     """The passes with TOUCHED as their parameter: full-screen ones in which each pixel works for itself alone."""
     beside = Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), region=True, when=when("touched", "bounds"))
     return (beside, *(replace(p, expand=partial(_within, expand=p.expand)) if p.kind == "fullscreen" else p
-                      for p in steps))
+                      for p in (tiled(p) if IMAGE in p.into else p for p in steps)))
 
 
 def _within(step: Pass, scope: Params, expand: Callable[[Pass, Params], tuple[Pass, ...]] | None) -> tuple[Pass, ...]:
     made = expand(step, scope) if expand else (replace(step, expand=None),)
     bounded = scope.get("touched") == "bounds"
     return tuple(replace(p, region=bounded and p.kind == "fullscreen") for p in made)
+
+
+def tiled(step: Pass) -> Pass:
+    """A `resolve` of one list per pixel with TOUCHED_TILES as its parameter."""
+    return replace(step, expand=partial(_tile_by_tile, expand=step.expand))
+
+
+def _tile_by_tile(step: Pass, scope: Params, expand: Callable[[Pass, Params], tuple[Pass, ...]]) -> tuple[Pass, ...]:
+    made = expand(step, scope)
+    return (*_list_tiles(step), *map(_by_tile, made)) if scope.get("touched") == "tiles" else made
+
+
+def _list_tiles(step: Pass) -> tuple[Pass, ...]:
+    """Passes that list the tiles in which the resolve `step` finds a fragment, for an indirect draw and dispatch."""
+    buffers = (Buffer(TILE_LIST, TILES), Buffer(TILE_COMMAND, "8"))
+    return (Pass(step.name, "clear", writes=(TILE_COMMAND,), clears={IMAGE: CLEARED}, into=(IMAGE,)),
+            replace(step, kind="compute", shader="common/list_tiles.comp", resolver=None, into=(), buffers=buffers,
+                    writes=(TILE_LIST, TILE_COMMAND), groups=f"ceil({TILES}/{LISTERS})", expand=None,
+                    defines={**step.defines, "TILE": TILE, "LISTERS": LISTERS}))
+
+
+def _by_tile(step: Pass) -> Pass:
+    """A pass of a resolve that draws, or dispatches a work group for, each listed tile."""
+    if step.kind == "geometry":
+        return step
+    step = replace(step, by_tile=True, defines={**step.defines, "TILE": TILE})
+    if step.kind == "compute":
+        return replace(step, reads=(*step.reads, TILE_LIST, TILE_COMMAND))
+    classifies = PIXEL_CLASS in step.targets
+    return replace(step, vertex="screen/tile.vert", clears={PIXEL_CLASS.name: (1.0,)} if classifies else step.clears)
 
 
 def wide_buffers(name: str, elements: str, word: str = "0u", condition: When | None = None,
@@ -245,6 +282,8 @@ RESOLVER = "common/resolve_local.glsl"  # every other sort works in one local ar
 LPLUS = 32  # l of the l+-depth-sorting (kplus_2015 §4.4)
 NARROWEST, WIDEST = 8, 32  # fragments of the smallest and the largest sorting network
 TILE = 8  # pixels, side of the square that a work group of the compute resolve shades
+TILES = f"ceil(W/{TILE})*ceil(H/{TILE})"
+LISTERS = 128  # tiles that a work group of the listing looks at: all of 16384x16384 pixels in 32768 groups
 
 # Classes of backwards memory allocation: class i has at most 8 * 2**i fragments; the last has no bound.
 CLASS_BOUNDS = tuple(8 << i for i in range(8))
@@ -299,4 +338,4 @@ def _staged(step: Pass, scope: Params) -> tuple[Pass, ...]:
     return (replace(step, kind="compute", shader="common/resolve.comp", into=(IMAGE,), state=State(), vertex=None,
                     reads=step.reads + ((PIXEL_CLASS.name,) if classed else ()),
                     defines={**step.defines, "TILE": TILE, "CLASSED": int(classed)}, expand=None,
-                    groups=f"min(65535, ceil(W/{TILE})*ceil(H/{TILE}))"),)
+                    groups=f"min(65535, {TILES})"),)

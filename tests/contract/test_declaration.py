@@ -127,7 +127,7 @@ def test_words_are_those_of_table_1():
 @METHODS
 def test_every_difference_from_the_words_is_explained(method):
     """Whatever k is, and for every option but those whose words the page of all methods states once."""
-    shared = {"occupancy", "bma"}
+    shared = {"occupancy", "bma", "touched"}
     shares = [p for p in method.params if p.name in shared]
     plain = [v for v in variants(method) if all(v.params[p.name] == p.default for p in shares)]
     differs = [label(v) for v in plain for k in (7, 8)
@@ -142,3 +142,6 @@ def test_shared_options_take_the_words_that_the_page_states():
         occupied = sum(array.variant({"occupancy": intervals}).memory_bytes(SIZES).values())
         assert occupied - plain == 4 * SIZES.P * (3 + intervals // 32)
     assert sum(array.variant({"bma": "on"}).memory_bytes(SIZES).values()) - plain == 4 * SIZES.P
+    tiles = -(-SIZES.W // 8) * -(-SIZES.H // 8)
+    assert sum(array.variant({"touched": "tiles"}).memory_bytes(SIZES).values()) - plain == 4 * (tiles + 8)
+    assert sum(array.variant({"touched": "bounds"}).memory_bytes(SIZES).values()) == plain

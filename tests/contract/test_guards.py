@@ -9,6 +9,7 @@ from mfr_bench import glsl
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.gpu.truth import true_sizes
+from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Variant
 from mfr_bench.scene import generate
 
@@ -74,6 +75,11 @@ class _Fenced:
         self.glo = self._buffer.glo
         plain.release()
 
+    @property
+    def mglo(self):
+        """What attributes and indirect commands are read from."""
+        return self._buffer.mglo
+
     def bind_to_storage_buffer(self, binding):
         self._buffer.bind_to_storage_buffer(binding)
 
@@ -120,6 +126,19 @@ def test_nothing_is_written_behind_a_buffer(device, method):
     for name, config in SCENES.items():
         assert broken(device, variant, config) == [], name
     assert broken(device, variant, SCENES["one over"], untold=1) == []
+
+
+@pytest.mark.parametrize("method", ["ab-array", "ab-sb", "ab-ll"])
+def test_nothing_is_written_behind_the_list_of_tiles(device, method):
+    variant = catalog()[method].variant({"touched": "tiles"})
+    for name, config in SCENES.items():
+        assert broken(device, variant, config) == [], name
+
+
+def test_a_tile_behind_the_list_is_seen(device, plant):
+    plant("common/list_tiles.comp", "tile_list[at]", "tile_list[at + 1u]")
+    variant = catalog()["ab-array"].variant({"touched": "tiles"})
+    assert broken(device, variant, SCENES["exactly full"]) == ["tile_list"]
 
 
 @pytest.mark.parametrize(("method", "right", "wrong", "buffer"), [
