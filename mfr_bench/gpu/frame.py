@@ -146,6 +146,7 @@ class Frame:
         self._counted = 0  # samples that the latest counting pass let through
         self.chosen_k = 0  # of a method whose k the host decides
         self._shown = quads.scene
+        self._drawn: Geometry | None = None  # the scene of the latest frame, while all that it left is in place
         self._plan: Plan | None = None  # of the latest frame, of a planned method
         self._fragments: int | None = None  # of the latest frame of a planned method, once it is known
         self._uniforms = device.ctx.buffer(reserve=4 * (len(FRAME_FIELDS) + len(REGION_FIELDS)))
@@ -180,6 +181,7 @@ class Frame:
             for old in held:
                 old.release()
             self._buffers[buffer.name] = [self.device.ctx.buffer(reserve=size) for _ in range(buffer.copies)]
+            self._drawn = None
 
     def _write_uniforms(self) -> None:
         scene = self._shown
@@ -206,8 +208,13 @@ class Frame:
     def show(self, scene: Geometry) -> None:
         """Take the scene that `quads` now holds: its seed reaches the shaders."""
         if scene is not self._shown:
-            self._shown = scene
+            self._shown, self._drawn = scene, None
             self._write_uniforms()
+
+    @property
+    def still(self) -> bool:
+        """Whether the frame before the next, or before the one that is drawn, was of the same scene."""
+        return self._drawn is self.quads.scene
 
     def draw(self, mark: Mark | None = None) -> bool:
         """Run every pass in order; `mark` is called with the pass's name after each."""
@@ -226,6 +233,7 @@ class Frame:
                 iteration = self._loop(step, mark)
             else:
                 self._run(step, iteration, mark)
+        self._drawn = self.quads.scene
         return self._fits()
 
     def _next_plan(self) -> Plan:
@@ -297,7 +305,8 @@ class Frame:
     def runs(self, step: Pass) -> bool:
         """Whether the pass is part of the latest frame, or of every one of this scene."""
         planned = step.runs_in is None or (self._plan is not None and step.runs_in(self._plan))
-        return planned and self.variant.runs(step, self.sizes)
+        due = step.still is None or step.still == self.still
+        return planned and due and self.variant.runs(step, self.sizes)
 
     def _runner(self, step: Pass) -> PassRunner | None:
         if step.runs_in and self.runs(step) and id(step) not in self._passes:
@@ -366,6 +375,7 @@ class Frame:
     def fill(self, name: str, words: np.ndarray) -> None:
         """Give a buffer uint32 contents."""
         self._buffers[name][0].write(np.ascontiguousarray(words, dtype=np.uint32).tobytes())
+        self._drawn = None
 
     def lost_fragments(self) -> int:
         """Fragments that found no room or never got the lock, since the last call."""

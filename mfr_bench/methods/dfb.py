@@ -10,8 +10,8 @@ Maule et al. 2014 is not among the papers at hand: the branching of 16 is a choi
 
 from __future__ import annotations
 
-from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE
-from .shared import PAYLOAD, RESOLVE_OPTIONS, clear, count
+from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE, rewind
+from .shared import PAYLOAD, RESOLVE_OPTIONS, REUSE_COUNT, TOUCHED_TILES, clear, count, once, tiled
 from .spec import Buffer, Counted, Loop, Method, Pass
 
 ORDER = 5
@@ -28,17 +28,20 @@ METHODS = [
         summary="dynamic fragment buffer: count, hierarchical sum over all pixels, store into exact ranges",
         guarantee="exact all", words="2*f + 2",
         beside="the tree of sums above the pixels, a fifteenth of a word per pixel", ties="kept, in no fixed order",
-        params=(*RESOLVE_OPTIONS, PAYLOAD), capacity=Counted(),
+        params=(*RESOLVE_OPTIONS, TOUCHED_TILES, REUSE_COUNT, PAYLOAD), capacity=Counted(),
         buffers=(COUNTER, ADDRESS, NODES, Buffer("sums", SUMS_WORDS)),
         steps=(
-            clear("counter"),
-            count(),
-            Loop((Pass("scan", "fullscreen", "methods/dfb/sum_up.frag", reads=("counter",), writes=("sums",),
-                       defines=TREE),), times=LEVELS, until_empty=False),
-            Loop((Pass("scan", "fullscreen", "methods/dfb/sum_down.frag", reads=("counter",),
-                       writes=("sums", "address"), defines=TREE),), times=LEVELS, until_empty=False),
+            *once(
+                clear("counter"),
+                count(),
+                Loop((Pass("scan", "fullscreen", "methods/dfb/sum_up.frag", reads=("counter",), writes=("sums",),
+                           defines=TREE),), times=LEVELS, until_empty=False),
+                Loop((Pass("scan", "fullscreen", "methods/dfb/sum_down.frag", reads=("counter",),
+                           writes=("sums", "address"), defines=TREE),), times=LEVELS, until_empty=False),
+            ),
+            rewind("scan"),
             STORE,
-            RESOLVE,
+            tiled(RESOLVE),
         ),
     ),
 ]

@@ -8,8 +8,20 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE
-from .shared import PAYLOAD, RESOLVE_OPTIONS, TOUCHED, clear, count, resolve, touching
+from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE, rewind
+from .shared import (
+    PAYLOAD,
+    RESOLVE_OPTIONS,
+    REUSE_COUNT,
+    TOUCHED,
+    TOUCHED_TILES,
+    clear,
+    count,
+    once,
+    resolve,
+    tiled,
+    touching,
+)
 from .spec import Buffer, Counted, Loop, Method, Param, Pass, when
 
 ORDER = 5
@@ -20,6 +32,19 @@ SCAN_BLOCK = 1024  # pixels that one work group scans, two per invocation
 BLOCK = {"SCAN_BLOCK": SCAN_BLOCK, "SCAN_LANES": SCAN_BLOCK // 2}
 FULLSCREEN, COMPUTE = when("scan", "fullscreen"), when("scan", "compute")
 
+SCANS = (
+    Pass("scan", "fullscreen", "methods/precalc/seed.frag", reads=("counter",), writes=("address.previous",),
+         when=FULLSCREEN),
+    Loop((Pass("scan", "fullscreen", "methods/precalc/scan.frag", reads=("address.previous",),
+               writes=("address.current",), when=FULLSCREEN),), times="ceil(log2(P))", until_empty=False),
+    Pass("scan", "compute", "methods/precalc/scan_blocks.comp", reads=("counter",), writes=("address", "block_sum"),
+         groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK, when=COMPUTE),
+    Pass("scan", "compute", "methods/precalc/scan_sums.comp", writes=("block_sum",), groups="1", defines=BLOCK,
+         when=COMPUTE),
+    Pass("scan", "compute", "methods/precalc/add_sums.comp", reads=("block_sum",), writes=("address",),
+         groups=f"min(65535, ceil(P/{SCAN_BLOCK // 2}))", defines=BLOCK, when=COMPUTE),
+)
+
 METHODS = [
     Method(
         id="ab-precalc", name="PreCalc", family="precalc",
@@ -28,25 +53,14 @@ METHODS = [
         guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
         beside="what the scan works in: a word per 1024 pixels for the compute scan, or a second address word per "
                "pixel where full-screen steps take turns; the memory table of sbuffer_2012 shows the like (§4)",
-        params=(SCAN, *RESOLVE_OPTIONS, PAYLOAD), capacity=Counted(),
+        params=(SCAN, *RESOLVE_OPTIONS, TOUCHED_TILES, REUSE_COUNT, PAYLOAD), capacity=Counted(),
         buffers=(COUNTER, replace(ADDRESS, copies=2, when=FULLSCREEN), replace(ADDRESS, when=COMPUTE), NODES,
                  Buffer("block_sum", f"ceil(P/{SCAN_BLOCK})", when=COMPUTE)),
         steps=(
-            clear("counter"),
-            count(),
-            Pass("scan", "fullscreen", "methods/precalc/seed.frag", reads=("counter",), writes=("address.previous",),
-                 when=FULLSCREEN),
-            Loop((Pass("scan", "fullscreen", "methods/precalc/scan.frag", reads=("address.previous",),
-                       writes=("address.current",), when=FULLSCREEN),), times="ceil(log2(P))", until_empty=False),
-            Pass("scan", "compute", "methods/precalc/scan_blocks.comp", reads=("counter",),
-                 writes=("address", "block_sum"), groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK,
-                 when=COMPUTE),
-            Pass("scan", "compute", "methods/precalc/scan_sums.comp", writes=("block_sum",), groups="1",
-                 defines=BLOCK, when=COMPUTE),
-            Pass("scan", "compute", "methods/precalc/add_sums.comp", reads=("block_sum",), writes=("address",),
-                 groups=f"min(65535, ceil(P/{SCAN_BLOCK // 2}))", defines=BLOCK, when=COMPUTE),
+            *once(clear("counter"), count(), *SCANS),
+            rewind("scan", "address.previous"),
             replace(STORE, writes=("address.previous", "nodes")),
-            replace(RESOLVE, reads=("counter", "address.previous", "nodes")),
+            tiled(replace(RESOLVE, reads=("counter", "address.previous", "nodes"))),
         ),
     ),
     Method(

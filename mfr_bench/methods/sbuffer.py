@@ -9,12 +9,15 @@ from .shared import (
     OCCUPIED,
     PAYLOAD,
     RESOLVE_OPTIONS,
+    REUSE_COUNT,
     TOUCHED_TILES,
     UNOCCUPIED,
     K,
+    again,
     clear,
     count,
     occupied,
+    once,
     resolve,
     tiled,
 )
@@ -48,15 +51,21 @@ def referencing(bounded: bool = False) -> tuple[Pass, ...]:
                  writes=("address", "nodes") if bounded else ("address",), defines=defines))
 
 
-PLAIN = (count(), *referencing(), STORE)
+def rewind(name: str, address: str = "address") -> Pass:
+    """The pass that takes addresses back to where STORE found them."""
+    return again(name, "methods/sbuffer/rewind.frag", address, reads=("counter",))
+
+
+PLAIN = (*once(count(), *referencing()), rewind("referencing"), STORE)
 
 
 def occupied_steps() -> tuple[Pass, ...]:
     """`PLAIN` with OCCUPANCY: count and store see the same fragments, and the groups add up to the capacity."""
     *occupancy, counting, storing = occupied(count(), STORE)
     address, offset = referencing()
-    return (*occupancy, counting, replace(address, when=UNOCCUPIED),
-            replace(address, totals="group_total", when=OCCUPIED), offset, storing)
+    counted = once(counting, replace(address, when=UNOCCUPIED), replace(address, totals="group_total", when=OCCUPIED),
+                   offset)
+    return (*occupancy, *counted, rewind("referencing"), storing)
 
 
 def sbuffer(method_id: str, name: str, source: str, summary: str, fill: tuple[Pass, ...] = PLAIN,
@@ -66,7 +75,7 @@ def sbuffer(method_id: str, name: str, source: str, summary: str, fill: tuple[Pa
         words="2*f + 2", beside=SHARED_COUNTERS, capacity=Counted(),
         buffers=(COUNTER, ADDRESS, Buffer("group_total", "counters", clear="0u"), NODES),
         steps=(
-            clear("counter", "group_total"),
+            *once(clear("counter", "group_total")),
             *fill,
             tiled(finish),
         ),
@@ -76,14 +85,14 @@ def sbuffer(method_id: str, name: str, source: str, summary: str, fill: tuple[Pa
 
 METHODS = [
     sbuffer("ab-sb", "AB_SB", "sbuffer_2012 §3", "S-buffer: ranges from S shared counters, only for non-empty pixels",
-            params=(COUNTERS, MAPPING, HASH, *RESOLVE_OPTIONS, TOUCHED_TILES, PAYLOAD)),
+            params=(COUNTERS, MAPPING, HASH, *RESOLVE_OPTIONS, TOUCHED_TILES, REUSE_COUNT, PAYLOAD)),
     sbuffer("ab-lbuffer", "l-buffer", "Lipowski 2010; sbuffer_2012 §2, §4",
             "ranges from one shared counter, only for non-empty pixels",
-            params=(*RESOLVE_OPTIONS, TOUCHED_TILES, PAYLOAD),
+            params=(*RESOLVE_OPTIONS, TOUCHED_TILES, REUSE_COUNT, PAYLOAD),
             fixed=(COUNTERS.at(1), MAPPING.at("forward"), HASH.at("column"))),
     sbuffer("kb-ab-sb", "KB-AB_SB", "kplus_2015 §2, §5", "S-buffer of all fragments; the resolve picks the k nearest",
             fill=occupied_steps(), finish=resolve("counter", "address", "nodes", fetch=FETCH, select=True),
             guarantee="exact k nearest",
             ties="kept; the first to arrive wins the last place", local="k",
-            params=(K, COUNTERS, MAPPING, HASH, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED_TILES, PAYLOAD)),
+            params=(K, COUNTERS, MAPPING, HASH, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED_TILES, REUSE_COUNT, PAYLOAD)),
 ]

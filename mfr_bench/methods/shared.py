@@ -16,6 +16,7 @@ from .spec import (
     TILE_COMMAND,
     TILE_LIST,
     Buffer,
+    Loop,
     Param,
     Params,
     Pass,
@@ -62,6 +63,9 @@ TOUCHED = Param("touched", "off", "what clears and resolves touch: the viewport 
 TOUCHED_TILES = replace(TOUCHED, doc="what the resolve touches: the viewport (off), or only tiles of 8x8 pixels that "
                         "have fragments, listed on the device after the store (tiles); the image is cleared beside",
                         choices=("off", "tiles"))
+REUSE_COUNT = Param("reuse_count", "off", "fragments are counted, and ranges made, in every frame (off), or in the "
+                    "first frame of a scene for all that follow until it changes (on): frames of a still scene are "
+                    "then timed without their count", choices=ON_OFF)
 ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emulated by 32-bit ones",
                  choices=("native", "emulated"), needs={"native": "shader_atomic_int64"})
 EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of `culling_opacity`",
@@ -86,6 +90,8 @@ OCCUPANCY = Param("occupancy", 0, "intervals of the occupancy map, by which frag
                   "before the store, by early z where the store has no depth or stencil test of its own; 0: none",
                   of=(0, 32, 64, 128), low=0, high=128)
 
+Expand = Callable[[Pass, Params], tuple[Pass, ...]]
+
 CLEARED = (0.0, 0.0, 0.0, 0.0)
 CLEAR_IMAGE = Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,))
 
@@ -102,10 +108,30 @@ def touching(*steps: Pass) -> tuple[Pass, ...]:
                       for p in (tiled(p) if IMAGE in p.into else p for p in steps)))
 
 
-def _within(step: Pass, scope: Params, expand: Callable[[Pass, Params], tuple[Pass, ...]] | None) -> tuple[Pass, ...]:
-    made = expand(step, scope) if expand else (replace(step, expand=None),)
+def _within(step: Pass, scope: Params, expand: Expand | None) -> tuple[Pass, ...]:
+    made = _made(step, scope, expand)
     bounded = scope.get("touched") == "bounds"
     return tuple(replace(p, region=bounded and p.kind == "fullscreen") for p in made)
+
+
+def _made(step: Pass, scope: Params, expand: Expand | None) -> tuple[Pass, ...]:
+    return expand(step, scope) if expand else (replace(step, expand=None),)
+
+
+def once(*steps: Pass | Loop) -> tuple[Pass | Loop, ...]:
+    """The steps with REUSE_COUNT as their parameter: what they leave must stand, or be restored by `again`."""
+    return tuple(replace(s, passes=once(*s.passes)) if isinstance(s, Loop)
+                 else replace(s, expand=partial(_once, expand=s.expand)) for s in steps)
+
+
+def _once(step: Pass, scope: Params, expand: Expand | None) -> tuple[Pass, ...]:
+    still = False if scope.get("reuse_count") == "on" else None
+    return tuple(replace(p, still=still) for p in _made(step, scope, expand))
+
+
+def again(name: str, shader: str, *writes: str, **more) -> Pass:
+    """The pass that restores what the frame before has changed of what `once` has made."""
+    return Pass(name, "fullscreen", shader, writes=writes, still=True, when=when("reuse_count", "on"), **more)
 
 
 def tiled(step: Pass) -> Pass:
@@ -113,7 +139,7 @@ def tiled(step: Pass) -> Pass:
     return replace(step, expand=partial(_tile_by_tile, expand=step.expand))
 
 
-def _tile_by_tile(step: Pass, scope: Params, expand: Callable[[Pass, Params], tuple[Pass, ...]]) -> tuple[Pass, ...]:
+def _tile_by_tile(step: Pass, scope: Params, expand: Expand) -> tuple[Pass, ...]:
     made = expand(step, scope)
     return (*_list_tiles(step), *map(_by_tile, made)) if scope.get("touched") == "tiles" else made
 

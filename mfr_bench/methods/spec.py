@@ -396,6 +396,7 @@ class Pass:
     runs_in: Callable[[Plan], bool] | None = None  # of a planned method: whether a frame of this plan needs the pass
     region: bool = False  # only the rectangle that bounds the geometry on the screen; a clear: all but that
     by_tile: bool = False  # only the tiles of TILE_LIST, drawn or dispatched as TILE_COMMAND has it on the device
+    still: bool | None = None  # False: only in a scene's first frame, for all; True: only in frames after that
     tallies: bool = False  # count the samples that pass, for the plan of the next frame
     probes: str | None = None  # the counter outside the method's memory that it fills; runs where that is asked for
     expand: Callable[[Pass, Params], tuple[Pass, ...]] | None = None
