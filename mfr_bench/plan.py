@@ -119,6 +119,10 @@ def judge(cell: Cell, catalog: Mapping[str, Method], sizes: Sizes, limits: Limit
     side = max(sizes.W, sizes.H)
     if limits and side > limits.max_texture_size:
         return "over_budget", f"needs textures of {side} pixels a side, the device allows {limits.max_texture_size}"
+    allowed, least = variant.budget_bytes, variant.least_bytes(sizes)
+    if least > allowed:
+        return "over_budget", (f"needs at least {_mib(least)}, {variant.method.capacity.budget} allows it "
+                               f"{_mib(allowed)}")
     memory = variant.memory_bytes(sizes)
     for buffer in variant.buffers:
         if limits and memory[buffer.name] > limits.max_block_bytes:

@@ -17,12 +17,12 @@ PACKAGE = Path(mfr_bench.__file__).parent
 # From left to right; a module imports only from its own layer and those before it. Longer names bind first.
 LAYERS = (
     "errors", "resources", "hashing", "stats", "stability", "environment",
-    "methods.spec", "prediction", "methods.shared", "methods",
+    "methods.spec", "prediction", "bands", "methods.shared", "methods",
     "config", "plan", "scene", "twochannel", "oracle", "quality", "instrument", "glsl", "gpu", "measure",
     "store", "arrays", "journal", "reference", "forecast", "report", "claims", "compare",
     "run", "cli", "__main__",
 )
-WITHOUT_GL = ("errors", "resources", "hashing", "stats", "stability", "environment", "prediction", "methods",
+WITHOUT_GL = ("errors", "resources", "hashing", "stats", "stability", "environment", "prediction", "bands", "methods",
               "config", "plan",
               "scene", "twochannel", "oracle", "quality", "instrument", "glsl", "store", "arrays", "journal",
               "reference", "forecast", "report", "claims", "compare")

@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from .. import twochannel
+from ..bands import Rectangle, bands
 from ..errors import CapacityError
 from ..glsl import (
     COLOURS_BINDING,
@@ -148,6 +149,8 @@ class Frame:
         self._shown = quads.scene
         self._drawn: Geometry | None = None  # the scene of the latest frame, while all that it left is in place
         self._plan: Plan | None = None  # of the latest frame, of a planned method
+        self._budgeted = variant.room(sizes)  # most elements of a planned method with a budget
+        self.band: Rectangle | None = None  # of the loop over bands that is running
         self._fragments: int | None = None  # of the latest frame of a planned method, once it is known
         self._uniforms = device.ctx.buffer(reserve=4 * (len(FRAME_FIELDS) + len(REGION_FIELDS)))
         self._diagnostics = device.ctx.buffer(bytes(4 * len(DIAGNOSTICS) + 8 * len(WORK)))
@@ -242,7 +245,7 @@ class Frame:
             self._fragments, self._tallied = self.gl.query_result(self._tally), False
         *_, columns, rows = self.region
         layers = replace(self.sizes, quads=len(self._shown)).most_layers
-        known = Known(layers, columns * rows, self.sizes.P, self._fragments)
+        known = Known(layers, columns * rows, self.sizes.P, self._fragments, self._budgeted)
         return self.variant.method.capacity.rule(known, self.variant.scope)
 
     def _begin(self, plan: Plan) -> None:
@@ -254,6 +257,8 @@ class Frame:
 
     def _loop(self, loop: Loop, mark: Mark | None) -> int:
         """Iterations begun; `.previous` then names what the last of them wrote."""
+        if loop.bands:
+            return self._loop_bands(loop, mark)
         times = int(evaluate(loop.times, self.sizes, self.variant.scope)) if loop.passes else 0
         for iteration in range(times):
             for step in loop.passes:
@@ -261,6 +266,20 @@ class Frame:
                 if loop.until_empty and step.counts and counted == 0:
                     return iteration + 1
         return times
+
+    def _loop_bands(self, loop: Loop, mark: Mark | None) -> int:
+        """The passes once for each band, of which there are any where the plan says so."""
+        if not (loop.passes and self._plan and self._plan.banded):
+            return 0
+        sums = self.words(loop.bands).reshape(self.sizes.H, -1)
+        try:
+            for band in bands(sums, self.region, self._budgeted):
+                self.band = band
+                for step in loop.passes:
+                    self._run(step, 0, mark)
+        finally:
+            self.band = None
+        return 0
 
     def _run(self, step: Pass, iteration: int, mark: Mark | None) -> int | None:
         runner = None if step.probes and not self._probing else self._runner(step)
@@ -279,7 +298,7 @@ class Frame:
             self.gl.glEndQuery(rawgl.SAMPLES_PASSED)
             counted = self._counted = self.gl.query_result(self._query)
             if isinstance(self.variant.method.capacity, (Counted, Planned)):
-                self._set_capacity(counted)
+                self._set_capacity(counted if self._budgeted is None else max(0, min(counted, self._budgeted)))
             self._fragments, self._tallied_scene = counted, self._shown
         if step.totals:
             self._set_capacity(int(self.words(step.totals).sum()))
@@ -550,17 +569,27 @@ class PassRunner:
         if self.step.kind == "fullscreen":
             self._draw_screen()
         elif len(self.frame.quads.scene):
-            self.vao.render(mode=5, vertices=4, instances=len(self.frame.quads.scene))  # GL_TRIANGLE_STRIP
+            count = len(self.frame.quads.scene)
+            self._within(self._band, lambda: self.vao.render(mode=5, vertices=4, instances=count))  # GL_TRIANGLE_STRIP
 
     def _clear(self, framebuffer: Framebuffer, texture: Texture, values: tuple[float, ...]) -> None:
-        if not (self.step.region and self.step.kind == "clear"):
-            framebuffer.clear(texture, values)
-            return
-        self.gl.glEnable(rawgl.SCISSOR_TEST)
-        for border in _around(*self.frame.region, *framebuffer.size):
-            self.gl.glScissor(*border)
-            framebuffer.clear(texture, values)
-        self.gl.glDisable(rawgl.SCISSOR_TEST)
+        beside = self.step.region and self.step.kind == "clear"
+        for rectangle in _around(*self.frame.region, *framebuffer.size) if beside else (self._band,):
+            self._within(rectangle, lambda: framebuffer.clear(texture, values))
+
+    @property
+    def _band(self) -> Rectangle | None:
+        """The part of the screen that a loop over bands leaves the pass."""
+        return self.frame.band if self.step.region else None
+
+    def _within(self, rectangle: Rectangle | None, draw: Callable[[], None]) -> None:
+        """Draw or clear only the rectangle; None: the whole viewport."""
+        if rectangle:
+            self.gl.glEnable(rawgl.SCISSOR_TEST)
+            self.gl.glScissor(*rectangle)
+        draw()
+        if rectangle:
+            self.gl.glDisable(rawgl.SCISSOR_TEST)
 
     def _tile_command(self):
         """The buffer of the indirect command, once what shaders have written there and to the list is in place."""
@@ -571,12 +600,8 @@ class PassRunner:
         if self.step.by_tile:
             self.vao.render_indirect(self._tile_command(), mode=5, count=1)  # GL_TRIANGLE_STRIP
             return
-        if self.step.region:
-            self.gl.glEnable(rawgl.SCISSOR_TEST)
-            self.gl.glScissor(*self.frame.region)
-        self.vao.render(mode=4, vertices=3, instances=self.instances)  # GL_TRIANGLES
-        if self.step.region:
-            self.gl.glDisable(rawgl.SCISSOR_TEST)
+        self._within(self._band or (self.frame.region if self.step.region else None),
+                     lambda: self.vao.render(mode=4, vertices=3, instances=self.instances))  # GL_TRIANGLES
 
     def _zero(self, iteration: int) -> None:
         """Clear the buffers that a pass of kind `clear` writes, by the driver."""

@@ -14,7 +14,7 @@ from ..methods.spec import Loop, Pass
 from . import rawgl
 from .frame import Frame, PassRunner
 
-RASTERIZED = Pass("rasterized", "geometry", "probe/rasterized.frag")
+RASTERIZED = Pass("rasterized", "geometry", "probe/rasterized.frag", region=True)
 
 Work = Counter[str]
 
@@ -120,6 +120,7 @@ class CountingRunner(PassRunner):
 
     def _add_targets(self, passed: int) -> None:
         geometry = self.step.kind == "geometry"
+        rasterized = _rasterized(self.frame) if geometry and self._band else self.rasterized
         texels = {ref: self.frame.texture(ref, 0) for ref in self.step.into}
         words = {ref: texture.bytes // (4 * self.frame.sizes.P) for ref, texture in texels.items()}
         colour = sum(count for ref, count in words.items() if not texels[ref].is_depth)
@@ -127,11 +128,16 @@ class CountingRunner(PassRunner):
         written = colour + depth * self.writes_depth
         tested = bool(self.step.state.depth_test or self.step.state.stencil)
         self.work.update({
-            "rasterized": self.rasterized * geometry, "passed": passed, "words_written": passed * written,
+            "rasterized": rasterized * geometry, "passed": passed, "words_written": passed * written,
             "words_read": (passed * colour if self.step.state.blend else 0)
-            + depth * tested * (self.rasterized if geometry else self.frame.sizes.P)})
+            + depth * tested * (rasterized if geometry else self._pixels)})
+
+    @property
+    def _pixels(self) -> int:
+        """Pixels of the band, or of the viewport."""
+        return self._band[2] * self._band[3] if self._band else self.frame.sizes.P
 
     def _add_clears(self) -> None:
         for ref in self.step.clears:
-            texture = self.frame.texture(ref, 0)
-            self.work.update({"cleared": self.frame.sizes.P, "words_written": texture.bytes // 4})
+            words = self.frame.texture(ref, 0).bytes // 4
+            self.work.update({"cleared": self._pixels, "words_written": words * self._pixels // self.frame.sizes.P})

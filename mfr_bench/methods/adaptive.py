@@ -9,6 +9,9 @@ how many fragments the frame before had. From these it plans the frame:
 - `ranges`: a count by blending, then each pixel takes a range of exactly its fragments; empty pixels take none.
 - `cut`: the same, of what lies before the depth behind which no more than `max_error` shows through.
 
+With a budget of memory that may not hold all fragments, `ranges` and `cut` go band by band: what follows the count
+is drawn once for each of the rectangles whose fragments fit.
+
 No plan can lose a fragment: what the frame before had only decides how much memory `dense` may take. The fragments of
 a pixel are sorted in registers, by a network as small as their number allows; beyond 32 the nearest 32 are kept,
 sweep by sweep, until all are composited or no more than `max_error` shows through.
@@ -19,8 +22,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
+from ..bands import SEGMENT
 from .shared import CLEARED, HELD, PAYLOAD, PIXEL_CLASS
-from .spec import IMAGE, OVER, Buffer, Known, Method, Param, Params, Pass, Plan, Planned, State, Target, When
+from .spec import IMAGE, OVER, Buffer, Known, Loop, Method, Param, Params, Pass, Plan, Planned, State, Target, When
 
 ORDER = 9
 
@@ -29,6 +33,8 @@ EXACT = 2.0**-15  # of the transmittance: a third of what an exact image may dif
 MAX_ERROR = Param("max_error", EXACT, "largest error of a channel by which fragments far behind others may be left "
                   "out; by default so small that the image counts as exact", real=True, low=0, high=1,
                   weakens={"0.0000306-1": "fragments behind others may be left out, an error of up to max_error"})
+MEMORY_MB = Param("memory_mb", 0.0, "most memory in MiB; where it does not hold all fragments at once, the frame is "
+                  "stored and resolved in several bands; 0: any number", real=True, low=0, high=2**20, off=0.0)
 
 DIRECT, DENSE, RANGES, CUT = "direct", "dense", "ranges", "cut"
 SPARE = 1 / 20  # of the memory of exact ranges and two words per pixel, that `dense` may take beside it
@@ -46,14 +52,15 @@ def plan(known: Known, params: Params) -> Plan:
     """The cheapest way that is right and stays within the memory of exact ranges and SPARE."""
     if known.layers <= 1:
         return Plan(DIRECT, known, 0)
-    if float(params.get("max_error", EXACT)) > EXACT and known.layers >= WORTH_CUTTING:
-        return Plan(CUT, known)
     cells = known.layers * known.area
-    if known.fragments is not None:
+    banded = known.room is not None and cells > known.room
+    if float(params.get("max_error", EXACT)) > EXACT and known.layers >= WORTH_CUTTING:
+        return Plan(CUT, known, banded=banded)
+    if known.fragments is not None and not banded:
         room = known.fragments + SPARE * (known.fragments + known.pixels)
         if cells <= room:
             return Plan(DENSE, known, cells)
-    return Plan(RANGES, known)
+    return Plan(RANGES, known, banded=banded)
 
 
 @dataclass(frozen=True)
@@ -61,10 +68,11 @@ class Above(When):
     """Holds where the parameter `name` is above the one value."""
 
     def holds(self, params: Params) -> bool:
-        return float(params[self.name]) > float(self.values[0])
+        return float(params[self.name]) > float(self.values[0]) and (self.also is None or self.also.holds(params))
 
 
 APPROXIMATE = Above(MAX_ERROR.name, (EXACT,))
+BUDGETED = Above(MEMORY_MB.name, (0.0,))
 
 
 @dataclass(frozen=True)
@@ -85,7 +93,7 @@ def _in(*paths: str) -> Callable[[Plan], bool]:
 
 def _beside(plan: Plan) -> bool:
     """Whether the resolve leaves pixels out beside the region."""
-    return plan.path != DIRECT and plan.known.area < plan.known.pixels and not _classed(plan)
+    return plan.path != DIRECT and not plan.banded and plan.known.area < plan.known.pixels and not _classed(plan)
 
 
 def _classed(plan: Plan) -> bool:
@@ -97,6 +105,15 @@ WHOLE = Layout(lambda plan: plan.path == DENSE and plan.known.area == plan.known
 PART = Layout(lambda plan: plan.path == DENSE and plan.known.area < plan.known.pixels, {"DENSE": 1, "PART": 1})
 EXACT_RANGES = Layout(_in(RANGES, CUT), {"DENSE": 0, "PART": 0})
 LAYOUTS = (WHOLE, PART, EXACT_RANGES)
+
+
+def _cleared(plan: Plan) -> bool:
+    """Whether the resolve leaves pixels out anywhere."""
+    return plan.banded or _classed(plan)
+
+
+def _banded(plan: Plan) -> bool:
+    return plan.banded
 
 
 def _ranged(plan: Plan) -> bool:
@@ -140,6 +157,30 @@ ALLOCATE = Pass("allocate", "fullscreen", "methods/adaptive/allocate.frag", regi
                 writes=("counter", "taken"))
 STORE = Pass("store", "geometry", "methods/adaptive/store.frag", writes=("counter", "nodes"))
 
+# After the count: a range for each pixel, the fragments in it, and what counts them; after that the image.
+STORED = (
+    Pass("clear", "clear", writes=("taken",), runs_in=_in(RANGES, CUT)),
+    replace(ALLOCATE, defines={"CLASSED": 0, "PART": 0}, runs_in=_ranged),
+    replace(ALLOCATE, defines={"CLASSED": 1, "PART": 0}, runs_in=_classed, into=(PIXEL_CLASS.name,),
+            clears={PIXEL_CLASS.name: (1.0,)}, state=State(depth_test="always")),
+    *(replace(STORE, defines=layout.defines, runs_in=layout.runs_in, tallies=bool(layout.defines["DENSE"]))
+      for layout in (WHOLE, PART)),
+    replace(STORE, defines=EXACT_RANGES.defines, runs_in=_in(RANGES)),
+    _before_cut(replace(STORE, defines=EXACT_RANGES.defines)),
+    *(Pass("resolve", "fullscreen", "methods/adaptive/held.frag", region=True, reads=layout.reads,
+           defines=layout.defines, runs_in=layout.runs_in, probes=HELD) for layout in LAYOUTS),
+)
+RESOLVED = _resolves()
+
+
+def _at_once(step: Pass) -> Pass:
+    return replace(step, runs_in=lambda plan: step.runs_in(plan) and not plan.banded)
+
+
+def _of_band(step: Pass) -> Pass:
+    return replace(step, region=step.kind != "clear", runs_in=lambda plan: step.runs_in(plan) and plan.banded,
+                   when=step.when & BUDGETED if step.when else BUDGETED)
+
 METHODS = [
     Method(
         id="adaptive", name="Adaptive", family="adaptive", source="mfr-bench, see docs/adaptive.md",
@@ -147,15 +188,18 @@ METHODS = [
                 "exact ranges; sorts in registers as few fragments as a pixel has",
         guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
         beside="one word for the cells taken; where cells are dense, at most a twentieth of 2f + 2 for those that stay "
-               "empty; with max_error above its default, two words per pixel for the cut",
-        params=(MAX_ERROR, PAYLOAD), leaves_out=MAX_ERROR.name, deepest=DEEPEST, capacity=Planned(plan),
-        buffers=(Buffer("counter", "P"), Buffer("taken", "1"), Buffer("nodes", "2*capacity", type="FRAGMENT")),
+               "empty; with max_error above its default, two words per pixel for the cut; with memory_mb one for each "
+               f"{SEGMENT} pixels of a row, and no more fragments at a time than it leaves room for",
+        params=(MAX_ERROR, MEMORY_MB, PAYLOAD), leaves_out=MAX_ERROR.name, deepest=DEEPEST,
+        capacity=Planned(plan, budget=MEMORY_MB.name, least=f"min(F, {SEGMENT}*n)"),
+        buffers=(Buffer("counter", "P"), Buffer("taken", "1"), Buffer("nodes", "2*capacity", type="FRAGMENT"),
+                 Buffer("sums", f"H*ceil(W/{SEGMENT})", when=BUDGETED)),
         targets=(Target("tally", "r16"), replace(PIXEL_CLASS, format="depth16"),
                  Target("opacity", "rgba8", when=APPROXIMATE), Target("cut_depth", "depth32f", when=APPROXIMATE)),
         steps=(
             Pass("blend", "geometry", "methods/baseline/floor.frag", into=(IMAGE,), clears={IMAGE: CLEARED},
                  state=State(blend=OVER), runs_in=_in(DIRECT)),
-            Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), runs_in=_classed),
+            Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), runs_in=_cleared),
             Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), region=True, runs_in=_beside),
             Pass("clear", "clear", writes=("counter",), runs_in=_in(DENSE)),
             Pass("cut", "geometry", "methods/adaptive/opacity.frag", into=("opacity",), clears={"opacity": CLEARED},
@@ -164,18 +208,13 @@ METHODS = [
                  state=State(depth_test="always"), runs_in=_in(CUT), when=APPROXIMATE),
             replace(COUNT, runs_in=_in(RANGES)),
             _before_cut(COUNT),
-            Pass("clear", "clear", writes=("taken",), runs_in=_in(RANGES, CUT)),
-            replace(ALLOCATE, defines={"CLASSED": 0, "PART": 0}, runs_in=_ranged),
-            replace(ALLOCATE, defines={"CLASSED": 1, "PART": 0}, runs_in=_classed, into=(PIXEL_CLASS.name,),
-                    clears={PIXEL_CLASS.name: (1.0,)}, state=State(depth_test="always")),
-            *(replace(STORE, defines=layout.defines, runs_in=layout.runs_in, tallies=bool(layout.defines["DENSE"]))
-              for layout in (WHOLE, PART)),
-            replace(STORE, defines=EXACT_RANGES.defines, runs_in=_in(RANGES)),
-            _before_cut(replace(STORE, defines=EXACT_RANGES.defines)),
-            *(Pass("resolve", "fullscreen", "methods/adaptive/held.frag", region=True, reads=layout.reads,
-                   defines=layout.defines, runs_in=layout.runs_in, probes=HELD) for layout in LAYOUTS),
+            *map(_at_once, STORED),
             Pass("blend", "geometry", "methods/adaptive/blended.frag", runs_in=_in(DIRECT), probes=HELD),
-            *_resolves(),
+            *map(_at_once, RESOLVED),
+            Pass("clear", "clear", writes=("sums",), runs_in=_banded, when=BUDGETED),
+            Pass("allocate", "fullscreen", "methods/adaptive/sums.frag", region=True, reads=("tally",),
+                 writes=("sums",), defines={"SEGMENT": SEGMENT}, runs_in=_banded, when=BUDGETED),
+            Loop(tuple(_of_band(step) for step in (*STORED, *RESOLVED) if not step.defines.get("DENSE")), bands="sums"),
         ),
     ),
 ]

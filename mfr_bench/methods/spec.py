@@ -101,7 +101,8 @@ def evaluate(formula: str, sizes: Sizes, params: Params) -> float:
 class Param:
     """One parameter of a method: a whole number in [low, high] or `of` a list, one of `choices`, or a `real` number.
 
-    A real number lies between the bounds, of which it reaches none, or with `closed` the upper one.
+    A real number lies between the bounds, of which it reaches none, or with `closed` the upper one. `off` is allowed
+    beside them.
     """
 
     name: str
@@ -112,6 +113,7 @@ class Param:
     high: float = 1024
     real: bool = False
     closed: bool = False
+    off: float | None = None
     of: tuple[int, ...] = ()
     needs: Mapping[str, str] = field(default_factory=dict)  # choice, or a range "5-8" -> feature the device must have
     asks: Mapping[str, str] = field(default_factory=dict)  # choice -> what it asks of a scene, a key of SCENE_FACTS
@@ -121,8 +123,9 @@ class Param:
     @property
     def allowed(self) -> str:
         if self.real:
-            return (f"a number above {self.low}, up to {self.high}" if self.closed
-                    else f"a number between {self.low} and {self.high}")
+            off = "" if self.off is None else f"{self.off:g} or "
+            return off + (f"a number above {self.low}, up to {self.high}" if self.closed
+                          else f"a number between {self.low} and {self.high}")
         if self.choices or self.of:
             return " | ".join(map(str, self.choices or self.of))
         return f"a whole number from {self.low} to {self.high}"
@@ -157,6 +160,7 @@ class Param:
         inside = number and self.low <= value <= self.high
         if self.real:
             inside = inside and value != self.low and (self.closed or value != self.high)
+            inside = inside or (number and value == self.off)
         if not inside or (self.of and value not in self.of):
             raise ValueError(f"{value!r} is not allowed; allowed: {self.allowed}")
         return float(value) if self.real else value
@@ -241,25 +245,33 @@ class Known:
     area: int  # pixels of the rectangle that bounds the geometry on the screen
     pixels: int  # of the viewport
     fragments: int | None  # of the frame before; None where there was none
+    room: int | None = None  # elements that the budget allows; None: any number
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How a frame is drawn: which passes run, and room for how many elements; None: counted within the frame."""
+    """How a frame is drawn: which passes run, and room for how many elements; None: counted within the frame.
+
+    `banded`: the budget may not hold all elements at once, so that loops over bands run.
+    """
 
     path: str
     known: Known
     capacity: int | None = None
+    banded: bool = False
 
 
 @dataclass(frozen=True)
 class Planned:
     """The passes and the capacity of each frame are planned by the host before it, by `rule`.
 
-    The passes that `runs_in` lets run have to be right whatever the frame before had.
+    The passes that `runs_in` lets run have to be right whatever the frame before had. `budget` names the parameter
+    that holds the most MiB, 0 for any number; a band then has at most `least` elements, a formula.
     """
 
     rule: Callable[[Known, Params], Plan]
+    budget: str | None = None
+    least: str = "F"
 
 
 # FRAGMENT is a depth with its payload, PAYLOAD a payload; formulas count them with the plain payload of one word.
@@ -394,7 +406,7 @@ class Pass:
     when: When | None = None
     needed: str | None = None  # a formula; the pass is left out where it gives 0
     runs_in: Callable[[Plan], bool] | None = None  # of a planned method: whether a frame of this plan needs the pass
-    region: bool = False  # only the rectangle that bounds the geometry on the screen; a clear: all but that
+    region: bool = False  # only the rectangle that bounds the geometry, or the loop's band; a clear: all but that
     by_tile: bool = False  # only the tiles of TILE_LIST, drawn or dispatched as TILE_COMMAND has it on the device
     still: bool | None = None  # False: only in a scene's first frame, for all; True: only in frames after that
     tallies: bool = False  # count the samples that pass, for the plan of the next frame
@@ -406,11 +418,16 @@ class Pass:
 
 @dataclass(frozen=True)
 class Loop:
-    """Passes repeated at most `times` (a formula); with `until_empty`, until the counting pass sees none."""
+    """Passes repeated at most `times` (a formula); with `until_empty`, until the counting pass sees none.
+
+    `bands`: repeated instead for each band of the region whose elements the budget holds; its name is that of the
+    buffer with the fragments of each `mfr_bench.bands.SEGMENT` pixels of a row. Passes with `region` touch the band.
+    """
 
     passes: tuple[Pass, ...]
-    times: str
+    times: str = "1"
     until_empty: bool = True
+    bands: str | None = None
 
 
 Guarantee = Literal["exact all", "exact k nearest", "exact k best", "approximate", "none"]
@@ -655,14 +672,37 @@ class Variant:
             return int(evaluate(self.method.capacity.elements, sizes, self.scope))
         if isinstance(self.method.capacity, Planned):
             plan = self.plan(sizes)
-            return sizes.F if plan.capacity is None else plan.capacity
+            counted = sizes.F if plan.known.room is None else max(0, min(sizes.F, plan.known.room))
+            return counted if plan.capacity is None else plan.capacity
         decision = self.decision(sizes)
         return decision.capacity if decision else sizes.F
 
     def plan(self, sizes: Sizes) -> Plan:
         """The plan of a frame whose scene was shown before, of a planned method."""
         area = sizes.P if sizes.area is None else sizes.area
-        return self.method.capacity.rule(Known(sizes.most_layers, area, sizes.P, sizes.F), self.scope)
+        return self.method.capacity.rule(Known(sizes.most_layers, area, sizes.P, sizes.F, self.room(sizes)),
+                                         self.scope)
+
+    @property
+    def budget_bytes(self) -> int:
+        """Bytes that a parameter of the method allows it; 0: any number."""
+        planned = self.method.capacity
+        named = isinstance(planned, Planned) and planned.budget
+        return int(float(self.scope[planned.budget]) * 2**20) if named else 0
+
+    def room(self, sizes: Sizes) -> int | None:
+        """Elements that the budget allows beside what every frame takes, below 1 where that is too much already."""
+        if not self.budget_bytes:
+            return None
+        one, two = (sum(self.memory_bytes(sizes, elements).values()) for elements in (1, 2))
+        return (self.budget_bytes - one) // (two - one) + 1
+
+    def least_bytes(self, sizes: Sizes) -> int:
+        """Bytes of the smallest budget by which the method can draw any scene of these sizes; 0 where it has none."""
+        if not self.budget_bytes:
+            return 0
+        least = max(1, int(evaluate(self.method.capacity.least, sizes, self.scope)))
+        return sum(self.memory_bytes(sizes, least).values())
 
     def start_capacity(self, sizes: Sizes) -> int:
         """Elements allocated before anything is known of the frame; 0 where the frame counts them first."""
@@ -686,9 +726,12 @@ class Variant:
         """Words of each element beyond those that the buffer's formula counts."""
         return self.payload_words - 1 if buffer.type in ("FRAGMENT", "PAYLOAD") else 0
 
-    def memory_bytes(self, sizes: Sizes) -> dict[str, int]:
-        """Bytes of each resource, by name. The image that all methods share is not counted."""
-        buffers = {b.name: b.copies * self.block_bytes(b, sizes) for b in self.buffers}
+    def memory_bytes(self, sizes: Sizes, capacity: int | None = None) -> dict[str, int]:
+        """Bytes of each resource, by name, with as much capacity as the frame needs or as is given.
+
+        The image that all methods share is not counted.
+        """
+        buffers = {b.name: b.copies * self.block_bytes(b, sizes, capacity) for b in self.buffers}
         targets = {t.name: int(4 * FORMAT_WORDS[t.format]) * t.copies * sizes.P * self.samples(t, sizes)
                    * self.layer_count(t, sizes) for t in self.targets}
         return buffers | targets
@@ -696,7 +739,8 @@ class Variant:
     @property
     def stores_fewer(self) -> bool:
         """Whether fragments may be discarded before they take room: the declared bytes are then the most."""
-        return bool(self.scope.get("occupancy")) and isinstance(self.method.capacity, (Grown, Counted))
+        cut = self.method.leaves_out and self.guarantee == "approximate" and isinstance(self.method.capacity, Planned)
+        return bool(cut or (self.scope.get("occupancy") and isinstance(self.method.capacity, (Grown, Counted))))
 
     def samples(self, target: Target, sizes: Sizes) -> int:
         """Samples of a target's pixel."""

@@ -35,6 +35,7 @@ SLANTED = {
     "rejecting needles": SceneConfig(kind="needles", size=(48, 40), depth_complexity=N, fragment_probability=0.5),
 }
 ALIKE = ("reverse-sorted", "tiles")  # of one depth complexity: what options are tested on
+NUMBERS = {"adaptive": {"max_error": 0.01, "memory_mb": 0.15}}  # of real parameters that switch something on
 KS = (1, 4, 32)  # the Z-buffer's, fewer than the fragments, more than the fragments
 
 
@@ -49,6 +50,7 @@ def variants(method: Method) -> list[Variant]:
     """
     chosen = [{}] + [{**_acting(p.acts), p.name: c}
                      for p in method.params for c in (*p.choices, *p.of) if c != p.default]
+    chosen += [{name: value} for name, value in NUMBERS.get(method.id, {}).items()]
     wide = method.param("atomic64")
     if wide and wide.acts is None:
         chosen += [{**params, "atomic64": "emulated"} for params in chosen if "atomic64" not in params and params]

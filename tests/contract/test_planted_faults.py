@@ -69,6 +69,7 @@ OPTION_FAULTS = [
      "at + 1u < tile_command"),
     ("ab-precalc", {"scan": "fullscreen"}, "methods/precalc/scan.frag", "+", "-"),
     ("ab-sb", {"mapping": "forward"}, "methods/sbuffer/offset.frag", "group < to", "group <= to"),
+    ("adaptive", {"memory_mb": 0.15}, "methods/adaptive/sums.frag", "count);", "1u);"),
     ("kb-ab-array", {"occupancy": 32}, "common/occupancy/cull.frag", "wanted > 1u", "wanted > 2u"),
     ("kb-multi", {"occupancy": 32}, "common/occupancy/cull.frag", "wanted > 1u", "wanted > 2u"),
     ("kb-ab-sb", {"occupancy": 64}, "common/occupancy/mark.frag", "1u << (interval % 32u)", "3u << (interval % 32u)"),
