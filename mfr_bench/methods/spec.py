@@ -151,8 +151,8 @@ class Param:
     def parse(self, value: Any) -> Value:
         """The canonical value, or ValueError saying what is allowed. YAML's bare on/off are booleans."""
         if self.choices:
-            if isinstance(value, bool) and self.choices == ON_OFF:
-                return "on" if value else "off"
+            if isinstance(value, bool) and (word := "on" if value else "off") in self.choices:
+                return word
             if value in self.choices:
                 return value
             raise ValueError(f"{value!r} is not allowed; allowed: {self.allowed}{nearest(str(value), self.choices)}")

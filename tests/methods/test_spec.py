@@ -65,11 +65,12 @@ COUNT = Param("count", 8, "", low=2, high=64)
 SHARE = Param("share", 0.5, "", low=0, high=1, real=True)
 SWITCH = Param("culling", "on", "", choices=("on", "off"))
 SORT = Param("sort", "shell", "", choices=("insertion", "shell"), needs={"insertion": "patience"})
+TOUCHED = Param("touched", "off", "", choices=("off", "bounds"))
 
 
 @pytest.mark.parametrize(("param", "given_", "value"), [
     (COUNT, 2, 2), (COUNT, 64, 64), (SHARE, 0.25, 0.25), (SWITCH, True, "on"), (SWITCH, False, "off"),
-    (SWITCH, "off", "off"), (SORT, "insertion", "insertion"),
+    (SWITCH, "off", "off"), (TOUCHED, False, "off"), (SORT, "insertion", "insertion"),
 ])
 def test_values_are_made_canonical(param, given_, value):
     assert param.parse(given_) == value
@@ -81,6 +82,7 @@ def test_values_are_made_canonical(param, given_, value):
     (COUNT, "8", "'8'"), (COUNT, True, "True"), (COUNT, None, "None"), (COUNT, [8], r"\[8\]"),
     (SHARE, 0, "0 is not allowed; allowed: a number between 0 and 1"), (SHARE, 1, "1"), (SHARE, float("nan"), "nan"),
     (SHARE, float("inf"), "inf"), (SHARE, True, "True"), (SHARE, "0.5", "'0.5'"),
+    (TOUCHED, True, "True"),
     (SORT, "shel", r"'shel' is not allowed; allowed: insertion \| shell; nearest: 'shell'"), (SORT, True, "True"),
     (SWITCH, "yes", "'yes' is not allowed; allowed: on | off"), (SWITCH, 1, "1"),
 ])
