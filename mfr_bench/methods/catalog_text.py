@@ -12,7 +12,7 @@ Every method that mfr-bench runs, from its own declaration (`mfr-bench methods -
 32-bit words per pixel by the paper's formula; n is the most fragments of any pixel, f the fragments of a pixel, f_k at
 most k of them, F all fragments of the frame, P the pixels. What stands beside the words: occupancy takes 3 words per
 pixel and one for every 32 intervals, backwards memory allocation one, a payload of two words one more per fragment;
-`touched: tiles` takes one per tile of 8x8 pixels and 8 per frame.
+`touched: tiles` takes one per tile of 16x16 pixels and 8 per frame.
 Whether a device runs a method, `mfr-bench methods` says.
 """
 

@@ -57,12 +57,12 @@ ACCUMULATE = Param(
 # Of `resolve`; a method may offer some or all.
 RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE, ACCUMULATE, STOP_OPACITY)
 TOUCHED = Param("touched", "off", "what clears and resolves touch: the viewport (off), or the rectangle that bounds "
-                "the geometry, which the host knows (bounds); or the resolve alone only tiles of 8x8 pixels that have "
-                "fragments, listed on the device after the store (tiles); the image is cleared beside it",
+                "the geometry, which the host knows (bounds); or the resolve alone only tiles of 16x16 pixels that "
+                "have fragments, listed on the device after the store (tiles); the image is cleared beside it",
                 choices=("off", "bounds", "tiles"))
-TOUCHED_TILES = replace(TOUCHED, doc="what the resolve touches: the viewport (off), or only tiles of 8x8 pixels that "
-                        "have fragments, listed on the device after the store (tiles); the image is cleared beside",
-                        choices=("off", "tiles"))
+TOUCHED_TILES = replace(TOUCHED, doc="what the resolve touches: the viewport (off), or only tiles of 16x16 pixels "
+                        "that have fragments, listed on the device after the store (tiles); the image is cleared "
+                        "beside", choices=("off", "tiles"))
 REUSE_COUNT = Param("reuse_count", "off", "fragments are counted, and ranges made, in every frame (off), or in the "
                     "first frame of a scene for all that follow until it changes (on): frames of a still scene are "
                     "then timed without their count", choices=ON_OFF)
@@ -150,14 +150,14 @@ def _list_tiles(step: Pass) -> tuple[Pass, ...]:
     return (Pass(step.name, "clear", writes=(TILE_COMMAND,), clears={IMAGE: CLEARED}, into=(IMAGE,)),
             replace(step, kind="compute", shader="common/list_tiles.comp", resolver=None, into=(), buffers=buffers,
                     writes=(TILE_LIST, TILE_COMMAND), groups=f"ceil({TILES}/{LISTERS})", expand=None,
-                    defines={**step.defines, "TILE": TILE, "LISTERS": LISTERS}))
+                    defines={**step.defines, "TILE": LISTED, "LISTERS": LISTERS}))
 
 
 def _by_tile(step: Pass) -> Pass:
     """A pass of a resolve that draws, or dispatches a work group for, each listed tile."""
     if step.kind == "geometry":
         return step
-    step = replace(step, by_tile=True, defines={**step.defines, "TILE": TILE})
+    step = replace(step, by_tile=True, defines={**step.defines, "TILE": LISTED})
     if step.kind == "compute":
         return replace(step, reads=(*step.reads, TILE_LIST, TILE_COMMAND))
     classifies = PIXEL_CLASS in step.targets
@@ -308,8 +308,9 @@ RESOLVER = "common/resolve_local.glsl"  # every other sort works in one local ar
 LPLUS = 32  # l of the l+-depth-sorting (kplus_2015 §4.4)
 NARROWEST, WIDEST = 8, 32  # fragments of the smallest and the largest sorting network
 TILE = 8  # pixels, side of the square that a work group of the compute resolve shades
-TILES = f"ceil(W/{TILE})*ceil(H/{TILE})"
-LISTERS = 128  # tiles that a work group of the listing looks at: all of 16384x16384 pixels in 32768 groups
+LISTED = 16  # pixels, side of the tiles that are listed; along the diagonal of each, pixels are shaded twice
+TILES = f"ceil(W/{LISTED})*ceil(H/{LISTED})"
+LISTERS = 64  # tiles that a work group of the listing looks at: all of 16384x16384 pixels in 16384 groups
 
 # Classes of backwards memory allocation: class i has at most 8 * 2**i fragments; the last has no bound.
 CLASS_BOUNDS = tuple(8 << i for i in range(8))
@@ -364,4 +365,4 @@ def _staged(step: Pass, scope: Params) -> tuple[Pass, ...]:
     return (replace(step, kind="compute", shader="common/resolve.comp", into=(IMAGE,), state=State(), vertex=None,
                     reads=step.reads + ((PIXEL_CLASS.name,) if classed else ()),
                     defines={**step.defines, "TILE": TILE, "CLASSED": int(classed)}, expand=None,
-                    groups=f"min(65535, {TILES})"),)
+                    groups=f"min(65535, ceil(W/{TILE})*ceil(H/{TILE}))"),)

@@ -143,6 +143,6 @@ def test_shared_options_take_the_words_that_the_page_states():
         occupied = sum(array.variant({"occupancy": intervals}).memory_bytes(SIZES).values())
         assert occupied - plain == 4 * SIZES.P * (3 + intervals // 32)
     assert sum(array.variant({"bma": "on"}).memory_bytes(SIZES).values()) - plain == 4 * SIZES.P
-    tiles = -(-SIZES.W // 8) * -(-SIZES.H // 8)
+    tiles = -(-SIZES.W // 16) * -(-SIZES.H // 16)
     assert sum(array.variant({"touched": "tiles"}).memory_bytes(SIZES).values()) - plain == 4 * (tiles + 8)
     assert sum(array.variant({"touched": "bounds"}).memory_bytes(SIZES).values()) == plain

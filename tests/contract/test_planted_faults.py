@@ -62,7 +62,7 @@ OPTION_FAULTS = [
     ("ab-array", {"bma": "on"}, "common/classify.frag", "findMSB(count - 1u) - 2", "findMSB(count - 1u) - 3"),
     ("ab-array", {"payload": "rgba16f"}, "common/payload.glsl", "rgba8 >> 16 & 255u", "rgba8 >> 24 & 255u"),
     ("ab-array", {"resolve": "compute"}, "common/resolve.comp", "xy.y * width + xy.x", "xy.y * width"),
-    ("ab-sb", {"touched": "tiles"}, "common/list_tiles.comp", "y < end.y", "y + 7u < end.y"),
+    ("ab-sb", {"touched": "tiles"}, "common/list_tiles.comp", "y < end.y", "y + 15u < end.y"),
     ("ab-ll", {"touched": "tiles"}, "common/list_tiles.comp", "tile_list[at] = tile", "tile_list[at] = tile + 1u"),
     ("ab-array", {"touched": "tiles"}, "screen/tile.vert", "in_tile / columns", "in_tile % columns"),
     ("ab-array", {"touched": "tiles", "resolve": "compute"}, "common/resolve.comp", "at < tile_command",

@@ -48,7 +48,7 @@ def test_the_list_holds_each_tile_with_fragments_once(device, name):
     try:
         frame.draw_fitting()
         counts = np.flatnonzero(frame.words("counter"))
-        tiles = {int(p % on.sizes.W // 8 + -(-on.sizes.W // 8) * (p // on.sizes.W // 8)) for p in counts}
+        tiles = {int(p % on.sizes.W // 16 + -(-on.sizes.W // 16) * (p // on.sizes.W // 16)) for p in counts}
         command = frame.words(TILE_COMMAND)
         assert sorted(frame.words(TILE_LIST)[:command[1]]) == sorted(tiles)
         assert command.tolist() == [4, len(tiles), 0, 0, len(tiles), 1, 1, 0]
@@ -63,6 +63,6 @@ def test_only_listed_tiles_are_resolved(device):
     try:
         frame.draw_fitting()
         listed = int(frame.words(TILE_COMMAND)[1])
-        assert 0 < work_of(frame)["resolve"]["passed"] <= 64 * listed < on.sizes.P / 4
+        assert 0 < work_of(frame)["resolve"]["passed"] <= 256 * listed < on.sizes.P / 2
     finally:
         frame.release()
