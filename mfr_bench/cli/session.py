@@ -202,7 +202,7 @@ def manifest(experiment, todo, ready) -> dict[str, Any]:
 
     return {
         "name": experiment.name, "title": experiment.title, "source": dict(experiment.source),
-        "config": str(experiment.path), "scene": experiment.scene.as_dict(), "params": dict(experiment.params),
+        "config": experiment.path.name, "scene": experiment.scene.as_dict(), "params": dict(experiment.params),
         "sweep": {name: list(values) for name, values in experiment.sweep.items()},
         "zip": {name: list(values) for name, values in experiment.zip.items()},
         "measure": experiment.measure.as_dict(), "figures": [f.as_dict() for f in experiment.figures],
