@@ -83,6 +83,12 @@ def usable_cores() -> int | None:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
 
+def processor() -> str:
+    """The processor, by its model and the cores that this process may run on."""
+    cores = usable_cores()
+    return ", ".join([cpu_model(_read("/proc/cpuinfo")) or "unknown processor", *([f"{cores} cores"] if cores else [])])
+
+
 def cpu_model(cpuinfo: str) -> str | None:
     """The processor's name in the text of /proc/cpuinfo; elsewhere what Python knows."""
     found = re.search(r"^(?:model name|Model|cpu model)\s*:\s*(.+)$", cpuinfo, re.MULTILINE)

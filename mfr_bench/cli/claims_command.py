@@ -22,7 +22,7 @@ def claims(folders: tuple[str, ...], as_json: bool, as_csv: bool, as_markdown: b
     interval, and whether it holds, does not hold, or cannot be tested here, and why.
 
     \b
-    Examples: mfr-bench claims results/llvmpipe
+    Examples: mfr-bench claims results
               mfr-bench claims results --csv > claims.csv
     """
     from ..claims import CLAIMS, judge_all, load_runs, present

@@ -63,7 +63,7 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
     Examples:
       mfr-bench compare results/before results/after
       mfr-bench compare old new --threshold 5 --strict
-      mfr-bench compare results/llvmpipe results/nvidia-h200 --across-devices
+      mfr-bench compare results/nvidia-h100 results/nvidia-h200 --across-devices
 
     \b
     Exit status: 0 no regression; 4 something is slower, or newly wrong or

@@ -41,7 +41,7 @@ def plot(folders: tuple[str, ...], together: str | None) -> None:
     """Draw the figures of all results at or below DIR again.
 
     \b
-    Examples: mfr-bench plot results/llvmpipe/smoke
+    Examples: mfr-bench plot results/nvidia-h200/smoke
               mfr-bench plot results --together results/devices
     """
     from ..report import write_figures, write_together

@@ -11,6 +11,7 @@ from functools import cached_property
 
 import moderngl
 
+from ..environment import processor
 from ..errors import DeviceError, ShaderError
 from ..glsl import FEATURE_EXTENSIONS, Source
 from ..methods.spec import SAMPLE_FEATURES, SAMPLE_STENCIL
@@ -37,10 +38,15 @@ class Device:
 
     @cached_property
     def info(self) -> dict[str, str]:
-        """Renderer, vendor and version strings, and the slug that names result folders."""
+        """Renderer, vendor and version strings, and the slug that names result folders.
+
+        What a software driver renders on is the processor: it is part of the renderer's name.
+        """
         renderer = str(self.ctx.info["GL_RENDERER"])
-        return {"renderer": renderer, "vendor": str(self.ctx.info["GL_VENDOR"]),
-                "version": str(self.ctx.info["GL_VERSION"]), "slug": slug(renderer), "kind": self.kind}
+        on = processor() if self.kind == "cpu" else ""
+        return {"renderer": f"{renderer} on {on}" if on else renderer, "vendor": str(self.ctx.info["GL_VENDOR"]),
+                "version": str(self.ctx.info["GL_VERSION"]), "kind": self.kind,
+                "slug": f"{slug(renderer)}-{slug(on)}" if on else slug(renderer)}
 
     @property
     def kind(self) -> str:

@@ -5,6 +5,7 @@ import re
 import pytest
 
 from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.environment import processor
 from mfr_bench.gpu.device import slug
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.gpu.timers import GpuTimer, WallTimer
@@ -29,6 +30,8 @@ def test_a_folder_is_named_by_the_renderer(renderer, name):
 def test_a_device_says_what_it_is(device):
     assert set(device.info) == {"renderer", "vendor", "version", "slug", "kind"}
     assert device.kind in ("gpu", "cpu")
+    assert (processor() in device.info["renderer"]) == (device.kind == "cpu")  # whose cells another processor's are not
+    assert device.info["slug"].endswith(slug(processor())) == (device.kind == "cpu")
     assert device.limits.max_block_bytes >= 2**24  # what GL 4.3 guarantees
     assert device.limits.features == device.features
     assert not device.features & device.missing_features
