@@ -28,11 +28,11 @@ from .spec import IMAGE, OVER, Buffer, Known, Loop, Method, Param, Params, Pass,
 
 ORDER = 9
 
-EXACT = 2.0**-15  # of the transmittance: a third of what an exact image may differ by
+EXACT = 2.0**-20  # of the transmittance: no more than rounding errs by in a stack of a hundred fragments
 
 MAX_ERROR = Param("max_error", EXACT, "largest error of a channel by which fragments far behind others may be left "
                   "out; by default so small that the image counts as exact", real=True, low=0, high=1,
-                  weakens={"0.0000306-1": "fragments behind others may be left out, an error of up to max_error"})
+                  weakens={"0.000000954-1": "fragments behind others may be left out, an error of up to max_error"})
 MEMORY_MB = Param("memory_mb", 0.0, "most memory in MiB; where it does not hold all fragments at once, the frame is "
                   "stored and resolved in several bands; 0: any number", real=True, low=0, high=2**20, off=0.0)
 
