@@ -45,6 +45,14 @@ def test_memory_is_that_of_the_s_buffer_and_a_twentieth(config):
     assert memory <= 1.05 * 4 * (2 * sizes.F + 2 * sizes.P) + 64
 
 
+@pytest.mark.parametrize("payload", ["rgba8", "rgba16f"])
+def test_one_layer_is_blended_as_it_comes_with_every_payload(device, payload):
+    scene = generate(SceneConfig(size=(32, 24), depth_complexity=1, seed=3))
+    with drawn(device, "adaptive", scene, payload=payload) as frame:
+        assert frame._plan.path == DIRECT
+        np.testing.assert_allclose(frame.image(), composite(scene), rtol=0, atol=1e-6)
+
+
 def test_a_scene_that_thins_out_is_right_in_its_first_frame_and_has_ranges_in_the_next(device):
     """The plan of a frame is made from what the frame before had: it may waste memory once, never a fragment."""
     full = generate(FEW)

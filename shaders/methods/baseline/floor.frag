@@ -4,5 +4,5 @@
 
 void main() {
     if (rejected()) discard;
-    out_image = premultiplied(incoming().y);
+    out_image = colour_of(incoming());
 }
