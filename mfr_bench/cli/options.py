@@ -70,7 +70,21 @@ TRY_HOPELESS = click.option("--try-hopeless", is_flag=True, help="Measure cells 
                             "already took longer than the time limit.")
 DRY_RUN = click.option("--dry-run", is_flag=True,
                        help="Print the plan: what would be measured, its memory and time, what skipped, and why.")
+ONLY = click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+
+
+def measuring(what: str, folder: str):
+    """The options of a command that measures `what`, each into a `folder` of its own."""
+    out = click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
+                       help=f"Where results go; with several {what} DIR/{folder}/ each. "
+                            f"[default: results/<device>/{folder}]")
+
+    def decorate(command):
+        for option in (DRY_RUN, TRY_HOPELESS, KEEP_FAILED, FORCE, DEVICE, SET, ONLY, PROFILE, out):
+            command = option(command)
+        return command
+    return decorate
 
 
 def method(method_id: str, where: str):

@@ -11,18 +11,7 @@ from typing import Any
 import click
 
 from .interruption import Interruption
-from .options import (
-    DEVICE,
-    DRY_RUN,
-    FORCE,
-    KEEP_FAILED,
-    PROFILE,
-    SET,
-    TRY_HOPELESS,
-    ConfigName,
-    MethodName,
-    OutPath,
-)
+from .options import ConfigName, measuring
 from .plan_text import print_plans
 from .session import Choices, Session
 
@@ -32,17 +21,7 @@ ENDED = {"crashed", "timeout", "out_of_memory"}
 
 @click.command()
 @click.argument("configs", nargs=-1, required=True, metavar="CONFIG...", type=ConfigName())
-@click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
-              help="Where results go; with several configs DIR/<name>/ each. "
-                   "[default: results/<device>/<config name>]")
-@PROFILE
-@click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
-@SET
-@DEVICE
-@FORCE
-@KEEP_FAILED
-@TRY_HOPELESS
-@DRY_RUN
+@measuring("configs", "<config name>")
 def run(configs: tuple[str, ...], out: str | None, profile: str | None, only: str | None,
         overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
         dry_run: bool) -> int:

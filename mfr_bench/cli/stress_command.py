@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from .options import DEVICE, DRY_RUN, FORCE, KEEP_FAILED, PROFILE, SET, TRY_HOPELESS, MethodName, OutPath
+from .options import measuring
 from .output import say
 from .run_command import ENDED, FAILED, carry_out, plans_of
 from .session import Choices
@@ -41,17 +41,7 @@ def stressors() -> dict[str, Path]:
 
 @click.command()
 @click.argument("names", nargs=-1, metavar="[NAME...]", type=StressorName())
-@click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
-              help="Where results go; with several stressors DIR/stress-<name>/ each. "
-                   "[default: results/<device>/stress-<name>]")
-@PROFILE
-@click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
-@SET
-@DEVICE
-@FORCE
-@KEEP_FAILED
-@TRY_HOPELESS
-@DRY_RUN
+@measuring("stressors", "stress-<name>")
 @click.option("--list", "listed", is_flag=True, help="List the stressors.")
 def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: str | None,
            overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
