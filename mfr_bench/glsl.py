@@ -43,6 +43,8 @@ COLOURS_BINDING = 1  # of the uniform block `Colours`: the base colours of a pay
 # Behind them, for methods that plan their frames: the rectangle that bounds the geometry, whose first pixel
 # would have the index region_first if the rectangle began at the origin.
 REGION_FIELDS = ("region_first", "region_columns", "region_pixels")
+# Behind these, for compute passes with `region`, which no scissor bounds: its edges in pixels, right and top beyond it.
+EDGE_FIELDS = ("region_left", "region_bottom", "region_right", "region_top")
 
 FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
     "fragment_shader_interlock": ("GL_ARB_fragment_shader_interlock", "GL_NV_fragment_shader_interlock",
@@ -135,7 +137,8 @@ def define_values(variant: Variant, step: Pass, sizes: Sizes) -> dict[str, int]:
         "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
         "N": sizes.n, "KEEP": variant.value("keep", sizes), "LOCAL": variant.value("keep", sizes),
         "REJECTS": int(sizes.rejects), "COMPUTE": int(step.kind == "compute"),
-        "PAYLOAD_RGBA16F": 0, "CULLS": 0, "BY_TILE": int(step.by_tile), "STOP_OPACITY": 1.0,
+        "PAYLOAD_RGBA16F": 0, "CULLS": 0, "BY_TILE": int(step.by_tile), "REGION": int(step.region),
+        "STOP_OPACITY": 1.0,
         "ACCUMULATE_COMPENSATED": 0, "ACCUMULATE_FLOAT16": 0, "ACCUMULATE_UNORM8": 0,
     }
     for param in variant.all_params:
@@ -270,9 +273,8 @@ def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None,
     prelude += [f"#define {name} {literal(name, value)}" for name, value in sorted(values.items()) if name in words]
     prelude += ["#define K chosen_k"] if "K" in words and isinstance(variant.method.capacity, Decided) else []
     prelude += TYPES[variant.payload_words]
-    fields = FRAME_FIELDS + (REGION_FIELDS if isinstance(variant.method.capacity, Planned) else ())
     prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "
-                   + " ".join(f"uint {name};" for name in fields) + " };")
+                   + " ".join(f"uint {name};" for name in _frame_fields(variant, step)) + " };")
     if "base_a" in words:
         prelude.append(f"layout(std140, binding = {COLOURS_BINDING}) uniform Colours {{ vec4 base_a; vec4 base_b; }};")
     if not entry.endswith(".vert"):
@@ -292,6 +294,13 @@ def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None,
     if counted:
         return Source(entry, instrument.counting("\n".join(prelude), body, _storage(variant)), files, counted)
     return Source(entry, "\n".join(prelude) + "\n" + body, files, counted)
+
+
+def _frame_fields(variant: Variant, step: Pass) -> tuple[str, ...]:
+    """What the pass sees of the uniform block `Frame`."""
+    if step.kind == "compute" and step.region:
+        return FRAME_FIELDS + REGION_FIELDS + EDGE_FIELDS
+    return FRAME_FIELDS + (REGION_FIELDS if isinstance(variant.method.capacity, Planned) else ())
 
 
 def colour_refs(variant: Variant, step: Pass) -> list[str]:

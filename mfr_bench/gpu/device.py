@@ -151,6 +151,7 @@ def _create(index: int) -> Device:
         mode="standalone", glversion=GL_MINIMUM, device_index=index,
         libgl=find_library("GL") or "libGL.so.1", libegl=find_library("EGL") or "libEGL.so.1")
     ctx = moderngl.create_context(require=GL_MINIMUM, context=backend)
+    ctx.enable(moderngl.PROGRAM_POINT_SIZE)
     return Device(ctx, RawGL(backend.load), backend)
 
 

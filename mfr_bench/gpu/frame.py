@@ -16,6 +16,7 @@ from ..glsl import (
     COLOURS_BINDING,
     DIAGNOSTICS,
     DIAGNOSTICS_BINDING,
+    EDGE_FIELDS,
     FRAME_BINDING,
     FRAME_FIELDS,
     REGION_FIELDS,
@@ -30,6 +31,7 @@ from ..instrument import WORK
 from ..methods.spec import (
     DISPATCH_OFFSET,
     IMAGE,
+    LISTED,
     TILE_COMMAND,
     TILE_LIST,
     Counted,
@@ -152,7 +154,7 @@ class Frame:
         self._budgeted = variant.room(sizes)  # most elements of a planned method with a budget
         self.band: Rectangle | None = None  # of the loop over bands that is running
         self._fragments: int | None = None  # of the latest frame of a planned method, once it is known
-        self._uniforms = device.ctx.buffer(reserve=4 * (len(FRAME_FIELDS) + len(REGION_FIELDS)))
+        self._uniforms = device.ctx.buffer(reserve=4 * len(FRAME_FIELDS + REGION_FIELDS + EDGE_FIELDS))
         self._diagnostics = device.ctx.buffer(bytes(4 * len(DIAGNOSTICS) + 8 * len(WORK)))
         self._query, self._tally = device.gl.generate("Queries"), device.gl.generate("Queries")
         self._tallied = False  # the tally has been taken and not been read
@@ -192,8 +194,10 @@ class Frame:
                   "seed": scene.seed, "keep_threshold": min(scene.keep_threshold, 2**32 - 1),
                   "chosen_k": self.chosen_k}
         left, bottom, columns, rows = self.region
-        values |= {"region_first": bottom * columns + left, "region_columns": columns, "region_pixels": columns * rows}
-        words = [values[name] for name in FRAME_FIELDS + REGION_FIELDS]
+        values |= {"region_first": bottom * columns + left, "region_columns": columns, "region_pixels": columns * rows,
+                   "region_left": left, "region_bottom": bottom, "region_right": left + columns,
+                   "region_top": bottom + rows}
+        words = [values[name] for name in FRAME_FIELDS + REGION_FIELDS + EDGE_FIELDS]
         self._uniforms.write(np.array(words, dtype=np.uint32).tobytes())
 
     @property
@@ -518,14 +522,14 @@ class PassRunner:
             self.program = frame.device.program(self._stages(), f"method {variant.method.id}, pass {step.name}")
         if step.kind in ("geometry", "fullscreen"):
             self.vao = frame.device.ctx.vertex_array(self.program, self._content())
-        self.groups = int(evaluate(step.groups, sizes, variant.scope)) if step.groups else 0
+        self._groups: dict[tuple[int, int], int] = {}  # work groups, by width and height of what they go over
         self.instances = variant.value(step.instances, sizes)
         self.writes_depth = step.state.depth_write and any(frame.texture(r, 0).is_depth for r in step.into)
 
     def _content(self) -> list[tuple]:
         """The attributes of each instance."""
         if self.step.by_tile:
-            return [(self.frame.named(TILE_LIST), "1u /i", "in_tile")]
+            return [(self.frame.named(TILE_LIST), "1u", "in_tile")]
         return self.frame.quads.attributes(self.program) if self.step.kind == "geometry" else []
 
     def _stages(self) -> tuple[Source, ...]:
@@ -597,11 +601,15 @@ class PassRunner:
         return self.frame.named(TILE_COMMAND)
 
     def _draw_screen(self) -> None:
-        if self.step.by_tile:
-            self.vao.render_indirect(self._tile_command(), mode=5, count=1)  # GL_TRIANGLE_STRIP
-            return
         self._within(self._band or (self.frame.region if self.step.region else None),
+                     self._draw_tiles if self.step.by_tile else
                      lambda: self.vao.render(mode=4, vertices=3, instances=self.instances))  # GL_TRIANGLES
+
+    def _draw_tiles(self) -> None:
+        """A point over each listed tile, in a viewport of whole tiles: points whose middle is outside are clipped."""
+        width, height = self.frame.sizes.W, self.frame.sizes.H
+        self.gl.glViewport(0, 0, width + -width % LISTED, height + -height % LISTED)
+        self.vao.render_indirect(self._tile_command(), mode=0, count=1)  # GL_POINTS
 
     def _zero(self, iteration: int) -> None:
         """Clear the buffers that a pass of kind `clear` writes, by the driver."""
@@ -628,9 +636,18 @@ class PassRunner:
         if self.step.by_tile:
             self.program.run_indirect(self._tile_command(), DISPATCH_OFFSET)
         else:
-            self.program.run(self.groups)
+            self.program.run(self._group_count())
         if self.step.into:
             self.gl.glMemoryBarrier(rawgl.BARRIERS["image"])
+
+    def _group_count(self) -> int:
+        """Work groups of a dispatch over the viewport, or over the region as if it were one."""
+        sizes = self.frame.sizes
+        extent = self.frame.region[2:] if self.step.region else (sizes.W, sizes.H)
+        if extent not in self._groups:
+            within = replace(sizes, W=max(1, extent[0]), H=max(1, extent[1]))
+            self._groups[extent] = int(evaluate(self.step.groups, within, self.frame.variant.scope))
+        return self._groups[extent]
 
     def _apply_state(self) -> None:
         state = self.step.state

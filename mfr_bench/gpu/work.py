@@ -10,7 +10,7 @@ import numpy as np
 
 from ..glsl import stages
 from ..instrument import MOST
-from ..methods.spec import Loop, Pass
+from ..methods.spec import LISTED, TILE_COMMAND, Loop, Pass
 from . import rawgl
 from .frame import Frame, PassRunner
 
@@ -134,10 +134,19 @@ class CountingRunner(PassRunner):
 
     @property
     def _pixels(self) -> int:
-        """Pixels of the band, or of the viewport."""
-        return self._band[2] * self._band[3] if self._band else self.frame.sizes.P
+        """Pixels of the band, of the region, of all listed tiles in it at most, or of the viewport."""
+        *_, columns, rows = self._band or (self.frame.region if self.step.region else (0, 0, *self._viewport))
+        listed = int(self.frame.words(TILE_COMMAND)[0]) * LISTED**2 if self.step.by_tile else self.frame.sizes.P
+        return min(columns * rows, listed)
+
+    @property
+    def _viewport(self) -> tuple[int, int]:
+        return self.frame.sizes.W, self.frame.sizes.H
 
     def _add_clears(self) -> None:
+        viewport = self.frame.sizes.P
+        beside = self.step.kind == "clear" and self.step.region and not self._band
+        pixels = viewport - self._pixels if beside else self._pixels if self._band else viewport
         for ref in self.step.clears:
             words = self.frame.texture(ref, 0).bytes // 4
-            self.work.update({"cleared": self._pixels, "words_written": words * self._pixels // self.frame.sizes.P})
+            self.work.update({"cleared": pixels, "words_written": words * pixels // viewport})

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 from .spec import Method
 
-NO_FAMILIES = ("spec", "shared", "catalog_text")
+NO_FAMILIES = ("spec", "shared", "touched", "catalog_text")
 
 
 @lru_cache(maxsize=1)

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from .shared import LOCK, SYNC, K, clear
 from .spec import ADD, IMAGE, Buffer, Method, Pass, State, when
+from .touched import TOUCHED, touching
 
 ORDER = 8
 
@@ -23,13 +24,14 @@ METHODS = [
         failure="a step that was moved hides what lies before its true place, so that colours come out darker; opacity "
                 "is right",
         beside=LOCK, mixes=True, exact_where="n <= k",
-        params=(replace(K, doc="nodes of a pixel's visibility function"), SYNC), local="k",
+        params=(replace(K, doc="nodes of a pixel's visibility function"), SYNC, TOUCHED), local="k",
         buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
                  Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True)),
-        steps=(
+        steps=touching(
             clear("semaphore", "nodes"),
             Pass("store", "geometry", "methods/visibility/store.frag", writes=("semaphore", "nodes")),
-            Pass("opacity", "fullscreen", "methods/visibility/opacity.frag", reads=("nodes",), into=(IMAGE,)),
+            Pass("opacity", "fullscreen", "methods/visibility/opacity.frag", reads=("nodes",), into=(IMAGE,),
+                 fetch="methods/ps/fetch.glsl"),
             Pass("shade", "geometry", "methods/visibility/shade.frag", reads=("nodes",), into=(IMAGE,),
                  state=State(blend=ADD)),
         ),

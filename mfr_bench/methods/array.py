@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from .shared import OCCUPANCY, PAYLOAD, RESOLVE_OPTIONS, TOUCHED, K, clear, occupied, resolve, touching
+from .shared import OCCUPANCY, PAYLOAD, RESOLVE_OPTIONS, K, clear, occupied, resolve
 from .spec import Buffer, Method, Param, Pass
+from .touched import TOUCHED, touching
 
 ORDER = 2
 

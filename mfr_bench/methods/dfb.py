@@ -3,7 +3,7 @@
 How it differs from `ab-precalc`: the prefix sum climbs a tree of sums and comes down again in fragment shaders, two
 full-screen passes per level and a total work in proportion to the pixels. PreCalc's full-screen steps are one per
 doubling and each touches every pixel; its compute scan is one tree in shared memory. Count, store and resolve are
-the same.
+the same. The sum goes over all pixels, so that with `touched` the clear and the scan stay whole.
 
 Maule et al. 2014 is not among the papers at hand: the branching of 16 is a choice made here.
 """
@@ -11,8 +11,9 @@ Maule et al. 2014 is not among the papers at hand: the branching of 16 is a choi
 from __future__ import annotations
 
 from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE, rewind
-from .shared import PAYLOAD, RESOLVE_OPTIONS, REUSE_COUNT, TOUCHED_TILES, clear, count, once, tiled
+from .shared import PAYLOAD, RESOLVE_OPTIONS, REUSE_COUNT, clear, count, once
 from .spec import Buffer, Counted, Loop, Method, Pass
+from .touched import TOUCHED, touching
 
 ORDER = 5
 
@@ -28,7 +29,7 @@ METHODS = [
         summary="dynamic fragment buffer: count, hierarchical sum over all pixels, store into exact ranges",
         guarantee="exact all", words="2*f + 2",
         beside="the tree of sums above the pixels, a fifteenth of a word per pixel", ties="kept, in no fixed order",
-        params=(*RESOLVE_OPTIONS, TOUCHED_TILES, REUSE_COUNT, PAYLOAD), capacity=Counted(),
+        params=(*RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD), capacity=Counted(),
         buffers=(COUNTER, ADDRESS, NODES, Buffer("sums", SUMS_WORDS)),
         steps=(
             *once(
@@ -39,9 +40,7 @@ METHODS = [
                 Loop((Pass("scan", "fullscreen", "methods/dfb/sum_down.frag", reads=("counter",),
                            writes=("sums", "address"), defines=TREE),), times=LEVELS, until_empty=False),
             ),
-            rewind("scan"),
-            STORE,
-            tiled(RESOLVE),
+            *touching(rewind("scan"), STORE, RESOLVE),
         ),
     ),
 ]

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from .shared import LOCK, STAGE, SYNC, K, clear, resolve_sorted
 from .spec import Buffer, Method, Pass, when
+from .touched import TOUCHED, touching
 
 ORDER = 8
 
@@ -23,12 +24,12 @@ METHODS = [
         failure="the tail knows no order; its opacity is right where its alphas are equal, its colour where its "
                 "colours are",
         beside=LOCK, mixes=True, exact_where="n <= k + 1",
-        params=(replace(K, doc="fragments of the core"), SYNC, STAGE), local="k",
+        params=(replace(K, doc="fragments of the core"), SYNC, STAGE, TOUCHED), local="k",
         buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
                  Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True),
                  Buffer("tail", "4*P", type="vec4", clear="0.0", coherent=True),
                  Buffer("tail_count", "P", clear="0u", coherent=True)),
-        steps=(
+        steps=touching(
             clear("semaphore", "nodes", "tail", "tail_count"),
             Pass("store", "geometry", "methods/hybrid/store.frag",
                  writes=("semaphore", "nodes", "tail", "tail_count")),

@@ -30,6 +30,7 @@ from .shared import (
     routed_targets,
 )
 from .spec import Buffer, Loop, Method, Param, Pass, State, Target
+from .touched import TOUCHED, touching
 
 ORDER = 6
 
@@ -50,9 +51,9 @@ METHODS = [
         summary="k slots per pixel, sorted insertion without exclusion",
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure=f"{HAZARD}; right where a device shades the fragments of a pixel one by one",
-        params=(K16, OCCUPANCY, STAGE, STOP_OPACITY), local="k",
+        params=(K16, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         buffers=(NODES,),
-        steps=(
+        steps=touching(
             clear("nodes"),
             *occupied(Pass("store", "geometry", "methods/kb/store.frag", writes=("nodes",))),
             resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", hazards=True),
@@ -67,12 +68,12 @@ METHODS = [
         failure="with fewer passes than k, fragments that hazards lost may still be missing behind the nearest "
                 "`passes`; right with k passes, and wherever a pass finds nothing missing",
         exact_where="passes >= min(k, n)",
-        params=(K16, PASSES, OCCUPANCY, STAGE, STOP_OPACITY), local="k",
+        params=(K16, PASSES, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         beside="2 words per pixel: depth and colour of the nearest fragment that was missing, which the hardware finds "
                "for certain",
         buffers=(NODES,),
         targets=(Target("layer", "r32ui"), Target("layer_depth", "depth32f")),
-        steps=(
+        steps=touching(
             clear("nodes"),
             *occupancy_map(),
             Loop((
@@ -94,10 +95,10 @@ METHODS = [
                 "not culled); right where f <= k or the scene is sorted "
                 "front to back",
         exact_where="n <= k",
-        params=(K32, MULTISAMPLING, OCCUPANCY, *RESOLVE_OPTIONS), local="k",
+        params=(K32, MULTISAMPLING, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED), local="k",
         beside="3 words for each sample that k leaves unused: samples come in powers of two from 4",
         targets=routed_targets(SAMPLES),
-        steps=(
+        steps=touching(
             *occupancy_map(),
             *(culled(p) if p.kind == "geometry" else p for p in route(SAMPLES)),
             resolve("depths", "colours", fetch="methods/routing/fetch.glsl", hazards=True),
@@ -111,9 +112,9 @@ METHODS = [
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure=f"{HAZARD}, and one torn slot in four passes for whole; right where a device shades the fragments of "
                 "a pixel one by one",
-        params=(K16, OCCUPANCY, *RESOLVE_OPTIONS), local="k",
+        params=(K16, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED), local="k",
         buffers=(Buffer("depths", "k*P", clear="EMPTY", coherent=True), Buffer("colours", "k*P", coherent=True)),
-        steps=(
+        steps=touching(
             clear("depths"),
             *occupied(Pass("store", "geometry", "methods/kb/store_coded.frag", writes=("depths", "colours"))),
             resolve("depths", "colours", fetch="methods/kb/fetch_coded.glsl", hazards=True),

@@ -25,8 +25,6 @@ from .shared import (
     REUSE_COUNT,
     SORT,
     SYNC,
-    TOUCHED,
-    TOUCHED_TILES,
     K,
     again,
     clear,
@@ -34,10 +32,9 @@ from .shared import (
     occupied,
     once,
     resolve,
-    tiled,
-    touching,
 )
 from .spec import PAYLOAD_WORDS, UNDER, Buffer, Choice, Counted, Decided, Loop, Method, Param, Params, Pass, State, when
+from .touched import TOUCHED, touching
 
 ORDER = 7
 
@@ -93,17 +90,17 @@ def ranged(method_id: str, name: str, section: str, summary: str, counting: tupl
     return Method(
         id=method_id, name=name, family="kplus", source=f"kplus_2015 {section}", summary=summary,
         guarantee="exact k nearest", ties=TIES,
-        params=(*params, SYNC, CULLING, COUNTERS, HASH.at("tile"), OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED_TILES,
+        params=(*params, SYNC, CULLING, COUNTERS, HASH.at("tile"), OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED,
                 REUSE_COUNT, PAYLOAD),
         fixed=(STRUCTURE.at("adaptive"), CRITERION, MAPPING),
         buffers=(COUNTER, ADDRESS, SEMAPHORE, GROUP_TOTAL, RANGES, *buffers),
-        steps=(
-            *once(clear("counter", "semaphore", "group_total", *(b.name for b in buffers)), *counting,
+        steps=touching(
+            *once(clear("counter", "semaphore", shared=("group_total", *(b.name for b in buffers))), *counting,
                   *referencing(bounded=True)),
             again("referencing", "methods/kplus/empty.frag", "counter", "nodes", reads=("address",),
                   defines=EXACT_RANGES),
             *occupied(store(reads=("address",), defines=EXACT_RANGES)),
-            tiled(resolve("counter", "address", "nodes", fetch=FETCH, defines=EXACT_RANGES)),
+            resolve("counter", "address", "nodes", fetch=FETCH, defines=EXACT_RANGES),
         ),
         **more,
     )
@@ -129,12 +126,12 @@ MULTI_PASS = Method(
            "composited",
     cost="one geometry pass for every k layers, and all k+ insertions in each",
     ties="kept; across two iterations in order of payload, within one in order of the slots",
-    params=(replace(K, doc="fragments peeled per pixel and iteration"), SYNC, SORT, PEELED),
+    params=(replace(K, doc="fragments peeled per pixel and iteration"), SYNC, SORT, PEELED, TOUCHED),
     cut="ceil(layers / k) * k",
     fixed=(STRUCTURE, CRITERION, CULLING), local="k",
     buffers=(COUNTER, SEMAPHORE, NODES, Buffer("last", "2*P", type="uvec2", clear="0u"),
              Buffer("repeats", "P", clear="0u")),
-    steps=(
+    steps=touching(
         CLEAR_IMAGE,
         clear("counter", "semaphore", "nodes", "last", "repeats"),
         Loop((

@@ -5,8 +5,11 @@
 
 from __future__ import annotations
 
-from .shared import OCCUPANCY, STAGE, STOP_OPACITY, K, occupied, resolve_sorted
+from functools import partial
+
+from .shared import OCCUPANCY, STAGE, STOP_OPACITY, K, occupied, resolve_sorted, zeroed_apart
 from .spec import SPARE_CELLS, Buffer, Grown, Method, Param, Pass
+from .touched import TOUCHED, touching
 
 ORDER = 6
 
@@ -22,12 +25,13 @@ METHODS = [
         failure="a fragment whose swap fails `retries` times is lost, and counted; exact where none is",
         words="3*f + 6", beside=SPARE_CELLS,
         ties="kept, in order of arrival; the first to arrive has the k-th place",
-        params=(K, RETRIES, OCCUPANCY, STAGE, STOP_OPACITY), local="k",
+        params=(K, RETRIES, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         capacity=Grown(start="P", counter="cell_counter"),
         buffers=(Buffer("cell_counter", "1"), Buffer("next", "2*P + capacity", coherent=True),
                  Buffer("cells", "2*(2*P + capacity)", type="uvec2", coherent=True)),
-        steps=(
-            Pass("clear", "fullscreen", "methods/ll/clear.frag", writes=("cell_counter", "next", "cells")),
+        steps=touching(
+            Pass("clear", "fullscreen", "methods/ll/clear.frag", writes=("cell_counter", "next", "cells"),
+                 expand=partial(zeroed_apart, shared=("cell_counter",))),
             *occupied(Pass("store", "geometry", "methods/ll/store.frag", writes=("cell_counter", "next", "cells"),
                            defines={"ALLOCATION_PAGED": 0})),
             resolve_sorted("next", "cells", fetch="methods/ll/fetch.glsl", hazards=True),

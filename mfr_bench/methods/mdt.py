@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .shared import ATOMIC64, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, K, clear, occupied, resolve_sorted, wide_buffers
 from .spec import Buffer, Method, Param, Pass, when
+from .touched import TOUCHED, touching
 
 ORDER = 6
 
@@ -19,9 +20,9 @@ METHODS = [
         source="Liu et al. 2010; Maule et al. 2013; kplus_2015 §2",
         summary="32-bit atomic minima sort the k nearest depths, a second geometry pass brings their colours",
         guarantee="exact k nearest", words="2*k", ties="collide: one colour is kept, further slots show none",
-        params=(K, KEY, DEPTH_BITS, CULLING, OCCUPANCY, STAGE, STOP_OPACITY), local="k",
+        params=(K, KEY, DEPTH_BITS, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         buffers=(Buffer("depths", "k*P", clear="EMPTY", coherent=True), Buffer("colours", "k*P", clear="0u")),
-        steps=(
+        steps=touching(
             clear("depths", "colours"),
             *occupied(
                 Pass("store_depth", "geometry", "methods/mdt/store_depth.frag", writes=("depths",)),
@@ -37,9 +38,9 @@ METHODS = [
         guarantee="exact k nearest", words="2*k",
         beside="with atomic64: emulated a lock, one word per pixel",
         ties="kept, in order of payload, the k-th place included",
-        params=(K, ATOMIC64, OCCUPANCY, STAGE, STOP_OPACITY), local="k",
+        params=(K, ATOMIC64, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         buffers=wide_buffers("nodes", "k*P", word="EMPTY"),
-        steps=(
+        steps=touching(
             clear("nodes", "wide_lock"),
             *occupied(Pass("store", "geometry", "methods/mdt/store64.frag", writes=("nodes", "wide_lock"))),
             resolve_sorted("nodes", fetch="methods/mdt/fetch64.glsl"),

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from .shared import LOCK, PAYLOAD, STAGE, SYNC, K, clear, resolve_sorted
 from .spec import Buffer, Method, Pass, when
+from .touched import TOUCHED, touching
 
 ORDER = 8
 
@@ -24,10 +25,10 @@ METHODS = [
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure="a fragment that comes late may belong in front of what was merged; each merge rounds to the payload",
         beside=LOCK, mixes=True, exact_where="n <= k",
-        params=(replace(K, doc="layers per pixel"), SYNC, STAGE, ANY_COLOUR), local="k",
+        params=(replace(K, doc="layers per pixel"), SYNC, STAGE, TOUCHED, ANY_COLOUR), local="k",
         buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
                  Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", coherent=True)),
-        steps=(
+        steps=touching(
             clear("semaphore", "nodes"),
             Pass("store", "geometry", "methods/mlab/store.frag", writes=("semaphore", "nodes")),
             resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", mixes=True),

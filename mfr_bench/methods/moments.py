@@ -8,10 +8,12 @@ from __future__ import annotations
 
 from .shared import CLEARED
 from .spec import ADD, IMAGE, Method, Param, Pass, State, Target, when
+from .touched import touching, without_tiles
 
 ORDER = 8
 
 MOMENTS = Param("moments", 4, "power moments of absorbance over depth", low=4, high=6, of=(4, 6))
+TOUCHED_BOUNDS = without_tiles("since a look for fragments costs as much as the resolve")
 BIAS = "share of a spread-out measure in the moments, against rounding; the paper's for single precision"
 
 METHODS = [
@@ -26,10 +28,11 @@ METHODS = [
         mixes=True, exact_where="n <= 1",
         params=(MOMENTS,
                 Param("bias", 5e-7, BIAS, real=True, low=0, high=1, acts=when("moments", 4)),
-                Param("bias_6", 5e-6, BIAS, real=True, low=0, high=1, acts=when("moments", 6))),
+                Param("bias_6", 5e-6, BIAS, real=True, low=0, high=1, acts=when("moments", 6)),
+                TOUCHED_BOUNDS),
         targets=(Target("absorbance", "r32f"), Target("moments", "rg32f", layers="moments // 2"),
                  Target("shaded", "rgba32f")),
-        steps=(
+        steps=touching(
             Pass("store", "geometry", "methods/moments/store.frag", into=("absorbance", "moments"),
                  clears={"absorbance": CLEARED, "moments": CLEARED}, state=State(blend=ADD)),
             Pass("shade", "geometry", "methods/moments/shade.frag", reads=("absorbance", "moments"),

@@ -14,6 +14,8 @@ place within 255 ages; the table is then doubled. With a load l all over the vie
 -n ln(1 - l) / l, so 8 bits end near n = 180 for a load of 0.5 and n = 224 for a quarter; deeper pixels are refused.
 Above a load of 0.85 a chain of evictions may take more steps than a loop is allowed, which doubles the table as well.
 In these cases more is allocated than declared, and the row's bytes say so.
+
+The table is of no pixel's own, so that with `touched` its clear stays whole.
 """
 
 from __future__ import annotations
@@ -32,6 +34,7 @@ from .shared import (
     resolve_sorted,
 )
 from .spec import Buffer, Grown, Method, Param, Pass, when
+from .touched import TOUCHED, touching
 
 ORDER = 3
 
@@ -65,7 +68,7 @@ def open_addressing(method_id: str, name: str, section: str, summary: str, order
             Pass("build", "geometry", "methods/open/insert.frag", reads=("offsets",),
                  writes=("cell_counter", "ages", "cells", "records", "record_counter"),
                  defines={"LOAD_LIMIT": "ceil(65536*max(10/16, load_factor))"}),
-            replace(finish, name="render"),
+            *touching(replace(finish, name="render")),
         ),
         **more,
     )
@@ -79,12 +82,13 @@ METHODS = [
                     "unsorted", resolve(*READS, fetch=FETCH), ties="kept, in no fixed order",
                     cost="fragments are evicted and placed anew, with an atomic maximum for each cell tried, which "
                          "emulated is a loop of its own: open addressing is the slower allocation (gpupro5_ch1 §1.8)",
-                    params=(LOAD_FACTOR, ATOMIC64, *RESOLVE_OPTIONS)),
+                    params=(LOAD_FACTOR, ATOMIC64, *RESOLVE_OPTIONS, TOUCHED)),
     open_addressing("open-pre", "PRE-OPEN", "§1.3.3",
                     "one hash table for all pixels, evicting younger fragments; kept sorted by the insertion",
                     "sorted", resolve_sorted(*READS, fetch=FETCH), ties="kept, the larger payload as a number first",
                     cost="every fragment traverses its pixel's whole list in global memory by evictions, quadratic in "
                          "its fragments, with an atomic maximum each step: the method that depth complexity hits "
                          "hardest (gpupro5_ch1 §1.7.2, Figure 1.6)",
-                    params=(LOAD_FACTOR, ATOMIC64, EARLY_CULLING, CULLING_OPACITY, STAGE, STOP_OPACITY)),
+                    params=(LOAD_FACTOR, ATOMIC64, EARLY_CULLING, CULLING_OPACITY, STAGE, STOP_OPACITY,
+                            TOUCHED)),
 ]

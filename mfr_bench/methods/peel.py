@@ -48,6 +48,7 @@ from .spec import (
     State,
     Target,
 )
+from .touched import TOUCHED, touching, without_tiles
 
 ORDER = 1
 
@@ -55,6 +56,7 @@ SAMPLES = Param("samples", 4, "samples of a pixel, fragments taken by a pass; 8 
                 needs={str(count): feature for feature, count in SAMPLE_FEATURES.items()})
 MIDDLE = replace(PEELED, doc="layers peeled at most, half from the front and half from the back; 0: all of them",
                  weakens={"1-4096": "of more fragments than `layers`, those in the middle are missing"})
+TOUCHED_BOUNDS = without_tiles("since most full-screen passes stand between the geometry passes")
 NO_BOUNDS = (-2.0, -2.0, 0.0, 0.0)  # below every (-z, z)
 SEEN_THROUGH = (0.0, 0.0, 0.0, -1.0)  # no colour; the transmittance negated, for MAX blending
 UNBOUNDED = (1.0, 2.0, 0.0, 0.0)  # as (-z, z) around every depth
@@ -66,9 +68,9 @@ METHODS = [
         summary="front-to-back peeling: one layer per geometry pass, until an occlusion query sees none",
         guarantee="exact all", words="6", cost="one geometry pass per layer",
         ties="one of them is kept, the others are lost", cut="layers",
-        params=(PEELED, STOP_OPACITY),
+        params=(PEELED, STOP_OPACITY, TOUCHED_BOUNDS),
         targets=(Target("layer", "rgba32f"), Target("layer_depth", "depth32f", copies=2)),
-        steps=(
+        steps=touching(
             replace(CLEAR_IMAGE, clears={IMAGE: (0.0, 0.0, 0.0, 1.0)}),
             Loop((
                 Pass("peel", "geometry", "methods/peel/f2b.frag", reads=("layer_depth.previous",),
@@ -88,10 +90,10 @@ METHODS = [
         source="Bavoil & Myers 2008; kplus_2015 §2",
         summary="dual peeling: the nearest and the furthest layer per geometry pass, by MAX blending",
         guarantee="exact all", words="20", cost="one geometry pass for every two layers",
-        ties="the maximum of each channel is kept", params=(MIDDLE,),
+        ties="the maximum of each channel is kept", params=(MIDDLE, TOUCHED_BOUNDS),
         targets=(Target("bounds", "rg32f", copies=2), Target("front", "rgba32f", copies=2),
                  Target("behind", "rgba32f"), Target("back", "rgba32f")),
-        steps=(
+        steps=touching(
             Pass("bounds", "geometry", "common/depth_bounds.frag", into=("bounds.previous",),
                  clears={"bounds.previous": NO_BOUNDS}, state=State(blend=MAX)),
             Pass("clear", "clear", into=("front.previous", "back"),
@@ -115,11 +117,11 @@ METHODS = [
         summary="bucket peeling: the pixel's depth range in uniform buckets, the nearest and the furthest fragment of "
                 "each per geometry pass, by MAX blending into as many targets",
         guarantee="exact all", words="2 + 14*buckets", ties="one of them is kept, the others are lost",
-        params=(Param("buckets", 8, "buckets of a pixel, each a render target", high=8),),
+        params=(Param("buckets", 8, "buckets of a pixel, each a render target", high=8), TOUCHED_BOUNDS),
         targets=(Target("bounds", "rg32f"), Target("edges", "rg32f", copies=2, layers="buckets")),
         buffers=(Buffer("colours", "2*buckets*P"), Buffer("layers", "8*buckets*P", type="vec4",
                  clear="0.0, 0.0, 0.0, 1.0")),
-        steps=(
+        steps=touching(
             Pass("bounds", "geometry", "common/depth_bounds.frag", into=("bounds",),
                  clears={"bounds": NO_BOUNDS}, state=State(blend=MAX)),
             Pass("clear", "clear", into=("edges.previous",), clears={"edges.previous": UNBOUNDED}),
@@ -144,11 +146,11 @@ METHODS = [
         beside="each pass copies its targets into an array: 2n words and 3 per sample in place of all passes' targets, "
                "and for each pixel where the next pass resumes and how many fragments it has",
         cost="one geometry pass for every `samples` layers",
-        params=(SAMPLES, MULTISAMPLING, *RESOLVE_OPTIONS),
+        params=(SAMPLES, MULTISAMPLING, *RESOLVE_OPTIONS, TOUCHED),
         targets=(*routed_targets("samples"), Target("arrivals", "r32ui", samples="samples")),
         buffers=(Buffer("counter", "P", clear="0u"), Buffer("resume", "P", clear="0u"),
                  Buffer("nodes", "2*n*P", type="uvec2")),
-        steps=(
+        steps=touching(
             clear("counter", "resume"),
             Loop((
                 *route("samples", "arrivals", reads=("resume",)),

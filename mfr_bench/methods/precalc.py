@@ -1,7 +1,7 @@
 """PreCalc: ranges from a prefix sum of the counters over all pixels, empty ones included.
 
 PreCalc_Fixed needs n beforehand and no count pass: the paper calls it a one-pass scheme, whose referencing is one
-full-screen pass.
+full-screen pass. A prefix sum goes over all pixels, so that with `touched` the clear and the scan stay whole.
 """
 
 from __future__ import annotations
@@ -13,16 +13,13 @@ from .shared import (
     PAYLOAD,
     RESOLVE_OPTIONS,
     REUSE_COUNT,
-    TOUCHED,
-    TOUCHED_TILES,
     clear,
     count,
     once,
     resolve,
-    tiled,
-    touching,
 )
 from .spec import Buffer, Counted, Loop, Method, Param, Pass, when
+from .touched import TOUCHED, touching
 
 ORDER = 5
 
@@ -53,14 +50,14 @@ METHODS = [
         guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
         beside="what the scan works in: a word per 1024 pixels for the compute scan, or a second address word per "
                "pixel where full-screen steps take turns; the memory table of sbuffer_2012 shows the like (§4)",
-        params=(SCAN, *RESOLVE_OPTIONS, TOUCHED_TILES, REUSE_COUNT, PAYLOAD), capacity=Counted(),
+        params=(SCAN, *RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD), capacity=Counted(),
         buffers=(COUNTER, replace(ADDRESS, copies=2, when=FULLSCREEN), replace(ADDRESS, when=COMPUTE), NODES,
                  Buffer("block_sum", f"ceil(P/{SCAN_BLOCK})", when=COMPUTE)),
         steps=(
             *once(clear("counter"), count(), *SCANS),
-            rewind("scan", "address.previous"),
-            replace(STORE, writes=("address.previous", "nodes")),
-            tiled(replace(RESOLVE, reads=("counter", "address.previous", "nodes"))),
+            *touching(rewind("scan", "address.previous"),
+                      replace(STORE, writes=("address.previous", "nodes")),
+                      replace(RESOLVE, reads=("counter", "address.previous", "nodes"))),
         ),
     ),
     Method(

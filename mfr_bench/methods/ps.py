@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .shared import CULLING, OCCUPANCY, STAGE, STOP_OPACITY, SYNC, K, clear, occupied, resolve_sorted
 from .spec import Buffer, Method, Pass, when
+from .touched import TOUCHED, touching
 
 ORDER = 7
 
@@ -16,10 +17,10 @@ METHODS = [
         beside="with sync: spin a semaphore, one word per pixel: the authors ran it with theirs (kplus_2015 §5), Table "
                "1 counts what sync: interlock takes",
         ties="kept, in order of arrival; the first to arrive has the k-th place",
-        params=(K, SYNC, CULLING, OCCUPANCY, STAGE, STOP_OPACITY), local="k",
+        params=(K, SYNC, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
                  Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True)),
-        steps=(
+        steps=touching(
             clear("semaphore", "nodes"),
             *occupied(Pass("store", "geometry", "methods/ps/store.frag", writes=("semaphore", "nodes"))),
             resolve_sorted("nodes", fetch="methods/ps/fetch.glsl"),

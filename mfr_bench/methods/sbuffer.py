@@ -10,7 +10,6 @@ from .shared import (
     PAYLOAD,
     RESOLVE_OPTIONS,
     REUSE_COUNT,
-    TOUCHED_TILES,
     UNOCCUPIED,
     K,
     again,
@@ -19,9 +18,9 @@ from .shared import (
     occupied,
     once,
     resolve,
-    tiled,
 )
 from .spec import Buffer, Counted, Method, Param, Pass
+from .touched import TOUCHED, touching
 
 ORDER = 4
 
@@ -74,10 +73,10 @@ def sbuffer(method_id: str, name: str, source: str, summary: str, fill: tuple[Pa
         id=method_id, name=name, family="sbuffer", source=source, summary=summary,
         words="2*f + 2", beside=SHARED_COUNTERS, capacity=Counted(),
         buffers=(COUNTER, ADDRESS, Buffer("group_total", "counters", clear="0u"), NODES),
-        steps=(
-            *once(clear("counter", "group_total")),
+        steps=touching(
+            *once(clear("counter", shared=("group_total",))),
             *fill,
-            tiled(finish),
+            finish,
         ),
         **{"guarantee": "exact all", "ties": "kept, in no fixed order", **more},
     )
@@ -85,14 +84,14 @@ def sbuffer(method_id: str, name: str, source: str, summary: str, fill: tuple[Pa
 
 METHODS = [
     sbuffer("ab-sb", "AB_SB", "sbuffer_2012 §3", "S-buffer: ranges from S shared counters, only for non-empty pixels",
-            params=(COUNTERS, MAPPING, HASH, *RESOLVE_OPTIONS, TOUCHED_TILES, REUSE_COUNT, PAYLOAD)),
+            params=(COUNTERS, MAPPING, HASH, *RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD)),
     sbuffer("ab-lbuffer", "l-buffer", "Lipowski 2010; sbuffer_2012 §2, §4",
             "ranges from one shared counter, only for non-empty pixels",
-            params=(*RESOLVE_OPTIONS, TOUCHED_TILES, REUSE_COUNT, PAYLOAD),
+            params=(*RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD),
             fixed=(COUNTERS.at(1), MAPPING.at("forward"), HASH.at("column"))),
     sbuffer("kb-ab-sb", "KB-AB_SB", "kplus_2015 §2, §5", "S-buffer of all fragments; the resolve picks the k nearest",
             fill=occupied_steps(), finish=resolve("counter", "address", "nodes", fetch=FETCH, select=True),
             guarantee="exact k nearest",
             ties="kept; the first to arrive wins the last place", local="k",
-            params=(K, COUNTERS, MAPPING, HASH, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED_TILES, REUSE_COUNT, PAYLOAD)),
+            params=(K, COUNTERS, MAPPING, HASH, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD)),
 ]

@@ -13,8 +13,6 @@ from .spec import (
     MAX,
     ON_OFF,
     SAMPLE_STENCIL,
-    TILE_COMMAND,
-    TILE_LIST,
     Buffer,
     Loop,
     Param,
@@ -56,13 +54,6 @@ ACCUMULATE = Param(
              "unorm8": "rounded to 8 bits after each fragment, an error of up to n/510"})
 # Of `resolve`; a method may offer some or all.
 RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE, ACCUMULATE, STOP_OPACITY)
-TOUCHED = Param("touched", "off", "what clears and resolves touch: the viewport (off), or the rectangle that bounds "
-                "the geometry, which the host knows (bounds); or the resolve alone only tiles of 16x16 pixels that "
-                "have fragments, listed on the device after the store (tiles); the image is cleared beside it",
-                choices=("off", "bounds", "tiles"))
-TOUCHED_TILES = replace(TOUCHED, doc="what the resolve touches: the viewport (off), or only tiles of 16x16 pixels "
-                        "that have fragments, listed on the device after the store (tiles); the image is cleared "
-                        "beside", choices=("off", "tiles"))
 REUSE_COUNT = Param("reuse_count", "off", "fragments are counted, and ranges made, in every frame (off), or in the "
                     "first frame of a scene for all that follow until it changes (on): frames of a still scene are "
                     "then timed without their count", choices=ON_OFF)
@@ -96,25 +87,22 @@ CLEARED = (0.0, 0.0, 0.0, 0.0)
 CLEAR_IMAGE = Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,))
 
 
-def clear(*buffers: str, **more) -> Pass:
-    """Full-screen pass that gives the buffers their initial values."""
-    return Pass("clear", "fullscreen", "common/clear.frag", writes=buffers, **more)
+def clear(*buffers: str, shared: tuple[str, ...] = (), **more) -> Pass:
+    """Full-screen pass that gives the buffers their initial values: each pixel its own, of `shared` every P-th word."""
+    step = Pass("clear", "fullscreen", "common/clear.frag", writes=(*shared, *buffers), **more)
+    return replace(step, expand=partial(zeroed_apart, shared=shared)) if shared else step
 
 
-def touching(*steps: Pass) -> tuple[Pass, ...]:
-    """The passes with TOUCHED as their parameter: full-screen ones in which each pixel works for itself alone."""
-    beside = Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), region=True, when=when("touched", "bounds"))
-    return (beside, *(replace(p, expand=partial(_within, expand=p.expand)) if p.kind == "fullscreen" else p
-                      for p in (tiled(p) if IMAGE in p.into else p for p in steps)))
+def zeroed_apart(step: Pass, scope: Params, shared: tuple[str, ...]) -> tuple[Pass, ...]:
+    """A full-screen clear, and where `touched` leaves pixels out of it, one by the driver of the buffers `shared`."""
+    whole = scope.get("touched", "off") == "off"
+    own = tuple(name for name in step.writes if whole or name not in shared)
+    driver = () if whole else (Pass(step.name, "clear", writes=shared),)
+    return (*driver, replace(step, writes=own, defines={**step.defines, "WHOLE": int(whole)}, expand=None))
 
 
-def _within(step: Pass, scope: Params, expand: Expand | None) -> tuple[Pass, ...]:
-    made = _made(step, scope, expand)
-    bounded = scope.get("touched") == "bounds"
-    return tuple(replace(p, region=bounded and p.kind == "fullscreen") for p in made)
-
-
-def _made(step: Pass, scope: Params, expand: Expand | None) -> tuple[Pass, ...]:
+def expanded(step: Pass, scope: Params, expand: Expand | None) -> tuple[Pass, ...]:
+    """What `expand`, the step's own before it was wrapped, makes of it."""
     return expand(step, scope) if expand else (replace(step, expand=None),)
 
 
@@ -126,42 +114,12 @@ def once(*steps: Pass | Loop) -> tuple[Pass | Loop, ...]:
 
 def _once(step: Pass, scope: Params, expand: Expand | None) -> tuple[Pass, ...]:
     still = False if scope.get("reuse_count") == "on" else None
-    return tuple(replace(p, still=still) for p in _made(step, scope, expand))
+    return tuple(replace(p, still=still) for p in expanded(step, scope, expand))
 
 
 def again(name: str, shader: str, *writes: str, **more) -> Pass:
     """The pass that restores what the frame before has changed of what `once` has made."""
     return Pass(name, "fullscreen", shader, writes=writes, still=True, when=when("reuse_count", "on"), **more)
-
-
-def tiled(step: Pass) -> Pass:
-    """A `resolve` of one list per pixel with TOUCHED_TILES as its parameter."""
-    return replace(step, expand=partial(_tile_by_tile, expand=step.expand))
-
-
-def _tile_by_tile(step: Pass, scope: Params, expand: Expand) -> tuple[Pass, ...]:
-    made = expand(step, scope)
-    return (*_list_tiles(step), *map(_by_tile, made)) if scope.get("touched") == "tiles" else made
-
-
-def _list_tiles(step: Pass) -> tuple[Pass, ...]:
-    """Passes that list the tiles in which the resolve `step` finds a fragment, for an indirect draw and dispatch."""
-    buffers = (Buffer(TILE_LIST, TILES), Buffer(TILE_COMMAND, "8"))
-    return (Pass(step.name, "clear", writes=(TILE_COMMAND,), clears={IMAGE: CLEARED}, into=(IMAGE,)),
-            replace(step, kind="compute", shader="common/list_tiles.comp", resolver=None, into=(), buffers=buffers,
-                    writes=(TILE_LIST, TILE_COMMAND), groups=f"ceil({TILES}/{LISTERS})", expand=None,
-                    defines={**step.defines, "TILE": LISTED, "LISTERS": LISTERS}))
-
-
-def _by_tile(step: Pass) -> Pass:
-    """A pass of a resolve that draws, or dispatches a work group for, each listed tile."""
-    if step.kind == "geometry":
-        return step
-    step = replace(step, by_tile=True, defines={**step.defines, "TILE": LISTED})
-    if step.kind == "compute":
-        return replace(step, reads=(*step.reads, TILE_LIST, TILE_COMMAND))
-    classifies = PIXEL_CLASS in step.targets
-    return replace(step, vertex="screen/tile.vert", clears={PIXEL_CLASS.name: (1.0,)} if classifies else step.clears)
 
 
 def wide_buffers(name: str, elements: str, word: str = "0u", condition: When | None = None,
@@ -308,9 +266,6 @@ RESOLVER = "common/resolve_local.glsl"  # every other sort works in one local ar
 LPLUS = 32  # l of the l+-depth-sorting (kplus_2015 §4.4)
 NARROWEST, WIDEST = 8, 32  # fragments of the smallest and the largest sorting network
 TILE = 8  # pixels, side of the square that a work group of the compute resolve shades
-LISTED = 16  # pixels, side of the tiles that are listed; along the diagonal of each, pixels are shaded twice
-TILES = f"ceil(W/{LISTED})*ceil(H/{LISTED})"
-LISTERS = 64  # tiles that a work group of the listing looks at: all of 16384x16384 pixels in 16384 groups
 
 # Classes of backwards memory allocation: class i has at most 8 * 2**i fragments; the last has no bound.
 CLASS_BOUNDS = tuple(8 << i for i in range(8))

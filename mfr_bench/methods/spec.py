@@ -369,6 +369,7 @@ REVEAL = ("add", "zero", "one_minus_src_alpha")  # the product of 1 - alpha
 
 TILE_LIST, TILE_COMMAND = "tile_list", "tile_command"  # of passes that go by tile: which, and the indirect draw of them
 DISPATCH_OFFSET = 16  # bytes of TILE_COMMAND before the indirect dispatch: the four words of the draw
+LISTED = 16  # pixels, side of the tiles that are listed
 IMAGE = "image"  # the frame's result: RGBA32F, premultiplied, shared by all methods, in no method's memory
 
 
@@ -407,7 +408,7 @@ class Pass:
     needed: str | None = None  # a formula; the pass is left out where it gives 0
     runs_in: Callable[[Plan], bool] | None = None  # of a planned method: whether a frame of this plan needs the pass
     region: bool = False  # only the rectangle that bounds the geometry, or the loop's band; a clear: all but that
-    by_tile: bool = False  # only the tiles of TILE_LIST, drawn or dispatched as TILE_COMMAND has it on the device
+    by_tile: bool = False  # only the tiles of TILE_LIST, as TILE_COMMAND has it on the device: a point or a group each
     still: bool | None = None  # False: only in a scene's first frame, for all; True: only in frames after that
     tallies: bool = False  # count the samples that pass, for the plan of the next frame
     probes: str | None = None  # the counter outside the method's memory that it fills; runs where that is asked for

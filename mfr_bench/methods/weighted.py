@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from .shared import CLEARED
 from .spec import ADD, IMAGE, REVEAL, Method, Param, Pass, State, Target, when
+from .touched import touching, without_tiles
 
 ORDER = 8
 
@@ -15,6 +16,7 @@ WEIGHT = Param("weight", "eq10", "how a fragment's weight falls with depth, by t
                choices=("eq7", "eq8", "eq9", "eq10"))
 PRECISION = Param("precision", "16f", "targets: RGBA16F and R8 as in the paper, or RGBA32F and R32F",
                   choices=("16f", "32f"))
+TOUCHED_BOUNDS = without_tiles("since a look for fragments costs as much as the resolve")
 HALF, FULL = (when("precision", choice) for choice in PRECISION.choices)
 
 METHODS = [
@@ -26,10 +28,10 @@ METHODS = [
         failure="colours are mixed by weight, not by what hides what; exact for one layer and where all colours are "
                 "equal, which equal alphas alone do not give; with 16f, sums round to 11 bits, opacity to 8",
         mixes=True, exact_where="n <= 1 and precision == '32f'",
-        params=(WEIGHT, PRECISION),
+        params=(WEIGHT, PRECISION, TOUCHED_BOUNDS),
         targets=(Target("accumulation", "rgba16f", when=HALF), Target("revealage", "r8", when=HALF),
                  Target("accumulation", "rgba32f", when=FULL), Target("revealage", "r32f", when=FULL)),
-        steps=(
+        steps=touching(
             Pass("store", "geometry", "methods/weighted/store.frag", into=("accumulation", "revealage"),
                  clears={"accumulation": CLEARED, "revealage": (1.0, 0.0, 0.0, 0.0)},
                  state=State(blends=(ADD, REVEAL))),

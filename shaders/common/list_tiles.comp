@@ -1,6 +1,7 @@
-// Lists the square tiles in which a pixel has a fragment: an invocation per tile looks at its pixels until one has.
-// It leaves the command that draws a strip of four corners for each, and the one that dispatches a group for each.
-// Invariant: a tile is listed once where any of its pixels has a fragment, else never.
+// Lists the square tiles in which a pixel has a fragment: an invocation looks at a tile's pixels until one has.
+// It leaves the command that draws a point for each, and the one that dispatches a group for each.
+// Invariant: a tile is listed once where any of its pixels has a fragment, else never; no pixel is read beside the region.
+#include "common/extent.glsl"
 #include <fetch>
 
 layout(local_size_x = LISTERS) in;
@@ -15,24 +16,31 @@ bool has_fragments(uint p) {
 #endif
 }
 
-bool tile_has_fragments(uvec2 first) {
-    uvec2 end = min(first + uint(TILE), uvec2(width, height));
+bool tile_has_fragments(uvec2 tile) {
+    uvec2 first = max(uint(TILE) * tile, FIRST), end = min(uint(TILE) * (tile + 1u), END);
     for (uint y = first.y; y < end.y; ++y)
         for (uint x = first.x; x < end.x; ++x)
             if (has_fragments(y * width + x)) return true;
     return false;
 }
 
+void list(uvec2 tile) {
+    uint columns = (width + uint(TILE) - 1u) / uint(TILE);
+    uint at = atomicAdd(tile_command[0], 1u);
+    tile_list[at] = tile.y * columns + tile.x;
+    atomicMax(tile_command[4], min(at + 1u, 65535u));  // groups that every device dispatches
+}
+
 void main() {
-    uint tile = gl_GlobalInvocationID.x;
-    uvec2 tiles = (uvec2(width, height) + uint(TILE) - 1u) / uint(TILE);
-    if (tile == 0u) {
-        tile_command[0] = 4u;
+    uvec2 tiles = tiles_in_extent();
+    uint number = gl_GlobalInvocationID.x;
+    if (number == 0u) {
+        tile_command[1] = 1u;
         tile_command[5] = 1u;
         tile_command[6] = 1u;
     }
-    if (tile >= tiles.x * tiles.y || !tile_has_fragments(uint(TILE) * uvec2(tile % tiles.x, tile / tiles.x))) return;
-    uint at = atomicAdd(tile_command[1], 1u);
-    tile_list[at] = tile;
-    atomicMax(tile_command[4], min(at + 1u, 65535u));  // groups that every device dispatches
+    for (; number < tiles.x * tiles.y; number += gl_NumWorkGroups.x * uint(LISTERS)) {
+        uvec2 tile = tile_in_extent(number);
+        if (tile_has_fragments(tile)) list(tile);
+    }
 }

@@ -1,6 +1,7 @@
-// Resolve of every pixel, of the listed tiles or of one class of pixels, in a compute shader: work groups shade square
-// tiles.
-// Invariant: every pixel inside the viewport is written by at most one invocation.
+// Resolve of every pixel, of those of the region, of the listed tiles or of one class, in a compute shader: work groups
+// shade square tiles.
+// Invariant: every pixel of the extent is written by at most one invocation, and none beside it is read or written.
+#include "common/extent.glsl"
 #include "common/colour.glsl"
 #include "common/pixel_class.glsl"
 #include <fetch>
@@ -10,7 +11,7 @@
 layout(local_size_x = TILE, local_size_y = TILE) in;
 
 bool mine(uvec2 xy) {
-    if (xy.x >= width || xy.y >= height) return false;
+    if (!in_extent(xy)) return false;
 #if CLASSED
     return texelFetch(pixel_class, ivec2(xy), 0).x == CLASS_DEPTH(CLASS);
 #else
@@ -19,14 +20,16 @@ bool mine(uvec2 xy) {
 }
 
 void main() {
-    uvec2 tiles = (uvec2(width, height) + uint(TILE) - 1u) / uint(TILE);
 #if BY_TILE
-    for (uint at = gl_WorkGroupID.x; at < tile_command[1]; at += gl_NumWorkGroups.x) {
-        uint tile = tile_list[at];
+    uint columns = (width + uint(TILE) - 1u) / uint(TILE);
+    for (uint at = gl_WorkGroupID.x; at < tile_command[0]; at += gl_NumWorkGroups.x) {
+        uvec2 tile = uvec2(tile_list[at] % columns, tile_list[at] / columns);
 #else
-    for (uint tile = gl_WorkGroupID.x; tile < tiles.x * tiles.y; tile += gl_NumWorkGroups.x) {
+    uvec2 tiles = tiles_in_extent();
+    for (uint number = gl_WorkGroupID.x; number < tiles.x * tiles.y; number += gl_NumWorkGroups.x) {
+        uvec2 tile = tile_in_extent(number);
 #endif
-        uvec2 xy = uint(TILE) * uvec2(tile % tiles.x, tile / tiles.x) + gl_LocalInvocationID.xy;
+        uvec2 xy = uint(TILE) * tile + gl_LocalInvocationID.xy;
         if (mine(xy)) imageStore(out_image, ivec2(xy), resolve_lists(xy.y * width + xy.x));
     }
 }

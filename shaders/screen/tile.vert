@@ -1,11 +1,13 @@
-// A square over each listed tile, for a class of pixels at its depth.
+// A square over each listed tile, for a class of pixels at its depth: a point, since the pixels along the edge that two
+// triangles share are shaded twice. The viewport is one of whole tiles.
 #include "common/pixel_class.glsl"
 in uint in_tile;
 
 void main() {
-    uint columns = (width + uint(TILE) - 1u) / uint(TILE);
-    uvec2 corner = uvec2(in_tile % columns, in_tile / columns) + uvec2(gl_VertexID & 1, gl_VertexID >> 1);
-    gl_Position = vec4(2.0 * vec2(uint(TILE) * corner) / vec2(width, height) - 1.0, 0.0, 1.0);
+    uvec2 tiles = (uvec2(width, height) + uint(TILE) - 1u) / uint(TILE);
+    vec2 middle = vec2(in_tile % tiles.x, in_tile / tiles.x) + 0.5;
+    gl_PointSize = float(TILE);
+    gl_Position = vec4(2.0 * middle / vec2(tiles) - 1.0, 0.0, 1.0);
 #ifdef CLASS
     gl_Position.z = 2.0 * CLASS_DEPTH(CLASS) - 1.0;
 #endif

@@ -1,18 +1,22 @@
-"""Resolves that touch only tiles with fragments: the image is the whole one, the list what the counters have."""
+"""Clears and resolves that touch only what the geometry does: the image is the whole one, whatever stood before."""
 
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from mfr_bench.config.model import Scene as SceneConfig
-from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu import frame as frames
+from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.truth import true_sizes
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import TILE_COMMAND, TILE_LIST
+from mfr_bench.methods.spec import IMAGE, TILE_COMMAND, TILE_LIST
 from mfr_bench.quality import EXACT_ERROR
+from mfr_bench.scene import Scene, generate
 
-from ..contract.cases import Drawn, stage
+from ..contract.cases import Drawn, label, runs_here, stage, variants
 
 BASE = SceneConfig(size=(75, 53), depth_complexity=9, seed=11)
 SCENES = {
@@ -22,47 +26,225 @@ SCENES = {
     "crossing": SceneConfig(size=(48, 40), depth_complexity=9, slant=0.7, layout="mixed", mean_depth=5, seed=10),
     "nothing": replace(BASE, depth_complexity=0),
 }
-METHODS = [m for m in catalog().values() if (touched := m.param("touched")) and "tiles" in touched.choices]
-RESOLVES = [{"bma": bma, "resolve": stage} for bma in ("off", "on") for stage in ("fragment", "compute")]
+WITHOUT = {  # no full-screen pass, or one that bounds itself
+    "floor": "one geometry pass", "zbuffer": "one geometry pass", "adaptive": "plans for each frame what it touches",
+}
+WHOLE = {  # full-screen passes that touch more than the region, and why
+    **dict.fromkeys([("ab-precalc", "clear"), ("ab-precalc", "scan"), ("ab-dfb", "clear"), ("ab-dfb", "scan")],
+                    "the sum goes over all pixels"),
+    **dict.fromkeys([("open-post", "clear"), ("open-pre", "clear")], "the table is of no pixel's own"),
+}
+# Parameters by which full-screen passes come and go, or clear and read other storage.
+OPTIONS = {"occupancy", "packed", "insert", "allocation", "scan", "reuse_count", "sync", "multisampling", "precision",
+           "moments", "hash", "atomic64", "payload"}
+TOUCHING = [m for m in catalog().values() if m.param("touched")]
+BY_TILE = [m for m in TOUCHING if "tiles" in m.param("touched").choices]
+EXACT = [m for m in BY_TILE if m.guarantee.startswith("exact")]
+EACH_CHOICE = pytest.mark.parametrize(("method", "touched"), [
+    pytest.param(m, choice, id=f"{m.id}-{choice}") for m in TOUCHING for choice in m.param("touched").choices[1:]])
 
 
-def tiled(method, **more):
-    return method.variant({"touched": "tiles", **more} | ({"k": 4} if method.param("k") else {}))
+def in_few(method, **more):
+    """The variant with a small k, and emulated atomics where it needs wide ones."""
+    wide = method.param("atomic64")
+    return method.variant({"k": 4} | ({"atomic64": "emulated"} if wide and wide.acts is None else {}) | more)
 
 
-@pytest.mark.parametrize("more", RESOLVES, ids=lambda more: "-".join(more.values()))
-@pytest.mark.parametrize("method", METHODS, ids=lambda m: m.id)
-def test_every_resolve_by_tiles_is_exact(device, method, more):
-    for name, config in SCENES.items():
-        drawn = Drawn(device, tiled(method, **more), config, frames=2, probing=True)
-        assert drawn.error <= EXACT_ERROR, name
-        assert drawn.lost == 0, name
-        assert drawn.allocated == drawn.declared, name
-        assert all(held == drawn.kept for counter, held in drawn.probed.items() if counter == "held_fragments"), name
+def optional(method, touched):
+    """The variants with another choice of one of OPTIONS."""
+    chosen = [{p.name: c} for p in method.params if p.name in OPTIONS for c in (*p.choices, *p.of) if c != p.default]
+    return [in_few(method, touched=touched, **one) for one in ({}, *chosen)]
+
+
+def resolves(method, touched):
+    """The variants with another resolve."""
+    stages = [{"resolve": s} for s in ("fragment", "compute")] if method.param("resolve") else [{}]
+    classes = [{"bma": on} for on in ("off", "on")] if method.param("bma") else [{}]
+    return [in_few(method, touched=touched, **by, **of) for by in stages for of in classes]
+
+
+def test_a_method_without_it_has_a_reason():
+    assert {m.id for m in catalog().values()} - {m.id for m in TOUCHING} == set(WITHOUT)
+    assert all("no tiles, since " in m.param("touched").doc for m in TOUCHING if m not in BY_TILE)
+
+
+def test_passes_that_touch_more_than_the_region_have_a_reason():
+    whole = {(m.id, step.name) for m in TOUCHING for touched in m.param("touched").choices[1:]
+             for variant in variants(m) for step in m.variant(variant.params | {"touched": touched}).passes
+             if step.kind in ("fullscreen", "compute") and not step.region}
+    assert whole == set(WHOLE)
+
+
+@pytest.mark.parametrize("method", EXACT, ids=lambda m: m.id)
+def test_every_resolve_by_tiles_is_exact(device, method):
+    for variant in resolves(method, "tiles"):
+        for name, config in SCENES.items():
+            drawn = Drawn(device, variant, config, frames=2, probing=True)
+            where = f"{label(variant)}, {name}"
+            assert drawn.error <= EXACT_ERROR, where
+            assert drawn.lost == 0, where
+            assert drawn.allocated == drawn.declared or method.family == "open", where
+            assert all(held == drawn.kept for counter, held in drawn.probed.items() if counter == "held_fragments")
+
+
+def part(scene: Scene, left: int, bottom: int, right: int, top: int) -> Scene:
+    """The same quads within a window of the viewport."""
+    window = np.clip(scene.rect, [left, bottom] * 2, [right, top] * 2)
+    return Scene(scene.viewport, window.astype(np.int32), scene.depth, scene.rgba, 1.0, scene.seed)
+
+
+def animation() -> list[Scene]:
+    """Geometry over the whole viewport that shrinks, moves by part of a tile, vanishes, and comes back elsewhere."""
+    whole = generate(replace(BASE, layout="random", quad_size=(19, 17)))
+    windows = ((0, 0, 75, 53), (37, 9, 61, 30), (40, 15, 75, 47), (0, 0, 0, 0), (1, 1, 18, 16))
+    return [part(whole, *window) for window in windows]
+
+
+@contextmanager
+def animated(device, *chosen):
+    """The scenes of an animation with their buffer, and a frame of each variant."""
+    scenes = animation()
+    quads, canvas = SceneBuffer(device, scenes[0]), Canvas(device, BASE.size)
+    sizes = true_sizes(device, quads, canvas)
+    kept = [Frame(device, variant, sizes, quads, canvas) for variant in chosen]
+    try:
+        yield scenes, *kept
+    finally:
+        for thing in (*kept, canvas, quads):
+            thing.release()
+
+
+def spoil(frame) -> None:
+    """Leave in every buffer, and in the image, what no frame may rely on.
+
+    Whole numbers are small: counts and places that are valid. Fragments have any depth and colour.
+    """
+    noise = np.random.default_rng(3)
+    for buffer in frame.variant.buffers:
+        high = 4 if buffer.type == "uint" else 2**32
+        if buffer.copies == 1:
+            frame.fill(buffer.name, noise.integers(0, high, frame.memory_bytes[buffer.name] // 4))
+    texture = frame.canvas.texture
+    frame.canvas.framebuffer.use(colour=True, depth=False)
+    frame.canvas.framebuffer.clear(texture, (0.25, 0.5, 0.75, 1.0))
+
+
+def shown(frame, scene) -> np.ndarray:
+    """The image of the scene, once everything was spoilt."""
+    if frame.quads.scene is not scene:
+        frame.quads.replace(scene)
+    frame.show(scene)
+    spoil(frame)
+    frame.draw_fitting()
+    assert frame.lost_fragments() == 0
+    return frame.image()
+
+
+def differences(device, variant) -> list[float]:
+    """Of each frame of the animation, how far the image is from that of the variant that touches the viewport."""
+    whole = variant.method.variant(variant.params | {"touched": "off"})
+    with animated(device, variant, whole) as (scenes, frame, other):
+        return [float(np.abs(shown(frame, scene) - shown(other, scene)).max()) for scene in scenes]
+
+
+@EACH_CHOICE
+def test_geometry_that_moves_leaves_nothing_behind(device, method, touched):
+    for variant in [*optional(method, touched), *resolves(method, touched)]:
+        if runs_here(device, variant):
+            assert max(differences(device, variant)) <= 1e-6, label(variant)
+
+
+@pytest.mark.parametrize(("method", "touched"), [("ab-array", "bounds"), ("peel-dual", "bounds"), ("aoit", "bounds")])
+def test_an_image_that_is_not_cleared_beside_the_region_is_seen(device, monkeypatch, method, touched):
+    monkeypatch.setattr(frames, "_around", lambda *region: [])
+    assert max(differences(device, in_few(catalog()[method], touched=touched))) > EXACT_ERROR
+
+
+def test_storage_of_no_pixel_that_is_not_cleared_is_seen(device, monkeypatch):
+    monkeypatch.setattr(device.gl, "zero", lambda buffer, size: None)
+    assert max(differences(device, in_few(catalog()["ab-sb"], touched="bounds"))) > EXACT_ERROR
+
+
+@pytest.mark.parametrize(("method", "more", "path", "right", "wrong"), [
+    ("ab-array", {"touched": "bounds", "resolve": "compute"}, "common/resolve.comp", "!in_extent(xy)", "false"),
+    ("ab-array", {"touched": "tiles", "resolve": "compute"}, "common/resolve.comp", "!in_extent(xy)", "false"),
+    ("kb-ps", {"touched": "bounds", "resolve": "compute"}, "common/extent.glsl", "FIRST / uint(TILE) + uvec2", "uvec2"),
+    ("ab-ll", {"touched": "tiles"}, "common/extent.glsl", "(END - 1u) / uint(TILE) - FIRST / uint(TILE) + 1u",
+     "(END - FIRST) / uint(TILE)"),
+    ("peel-kplus", {"touched": "tiles"}, "screen/tile.vert", "float(TILE)", "float(TILE) - 1.0"),
+], ids=lambda value: value.replace("/", ".") if isinstance(value, str) else "-".join(value.values()))
+def test_a_wrong_line_is_seen_where_geometry_moves(device, plant, method, more, path, right, wrong):
+    plant(path, right, wrong)
+    assert max(differences(device, in_few(catalog()[method], **more))) > EXACT_ERROR
+
+
+def listed(frame) -> list[int]:
+    return sorted(frame.words(TILE_LIST)[:frame.words(TILE_COMMAND)[0]].tolist())
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_list_holds_each_tile_with_fragments_once(device, name):
     on = stage(device, SCENES[name])
-    frame = Frame(device, tiled(catalog()["ab-sb"]), on.sizes, on.quads, on.canvas)
+    frame = Frame(device, in_few(catalog()["ab-precalc"], touched="tiles"), on.sizes, on.quads, on.canvas)
     try:
         frame.draw_fitting()
         counts = np.flatnonzero(frame.words("counter"))
         tiles = {int(p % on.sizes.W // 16 + -(-on.sizes.W // 16) * (p // on.sizes.W // 16)) for p in counts}
-        command = frame.words(TILE_COMMAND)
-        assert sorted(frame.words(TILE_LIST)[:command[1]]) == sorted(tiles)
-        assert command.tolist() == [4, len(tiles), 0, 0, len(tiles), 1, 1, 0]
+        assert listed(frame) == sorted(tiles)
+        assert frame.words(TILE_COMMAND).tolist() == [len(tiles), 1, 0, 0, len(tiles), 1, 1, 0]
     finally:
         frame.release()
+
+
+def stray_tiles(device) -> int:
+    """Tiles that an empty and a small region list beside those with fragments, where all else is spoilt."""
+    with animated(device, in_few(catalog()["ab-sb"], touched="tiles")) as (scenes, frame):
+        shown(frame, scenes[3])
+        stray = len(listed(frame))
+        shown(frame, scenes[1])  # columns 32 to 64 and rows 9 to 30
+        return stray + len(set(listed(frame)) - {row * 5 + column for row in (0, 1) for column in (2, 3)})
+
+
+def test_no_tile_is_listed_for_what_stands_beside_the_region(device):
+    assert stray_tiles(device) == 0
+
+
+def test_a_list_that_looks_beside_the_region_is_seen(device, plant):
+    plant("common/extent.glsl", "#define END uvec2(region_right, region_top)", "#define END uvec2(width, height)")
+    assert stray_tiles(device) > 0
 
 
 def test_only_listed_tiles_are_resolved(device):
-    """The pixels that the resolve's draw passes are those of the tiles with fragments."""
+    """The pixels that the resolve's draw passes are those of the tiles with fragments, within the region."""
     on = stage(device, SCENES["block 0.05"])
-    frame = Frame(device, tiled(catalog()["ab-array"]), on.sizes, on.quads, on.canvas)
+    frame = Frame(device, in_few(catalog()["ab-array"], touched="tiles"), on.sizes, on.quads, on.canvas)
     try:
         frame.draw_fitting()
-        listed = int(frame.words(TILE_COMMAND)[1])
-        assert 0 < work_of(frame)["resolve"]["passed"] <= 256 * listed < on.sizes.P / 2
+        *_, columns, rows = frame.region
+        work = work_of(frame)
+        assert 0 < work["resolve"]["passed"] <= min(columns * rows, 256 * len(listed(frame))) < on.sizes.P / 2
+        assert work["clear"]["passed"] == columns * rows
     finally:
         frame.release()
+
+
+@pytest.mark.parametrize("touched", ["bounds", "tiles"])
+def test_a_shallow_pass_over_the_region_counts_its_pixels(device, touched):
+    """What the driver clears of the image is what the resolve leaves out, or with tiles all of it."""
+    on = stage(device, SCENES["block 0.05"])
+    frame = Frame(device, in_few(catalog()["ab-array"], touched=touched), on.sizes, on.quads, on.canvas)
+    try:
+        frame.draw_fitting()
+        *_, columns, rows = frame.region
+        cleared = on.sizes.P - (columns * rows if touched == "bounds" else 0)
+        assert work_of(frame)["resolve"]["cleared"] == cleared
+    finally:
+        frame.release()
+
+
+def test_the_image_is_cleared_before_or_beside_every_resolve():
+    """In a variant that leaves pixels out, some pass clears the image: the whole, or what is beside the region."""
+    for method in TOUCHING:
+        for touched in method.param("touched").choices[1:]:
+            steps = method.variant({"touched": touched}).passes
+            assert any(IMAGE in step.clears for step in steps), (method.id, touched)

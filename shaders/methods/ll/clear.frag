@@ -7,5 +7,7 @@ void main() {
     cells[tail] = uvec2(EMPTY, 0u);
     next[head] = tail;
     next[tail] = EMPTY;
+#if WHOLE
     if (head == 0u) cell_counter[0] = 0u;
+#endif
 }
