@@ -578,13 +578,18 @@ class PassRunner:
 
     def _clear(self, framebuffer: Framebuffer, texture: Texture, values: tuple[float, ...]) -> None:
         beside = self.step.region and self.step.kind == "clear"
-        for rectangle in _around(*self.frame.region, *framebuffer.size) if beside else (self._band,):
+        for rectangle in _around(*self.frame.region, *framebuffer.size) if beside else (self._extent,):
             self._within(rectangle, lambda: framebuffer.clear(texture, values))
 
     @property
     def _band(self) -> Rectangle | None:
         """The part of the screen that a loop over bands leaves the pass."""
         return self.frame.band if self.step.region else None
+
+    @property
+    def _extent(self) -> Rectangle | None:
+        """The part of the screen that the pass clears, and goes over where it is a full-screen one."""
+        return self._band or (self.frame.region if self.step.region else None)
 
     def _within(self, rectangle: Rectangle | None, draw: Callable[[], None]) -> None:
         """Draw or clear only the rectangle; None: the whole viewport."""
@@ -601,8 +606,7 @@ class PassRunner:
         return self.frame.named(TILE_COMMAND)
 
     def _draw_screen(self) -> None:
-        self._within(self._band or (self.frame.region if self.step.region else None),
-                     self._draw_tiles if self.step.by_tile else
+        self._within(self._extent, self._draw_tiles if self.step.by_tile else
                      lambda: self.vao.render(mode=4, vertices=3, instances=self.instances))  # GL_TRIANGLES
 
     def _draw_tiles(self) -> None:

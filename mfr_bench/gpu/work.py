@@ -135,7 +135,7 @@ class CountingRunner(PassRunner):
     @property
     def _pixels(self) -> int:
         """Pixels of the band, of the region, of all listed tiles in it at most, or of the viewport."""
-        *_, columns, rows = self._band or (self.frame.region if self.step.region else (0, 0, *self._viewport))
+        *_, columns, rows = self._extent or (0, 0, *self._viewport)
         listed = int(self.frame.words(TILE_COMMAND)[0]) * LISTED**2 if self.step.by_tile else self.frame.sizes.P
         return min(columns * rows, listed)
 
@@ -145,8 +145,9 @@ class CountingRunner(PassRunner):
 
     def _add_clears(self) -> None:
         viewport = self.frame.sizes.P
+        *_, columns, rows = self._extent or (0, 0, *self._viewport)
         beside = self.step.kind == "clear" and self.step.region and not self._band
-        pixels = viewport - self._pixels if beside else self._pixels if self._band else viewport
+        pixels = viewport - columns * rows if beside else columns * rows
         for ref in self.step.clears:
             words = self.frame.texture(ref, 0).bytes // 4
             self.work.update({"cleared": pixels, "words_written": words * pixels // viewport})

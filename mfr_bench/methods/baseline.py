@@ -1,4 +1,7 @@
-"""Baselines: what the hardware does without any multi-fragment method."""
+"""Baselines: what the hardware does without any multi-fragment method.
+
+They have no full-screen pass, and so no `touched`.
+"""
 
 from __future__ import annotations
 

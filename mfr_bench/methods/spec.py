@@ -407,7 +407,7 @@ class Pass:
     when: When | None = None
     needed: str | None = None  # a formula; the pass is left out where it gives 0
     runs_in: Callable[[Plan], bool] | None = None  # of a planned method: whether a frame of this plan needs the pass
-    region: bool = False  # only the rectangle that bounds the geometry, or the loop's band; a clear: all but that
+    region: bool = False  # draws and clears only what bounds the geometry, or the loop's band; a clear: all but that
     by_tile: bool = False  # only the tiles of TILE_LIST, as TILE_COMMAND has it on the device: a point or a group each
     still: bool | None = None  # False: only in a scene's first frame, for all; True: only in frames after that
     tallies: bool = False  # count the samples that pass, for the plan of the next frame

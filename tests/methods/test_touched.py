@@ -29,7 +29,7 @@ SCENES = {
 WITHOUT = {  # no full-screen pass, or one that bounds itself
     "floor": "one geometry pass", "zbuffer": "one geometry pass", "adaptive": "plans for each frame what it touches",
 }
-WHOLE = {  # full-screen passes that touch more than the region, and why
+WHOLE = {  # passes that touch more than the region, and why
     **dict.fromkeys([("ab-precalc", "clear"), ("ab-precalc", "scan"), ("ab-dfb", "clear"), ("ab-dfb", "scan")],
                     "the sum goes over all pixels"),
     **dict.fromkeys([("open-post", "clear"), ("open-pre", "clear")], "the table is of no pixel's own"),
@@ -71,7 +71,7 @@ def test_a_method_without_it_has_a_reason():
 def test_passes_that_touch_more_than_the_region_have_a_reason():
     whole = {(m.id, step.name) for m in TOUCHING for touched in m.param("touched").choices[1:]
              for variant in variants(m) for step in m.variant(variant.params | {"touched": touched}).passes
-             if step.kind in ("fullscreen", "compute") and not step.region}
+             if not step.region and step.kind != "clear" and (step.kind != "geometry" or step.clears)}
     assert whole == set(WHOLE)
 
 
@@ -154,6 +154,12 @@ def test_geometry_that_moves_leaves_nothing_behind(device, method, touched):
             assert max(differences(device, variant)) <= 1e-6, label(variant)
 
 
+@pytest.mark.parametrize(("method", "touched"), [("ab-array", "tiles"), ("peel-f2b", "bounds"), ("kb-sr", "tiles")])
+def test_targets_that_are_not_cleared_are_seen(device, monkeypatch, method, touched):
+    monkeypatch.setattr(frames.PassRunner, "_clear", lambda *of: None)
+    assert max(differences(device, in_few(catalog()[method], touched=touched))) > EXACT_ERROR
+
+
 @pytest.mark.parametrize(("method", "touched"), [("ab-array", "bounds"), ("peel-dual", "bounds"), ("aoit", "bounds")])
 def test_an_image_that_is_not_cleared_beside_the_region_is_seen(device, monkeypatch, method, touched):
     monkeypatch.setattr(frames, "_around", lambda *region: [])
@@ -229,8 +235,8 @@ def test_only_listed_tiles_are_resolved(device):
 
 
 @pytest.mark.parametrize("touched", ["bounds", "tiles"])
-def test_a_shallow_pass_over_the_region_counts_its_pixels(device, touched):
-    """What the driver clears of the image is what the resolve leaves out, or with tiles all of it."""
+def test_what_is_cleared_of_the_image_is_counted(device, touched):
+    """It is what the resolve leaves out, or with tiles all of it."""
     on = stage(device, SCENES["block 0.05"])
     frame = Frame(device, in_few(catalog()["ab-array"], touched=touched), on.sizes, on.quads, on.canvas)
     try:

@@ -1,4 +1,5 @@
 // KB-LL, clear: each list is its two sentinels, nearer and further than any fragment.
+// WHOLE: every pixel is cleared, and the first one clears the counter.
 #include "common/pixel.glsl"
 
 void main() {
