@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -151,6 +151,9 @@ class Frame:
         self._shown = quads.scene
         self._drawn: Geometry | None = None  # the scene of the latest frame, while all that it left is in place
         self._plan: Plan | None = None  # of the latest frame, of a planned method
+        self._next: tuple[Geometry, int | None, Plan] | None = None  # the newest plan, and what it was made from
+        self._due: tuple[Pass | Loop, ...] = ()  # what a frame runs while it is as `_due_when` says
+        self._due_when: tuple[Plan | None, bool, bool] | None = None  # plan, still, probing
         self._budgeted = variant.room(sizes)  # most elements of a planned method with a budget
         self.band: Rectangle | None = None  # of the loop over bands that is running
         self._fragments: int | None = None  # of the latest frame of a planned method, once it is known
@@ -235,7 +238,7 @@ class Frame:
         if self.variant.two_channel:
             self.quads.two_channel[1].bind_to_uniform_block(COLOURS_BINDING)
         iteration = 0
-        for step in self.variant.steps:
+        for step in self._steps_due():
             if isinstance(step, Loop):
                 iteration = self._loop(step, mark)
             else:
@@ -243,14 +246,31 @@ class Frame:
         self._drawn = self.quads.scene
         return self._fits()
 
+    def _steps_due(self) -> tuple[Pass | Loop, ...]:
+        """The steps that a frame runs, looked up anew when its plan or state is another than the last one's."""
+        when = (self._plan, self.still, self._probing)
+        if when != self._due_when:
+            self._due, self._due_when = tuple(self._only_due(self.variant.steps)), when
+        return self._due
+
+    def _only_due(self, steps: Sequence[Pass | Loop]) -> Iterator[Pass | Loop]:
+        for step in steps:
+            if isinstance(step, Loop):
+                yield replace(step, passes=tuple(self._only_due(step.passes)))
+            elif self.runs(step) and (self._probing or not step.probes):
+                yield step
+
     def _next_plan(self) -> Plan:
         """By what the host knows now: its geometry, and the fragments of the frame before."""
         if self._tallied:
             self._fragments, self._tallied = self.gl.query_result(self._tally), False
+        if self._next and self._next[0] is self._shown and self._next[1] == self._fragments:
+            return self._next[2]
         *_, columns, rows = self.region
-        layers = replace(self.sizes, quads=len(self._shown)).most_layers
-        known = Known(layers, columns * rows, self.sizes.P, self._fragments, self._budgeted)
-        return self.variant.method.capacity.rule(known, self.variant.scope)
+        shown = replace(self.sizes, quads=len(self._shown), area=columns * rows, reach=self._shown.reach)
+        known = Known.of(shown, self._fragments, self._budgeted)
+        self._next = self._shown, self._fragments, self.variant.method.capacity.rule(known, self.variant.scope)
+        return self._next[2]
 
     def _begin(self, plan: Plan) -> None:
         if plan != self._plan:
@@ -286,7 +306,7 @@ class Frame:
         return 0
 
     def _run(self, step: Pass, iteration: int, mark: Mark | None) -> int | None:
-        runner = None if step.probes and not self._probing else self._runner(step)
+        runner = self._runner(step)
         if runner is None:
             return None
         self._publish(runner)
@@ -332,9 +352,10 @@ class Frame:
         return planned and due and self.variant.runs(step, self.sizes)
 
     def _runner(self, step: Pass) -> PassRunner | None:
-        if step.runs_in and self.runs(step) and id(step) not in self._passes:
+        """Of a pass that is due; None where another one does its work."""
+        if step.runs_in and id(step) not in self._passes:
             self._passes[id(step)] = PassRunner(self, step)
-        return self._passes.get(id(step)) if self.runs(step) else None
+        return self._passes.get(id(step))
 
     def _publish(self, runner: PassRunner) -> None:
         """A barrier where the pass touches buffers that an earlier pass wrote, or writes what one still reads."""
@@ -364,7 +385,8 @@ class Frame:
     def _fits(self) -> bool:
         grown = self.variant.method.capacity
         if self._plan and self._plan.capacity is None:
-            return self._next_plan().path == self._plan.path
+            after = self._next_plan()
+            return (after.path, after.capacity) == (self._plan.path, self._plan.capacity)
         if not isinstance(grown, Grown):
             return True
         wanted = int(self.words(grown.counter)[0])
@@ -514,7 +536,7 @@ class PassRunner:
         self.buffers = buffer_bindings(variant, step)
         self.textures = texture_bindings(variant, step)
         self.touched = frozenset(split_ref(b.ref)[0] for b in self.buffers)
-        self.touched |= {TILE_LIST, TILE_COMMAND} if step.by_tile else set()
+        self.touched |= {TILE_LIST, TILE_COMMAND} if step.by_tile else {step.command} if step.command else set()
         self.written = frozenset(split_ref(r)[0] for r in step.writes) & self.touched
         self.framebuffers: dict[int, Framebuffer] = {}
         self.program = self.vao = None
@@ -568,7 +590,8 @@ class PassRunner:
         if self.step.kind == "clear":
             self._zero(iteration)
             return
-        self._apply_state()
+        for call in self._state_calls:
+            call()
         self.gl.clip_depths_from_zero(self.clips_from_zero)
         if self.step.kind == "fullscreen":
             self._draw_screen()
@@ -600,20 +623,27 @@ class PassRunner:
         if rectangle:
             self.gl.glDisable(rawgl.SCISSOR_TEST)
 
-    def _tile_command(self):
-        """The buffer of the indirect command, once what shaders have written there and to the list is in place."""
+    def _commands(self, name: str):
+        """A buffer of indirect commands, once what shaders have written there and to the list is in place."""
         self.gl.glMemoryBarrier(rawgl.BARRIERS["indirect"])
-        return self.frame.named(TILE_COMMAND)
+        return self.frame.named(name)
 
     def _draw_screen(self) -> None:
-        self._within(self._extent, self._draw_tiles if self.step.by_tile else
-                     lambda: self.vao.render(mode=4, vertices=3, instances=self.instances))  # GL_TRIANGLES
+        self._within(self._extent, self._draw_tiles if self.step.by_tile else self._draw_triangle)
+
+    def _draw_triangle(self) -> None:
+        """Over the whole viewport, GL_TRIANGLES."""
+        if self.step.command:
+            commands = self._commands(self.step.command)
+            self.vao.render_indirect(commands, mode=4, count=1, first=self.step.defines["CLASS"])
+        else:
+            self.vao.render(mode=4, vertices=3, instances=self.instances)
 
     def _draw_tiles(self) -> None:
         """A point over each listed tile, in a viewport of whole tiles: points whose middle is outside are clipped."""
         width, height = self.frame.sizes.W, self.frame.sizes.H
         self.gl.glViewport(0, 0, width + -width % LISTED, height + -height % LISTED)
-        self.vao.render_indirect(self._tile_command(), mode=0, count=1)  # GL_POINTS
+        self.vao.render_indirect(self._commands(TILE_COMMAND), mode=0, count=1)  # GL_POINTS
 
     def _zero(self, iteration: int) -> None:
         """Clear the buffers that a pass of kind `clear` writes, by the driver."""
@@ -638,7 +668,7 @@ class PassRunner:
         if self.step.into:
             self.gl.glMemoryBarrier(rawgl.BARRIERS["image"])
         if self.step.by_tile:
-            self.program.run_indirect(self._tile_command(), DISPATCH_OFFSET)
+            self.program.run_indirect(self._commands(TILE_COMMAND), DISPATCH_OFFSET)
         else:
             self.program.run(self._group_count())
         if self.step.into:
@@ -653,33 +683,37 @@ class PassRunner:
             self._groups[extent] = int(evaluate(self.step.groups, within, self.frame.variant.scope))
         return self._groups[extent]
 
-    def _apply_state(self) -> None:
-        state = self.step.state
-        self._apply_blend(state)
-        if state.depth_test:
-            self.gl.glEnable(rawgl.DEPTH_TEST)
-            self.gl.glDepthFunc(rawgl.DEPTH_FUNCTIONS[state.depth_test])
-        else:
-            self.gl.glDisable(rawgl.DEPTH_TEST)
-        if state.stencil:
-            self.gl.glEnable(rawgl.STENCIL_TEST)
-            self.gl.glStencilFunc(rawgl.STENCIL_TESTS[state.stencil.test], state.stencil.reference, 0xFF)
-            self.gl.glStencilOp(*[rawgl.STENCIL_UPDATES[state.stencil.update]] * 3)
-        else:
-            self.gl.glDisable(rawgl.STENCIL_TEST)
-        (self.gl.glEnable if state.multisample else self.gl.glDisable)(rawgl.MULTISAMPLE)
+    @cached_property
+    def _state_calls(self) -> tuple[Callable[[], None], ...]:
+        """The GL calls that set the pass's fixed-function state."""
+        return tuple(self._state(self.step.state))
 
-    def _apply_blend(self, state: State) -> None:
-        """Blending of all locations alike, or of each its own way."""
-        (self.gl.glEnable if state.blend or state.blends else self.gl.glDisable)(rawgl.BLEND)
+    def _state(self, state: State) -> Iterator[Callable[[], None]]:
+        yield from self._blending(state)
+        yield self._switch(rawgl.DEPTH_TEST, state.depth_test)
+        if state.depth_test:
+            yield partial(self.gl.glDepthFunc, rawgl.DEPTH_FUNCTIONS[state.depth_test])
+        yield self._switch(rawgl.STENCIL_TEST, state.stencil)
+        if state.stencil:
+            test = rawgl.STENCIL_TESTS[state.stencil.test]
+            yield partial(self.gl.glStencilFunc, test, state.stencil.reference, 0xFF)
+            yield partial(self.gl.glStencilOp, *[rawgl.STENCIL_UPDATES[state.stencil.update]] * 3)
+        yield self._switch(rawgl.MULTISAMPLE, state.multisample)
+
+    def _blending(self, state: State) -> Iterator[Callable[[], None]]:
+        """Of all locations alike, or of each its own way."""
+        yield self._switch(rawgl.BLEND, state.blend or state.blends)
         if state.blend:
             equation, source, destination = state.blend
-            self.gl.glBlendEquation(rawgl.EQUATIONS[equation])
             factors = (source, destination, *(state.blend_alpha or (source, destination)))
-            self.gl.glBlendFuncSeparate(*(rawgl.FACTORS[factor] for factor in factors))
+            yield partial(self.gl.glBlendEquation, rawgl.EQUATIONS[equation])
+            yield partial(self.gl.glBlendFuncSeparate, *(rawgl.FACTORS[factor] for factor in factors))
         for location, (equation, source, destination) in enumerate(state.blends):
-            self.gl.glBlendEquationi(location, rawgl.EQUATIONS[equation])
-            self.gl.glBlendFunci(location, rawgl.FACTORS[source], rawgl.FACTORS[destination])
+            yield partial(self.gl.glBlendEquationi, location, rawgl.EQUATIONS[equation])
+            yield partial(self.gl.glBlendFunci, location, rawgl.FACTORS[source], rawgl.FACTORS[destination])
+
+    def _switch(self, capability: int, on: object) -> Callable[[], None]:
+        return partial(self.gl.glEnable if on else self.gl.glDisable, capability)
 
     def release(self) -> None:
         for framebuffer in self.framebuffers.values():

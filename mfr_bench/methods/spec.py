@@ -42,6 +42,7 @@ class Sizes:
     histogram: tuple[int, ...] = ()  # histogram[i] = pixels with i fragments
     geometry: str = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
     area: int | None = None  # pixels of the rectangle that bounds the geometry; None: of the viewport
+    reach: int | None = None  # most fragments that the geometry can have; None: every layer in every pixel
 
     @property
     def P(self) -> int:
@@ -246,19 +247,30 @@ class Known:
     pixels: int  # of the viewport
     fragments: int | None  # of the frame before; None where there was none
     room: int | None = None  # elements that the budget allows; None: any number
+    reach: int | None = None  # most fragments that the geometry can have; None: every layer in every pixel
+    filled: bool = False  # every primitive has one fragment in each pixel of the rectangle
+
+    @classmethod
+    def of(cls, sizes: Sizes, fragments: int | None, room: int | None) -> Known:
+        """Of a scene of these sizes, from what its geometry tells."""
+        area = sizes.P if sizes.area is None else sizes.area
+        filled = sizes.flat and not sizes.rejects and sizes.reach == sizes.most_layers * area
+        return cls(sizes.most_layers, area, sizes.P, fragments, room, sizes.reach, filled)
 
 
 @dataclass(frozen=True)
 class Plan:
     """How a frame is drawn: which passes run, and room for how many elements; None: counted within the frame.
 
-    `banded`: the budget may not hold all elements at once, so that loops over bands run.
+    `banded`: the budget may not hold all elements at once, so that loops over bands run. `cut`: what lies behind a
+    depth that an earlier pass finds for each pixel is left out.
     """
 
     path: str
     known: Known
     capacity: int | None = None
     banded: bool = False
+    cut: bool = False
 
 
 @dataclass(frozen=True)
@@ -367,6 +379,7 @@ MAX = ("max", "one", "one")
 ADD = ("add", "one", "one")
 REVEAL = ("add", "zero", "one_minus_src_alpha")  # the product of 1 - alpha
 
+COMMAND_WORDS = 5  # of an indirect draw in a buffer of several: vertices, instances, the first of both, and one unused
 TILE_LIST, TILE_COMMAND = "tile_list", "tile_command"  # of passes that go by tile: which, and the indirect draw of them
 DISPATCH_OFFSET = 16  # bytes of TILE_COMMAND before the indirect dispatch: the four words of the draw
 LISTED = 16  # pixels, side of the tiles that are listed
@@ -409,6 +422,7 @@ class Pass:
     runs_in: Callable[[Plan], bool] | None = None  # of a planned method: whether a frame of this plan needs the pass
     region: bool = False  # draws and clears only what bounds the geometry, or the loop's band; a clear: all but that
     by_tile: bool = False  # only the tiles of TILE_LIST, as TILE_COMMAND has it on the device: a point or a group each
+    command: str | None = None  # the buffer of indirect draws; the pass is drawn by the one of its define CLASS
     still: bool | None = None  # False: only in a scene's first frame, for all; True: only in frames after that
     tallies: bool = False  # count the samples that pass, for the plan of the next frame
     probes: str | None = None  # the counter outside the method's memory that it fills; runs where that is asked for
@@ -680,9 +694,7 @@ class Variant:
 
     def plan(self, sizes: Sizes) -> Plan:
         """The plan of a frame whose scene was shown before, of a planned method."""
-        area = sizes.P if sizes.area is None else sizes.area
-        return self.method.capacity.rule(Known(sizes.most_layers, area, sizes.P, sizes.F, self.room(sizes)),
-                                         self.scope)
+        return self.method.capacity.rule(Known.of(sizes, sizes.F, self.room(sizes)), self.scope)
 
     @property
     def budget_bytes(self) -> int:

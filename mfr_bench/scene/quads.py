@@ -19,7 +19,6 @@ from . import stress
 from .colours import rgba
 from .streams import DEPTH, DEPTH_ORDER, ORDER, PLACE_X, PLACE_Y, SIDE
 
-GROUP = 4  # pixels of a row that rasterizers shade together: storage row by row keeps theirs side by side
 DEPTH_GRID = 2**23
 
 
@@ -46,14 +45,19 @@ class Scene:
 
     @cached_property
     def bounds(self) -> tuple[int, int, int, int]:
-        """Left, bottom, width and height in pixels of what bounds the quads in the viewport: whole GROUPs of a row."""
+        """Left, bottom, width and height in pixels of what bounds the quads in the viewport."""
         rect = self.rasterized
         rect = rect[(rect[:, 2] > rect[:, 0]) & (rect[:, 3] > rect[:, 1])]
         if not len(rect):
             return 0, 0, 0, 0
         (left, bottom), (right, top) = rect[:, :2].min(axis=0), rect[:, 2:].max(axis=0)
-        left, right = left - left % GROUP, min(right + -right % GROUP, self.viewport[0])
         return int(left), int(bottom), int(right - left), int(top - bottom)
+
+    @cached_property
+    def reach(self) -> int:
+        """Pixels that the quads cover, each as often as it is covered: most fragments of a frame."""
+        sides = np.clip(self.rasterized[:, 2:].astype(np.int64) - self.rasterized[:, :2], 0, None)
+        return int(sides.prod(axis=1).sum())
 
     @cached_property
     def depth_order(self) -> np.ndarray:

@@ -7,6 +7,7 @@ depth to, it stays on the grid that methods with 24 bits of depth need.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -16,6 +17,7 @@ from ..hashing import hash3
 from .colours import rgba
 from .streams import ORDER
 
+MARGIN = 1  # pixels
 NEAREST, FURTHEST = 0.5 + 2.0**-10, 1.0 - 2.0**-10  # window depth of any corner
 
 
@@ -43,10 +45,27 @@ class Strips:
         """A fragment is generated where its hash is below this; 2**32 means always."""
         return min(2**32, round(self.fragment_probability * 2**32))
 
-    @property
+    @cached_property
     def bounds(self) -> tuple[int, int, int, int]:
-        """Left, bottom, width and height in pixels of a rectangle that bounds the strips: the viewport."""
-        return 0, 0, *self.viewport
+        """Left, bottom, width and height in pixels of a rectangle that bounds the corners in the viewport.
+
+        It has MARGIN pixels to spare for what a device rounds. The viewport where a corner lies behind the eye.
+        """
+        if not len(self):
+            return 0, 0, 0, 0
+        corners = self.position.reshape(-1, 4).astype(np.float64)
+        if corners[:, 3].min() <= 0:
+            return 0, 0, *self.viewport
+        window = (corners[:, :2] / corners[:, 3:] + 1.0) / 2.0 * self.viewport
+        (left, bottom), (right, top) = (
+            np.clip(edge, 0, self.viewport).astype(int)
+            for edge in (np.floor(window.min(axis=0)) - MARGIN, np.ceil(window.max(axis=0)) + MARGIN))
+        return int(left), int(bottom), int(right - left), int(top - bottom)
+
+    @property
+    def reach(self) -> None:
+        """Most fragments of a frame: no closer bound than each layer in each pixel is known."""
+        return None
 
     def arrays(self) -> dict[str, np.ndarray]:
         """What `mfr-bench scene` writes."""

@@ -1,6 +1,6 @@
 // Sorting network over registers: block[0 .. NETWORK) by depth, nearest first, without loops or variable indices,
 // so that a compiler keeps the block in registers. NETWORK is a power of two up to 32, or 64 for two blocks.
-// Source: Batcher's odd-even merge sort (Batcher 1968); registers: Knowles, Leach and Zambetta 2014 (kplus_2015 [34]).
+// Source: Batcher's odd-even merge sort and bitonic merge (Batcher 1968); registers: Knowles, Leach and Zambetta 2014 (kplus_2015 [34]).
 FRAGMENT block[NETWORK];
 
 #define COMPARE(a, b) { \
@@ -26,11 +26,22 @@ FRAGMENT block[NETWORK];
 #define SORT4(a) MERGE2(a, 1) MERGE2((a) + 2, 1) MERGE4(a, 1)
 #define SORT8(a) SORT4(a) SORT4((a) + 4) MERGE8(a, 1)
 #define SORT16(a) SORT8(a) SORT8((a) + 8) MERGE16(a, 1)
+#define SORT32(a) SORT16(a) SORT16((a) + 16) MERGE32(a)
+
+// CLEANn(a): the n fragments from a on, which rise and then fall or fall and then rise: a bitonic sequence.
+#define APART4(a, s) COMPARE(a, (a) + (s)) COMPARE((a) + 1, (a) + 1 + (s)) \
+    COMPARE((a) + 2, (a) + 2 + (s)) COMPARE((a) + 3, (a) + 3 + (s))
+#define CLEAN4(a) COMPARE(a, (a) + 2) COMPARE((a) + 1, (a) + 3) COMPARE(a, (a) + 1) COMPARE((a) + 2, (a) + 3)
+#define CLEAN8(a) APART4(a, 4) CLEAN4(a) CLEAN4((a) + 4)
+#define CLEAN16(a) APART4(a, 8) APART4((a) + 4, 8) CLEAN8(a) CLEAN8((a) + 8)
+#define CLEAN32(a) APART4(a, 16) APART4((a) + 4, 16) APART4((a) + 8, 16) APART4((a) + 12, 16) \
+    CLEAN16(a) CLEAN16((a) + 16)
 
 // EACH(DO) stands for DO(0) … DO(NETWORK - 1).
 #define EACH4(DO, a) DO(a) DO((a) + 1) DO((a) + 2) DO((a) + 3)
 #define EACH8(DO, a) EACH4(DO, a) EACH4(DO, (a) + 4)
 #define EACH16(DO, a) EACH8(DO, a) EACH8(DO, (a) + 8)
+#define EACH32(DO, a) EACH16(DO, a) EACH16(DO, (a) + 16)
 
 #if NETWORK == 64
 // Two blocks of 32: the includer sorts what it needs of them.
@@ -47,6 +58,6 @@ FRAGMENT block[NETWORK];
 #define EACH(DO) EACH16(DO, 0)
 #define SORT_BLOCK SORT16(0)
 #else
-#define EACH(DO) EACH16(DO, 0) EACH16(DO, 16)
-#define SORT_BLOCK SORT16(0) SORT16(16) MERGE32(0)
+#define EACH(DO) EACH32(DO, 0)
+#define SORT_BLOCK SORT32(0)
 #endif

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 
 from mfr_bench.config.layout import shares, spread
 from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.gpu.capture import count
+from mfr_bench.gpu.frame import Canvas, SceneBuffer
 from mfr_bench.oracle import fragment_counts
 from mfr_bench.scene import colours, generate, objects
 
@@ -46,6 +48,25 @@ def test_arrays_are_what_the_interface_says(kind):
     assert (scene.position.shape, scene.rgba.shape) == ((len(scene), 4, 4), (len(scene), 4))
     assert np.isfinite(scene.position).all()
     assert (scene.position[..., 3] > 0).all()
+
+
+@EACH
+def test_no_fragment_lies_beside_the_bounds(device, kind):
+    scene = generate(replace(SLANTED[kind], pixel_density=0.2))
+    left, bottom, width, height = scene.bounds
+    quads, canvas = SceneBuffer(device, scene), Canvas(device, scene.viewport)
+    counts = count(device, quads, canvas)
+    for thing in (quads, canvas):
+        thing.release()
+    assert counts[bottom:bottom + height, left:left + width].sum() == counts.sum() > 0
+    assert width * height < counts.size or kind == "slanted"  # whose tiles lie all over the viewport
+
+
+def test_the_bounds_are_the_viewport_where_a_corner_lies_behind_the_eye():
+    scene = generate(SLANTED["slanted"])
+    position = scene.position.copy()
+    position[0, 0, 3] = -1.0
+    assert replace(scene, position=position).bounds == (0, 0, *scene.viewport)
 
 
 @EACH

@@ -11,6 +11,7 @@ from hypothesis import given
 from mfr_bench.config.layout import TILE
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.hashing import hash3
+from mfr_bench.oracle import fragment_counts
 from mfr_bench.scene import generate
 
 from ..scenes import configs
@@ -39,6 +40,21 @@ def test_a_seed_gives_the_same_bits(config):
     first, second = generate(config), generate(config)
     for name in FIELDS:
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
+
+
+@given(configs())
+def test_bounds_and_reach_are_those_of_the_pixels_covered(config):
+    """The rectangle is the smallest; the reach counts every quad's pixels, fragments unless they are rejected."""
+    scene = generate(config)
+    left, bottom, width, height = scene.bounds
+    ys, xs = np.nonzero(covered(scene))
+    if len(xs):
+        assert (left, bottom, left + width, bottom + height) == (xs.min(), ys.min(), xs.max() + 1, ys.max() + 1)
+    else:
+        assert width * height == 0
+    counts = fragment_counts(scene)
+    assert counts.sum() <= scene.reach
+    assert counts.sum() == scene.reach or config.fragment_probability < 1
 
 
 @given(configs())

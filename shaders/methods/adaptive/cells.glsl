@@ -1,4 +1,4 @@
-// The cells of a pixel: from `first_cell` on, `cell_step` apart, as far as `end_cell`.
+// The cells of a pixel: from `first_cell` on, `cell_step` apart, as far as `end_cell`; with PLANES all there are.
 #include "methods/adaptive/region.glsl"
 #if !DENSE
 #include "methods/adaptive/tally.glsl"
@@ -10,7 +10,11 @@ void find_cells(uint p) {
 #if DENSE
     cell_step = PLACES;
     first_cell = p;
+#if PLANES
+    end_cell = p + capacity;
+#else
     end_cell = p + counter[p] * cell_step;
+#endif
 #else
     cell_step = 1u;
     end_cell = counter[p];

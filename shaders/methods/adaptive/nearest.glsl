@@ -8,6 +8,9 @@
 // Source: registers, Knowles, Leach and Zambetta 2014; batches of the nearest, kplus_2015 §4.4; merge, Batcher 1968.
 #include "common/network.glsl"
 
+#define MERGED 32u  // blocks at most that are merged where they lie
+#define SWEEPS 3.0  // from so many on, merging takes less time
+
 #define LOAD(i) \
     block[32 + (i)] = NO_FRAGMENT; \
     if (at < end_cell) { \
@@ -20,28 +23,18 @@
     at += cell_step;
 #define EMPTY_PLACE(i) block[i] = NO_FRAGMENT;
 #define KEEP_NEARER(i) if (block[63 - (i)].x < block[i].x) block[i] = block[63 - (i)];
+#define PUT_BACK(i) if (at < end_cell) nodes[at] = block[32 + (i)]; at += cell_step;
 #define COMPOSITE(i) if (block[i].x < limit) colour = under(colour, colour_of(block[i]));
-#define EACH32(DO) EACH16(DO, 0) EACH16(DO, 16)
-
-#define APART4(a, s) COMPARE(a, (a) + (s)) COMPARE((a) + 1, (a) + 1 + (s)) \
-    COMPARE((a) + 2, (a) + 2 + (s)) COMPARE((a) + 3, (a) + 3 + (s))
-#define CLEAN4(a) COMPARE(a, (a) + 2) COMPARE((a) + 1, (a) + 3) COMPARE(a, (a) + 1) COMPARE((a) + 2, (a) + 3)
-#define CLEAN8(a) APART4(a, 4) CLEAN4(a) CLEAN4((a) + 4)
-#define CLEAN16(a) APART4(a, 8) APART4((a) + 4, 8) CLEAN8(a) CLEAN8((a) + 8)
-#define CLEAN32(a) APART4(a, 16) APART4((a) + 4, 16) APART4((a) + 8, 16) APART4((a) + 12, 16) \
-    CLEAN16(a) CLEAN16((a) + 16)
 
 // Leaves the nearest 32 fragments from the depth `from` on in block[0 .. 32), nearest first; gives their number and
 // that of the fragments behind them.
 uint sweep(uint from) {
     uint met = 0u;
-    EACH32(EMPTY_PLACE)
+    EACH32(EMPTY_PLACE, 0)
     for (uint at = first_cell; at < end_cell;) {
-        EACH32(LOAD)
-        SORT16(32)
-        SORT16(48)
-        MERGE32(32)
-        EACH32(KEEP_NEARER)
+        EACH32(LOAD, 0)
+        SORT32(32)
+        EACH32(KEEP_NEARER, 0)
         CLEAN32(0)
     }
     return met;
@@ -55,14 +48,54 @@ vec4 composite_alike(vec4 colour, uint depth) {
     return colour;
 }
 
+// Whether fragments as the first eight stored would still let more than MAX_ERROR through after SWEEPS sweeps.
+bool faint() {
+    float through = 1.0;
+    uint at = first_cell;
+    for (int i = 0; i < 8 && at < end_cell; ++i, at += cell_step) through *= 1.0 - colour_of(nodes[at]).a;
+    return pow(through, 4.0 * SWEEPS) > MAX_ERROR;
+}
+
+// Sorts each block where it lies, and composites the nearest of their heads in turn.
+vec4 merge() {
+    const uint from = 0u;
+    vec4 colour = vec4(0.0);
+    uint heads[MERGED], depths[MERGED], blocks = 0u;
+    for (uint start = first_cell; start < end_cell; start += 32u * cell_step) {
+        uint at = start, met = 0u;
+        EACH32(LOAD, 0)
+        SORT32(32)
+        at = start;
+        EACH32(PUT_BACK, 0)
+        heads[blocks] = 32u * blocks;
+        depths[blocks++] = block[32].x;
+    }
+    while (1.0 - colour.a > MAX_ERROR) {
+        uint depth = EMPTY, nearest = 0u;
+        for (uint b = 0u; b < blocks; ++b) {
+            if (depths[b] >= depth) continue;
+            depth = depths[b];
+            nearest = b;
+        }
+        if (depth == EMPTY) break;
+        uint at = first_cell + heads[nearest] * cell_step;
+        colour = under(colour, colour_of(nodes[at]));
+        at += cell_step;
+        bool ended = (++heads[nearest] & 31u) == 0u || at >= end_cell;
+        depths[nearest] = ended ? EMPTY : nodes[at].x;
+    }
+    return colour;
+}
+
 vec4 resolve_pixel() {
     vec4 colour = vec4(0.0);
     uint from = 0u;
+    if (end_cell - first_cell <= 32u * MERGED * cell_step && faint()) return merge();
     bool more = first_cell < end_cell;
     while (more) {
         more = sweep(from) > 32u;
         uint limit = more ? block[31].x : EMPTY;
-        EACH32(COMPOSITE)
+        EACH32(COMPOSITE, 0)
         if (more && block[0].x == limit) {
             colour = composite_alike(colour, limit);
             ++limit;

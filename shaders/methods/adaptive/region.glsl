@@ -1,7 +1,7 @@
-// Which pixels have counters and cells, row by row: with PART only those of the rectangle that bounds the geometry.
+// Which pixels have counters and cells, row by row: with DENSE only those of the rectangle that bounds the geometry.
 #include "common/pixel.glsl"
 
-#if PART
+#if DENSE
 #define PLACES region_pixels
 
 uint place() {
