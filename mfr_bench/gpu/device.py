@@ -14,7 +14,7 @@ import moderngl
 from ..environment import processor
 from ..errors import DeviceError, ShaderError
 from ..glsl import FEATURE_EXTENSIONS, Source
-from ..methods.spec import SAMPLE_FEATURES, SAMPLE_STENCIL
+from ..methods.spec import LISTED, SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS
 from ..plan import Limits
 from .rawgl import RawGL
 
@@ -64,7 +64,8 @@ class Device:
         shading = {f for f, names in FEATURE_EXTENSIONS.items() if self.extensions.intersection(names)}
         samples = {f for f, count in SAMPLE_FEATURES.items() if count in self._sample_counts}
         routing = {SAMPLE_STENCIL} if "samples_4" in samples and tests_each_sample(self) else set()
-        return frozenset(shading | samples | routing)
+        points = {TILE_POINTS} if self.ctx.info["GL_POINT_SIZE_RANGE"][1] >= LISTED else set()
+        return frozenset(shading | samples | routing | points)
 
     @cached_property
     def _sample_counts(self) -> frozenset[int]:
@@ -75,7 +76,7 @@ class Device:
 
     @property
     def missing_features(self) -> frozenset[str]:
-        return frozenset({*FEATURE_EXTENSIONS, *SAMPLE_FEATURES, SAMPLE_STENCIL}) - self.features
+        return frozenset({*FEATURE_EXTENSIONS, *SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS}) - self.features
 
     @cached_property
     def limits(self) -> Limits:

@@ -383,6 +383,7 @@ COMMAND_WORDS = 5  # of an indirect draw in a buffer of several: vertices, insta
 TILE_LIST, TILE_COMMAND = "tile_list", "tile_command"  # of passes that go by tile: which, and the indirect draw of them
 DISPATCH_OFFSET = 16  # bytes of TILE_COMMAND before the indirect dispatch: the four words of the draw
 LISTED = 16  # pixels, side of the tiles that are listed
+TILE_POINTS = f"points_{LISTED}"  # the feature of drawing points as large as a tile
 IMAGE = "image"  # the frame's result: RGBA32F, premultiplied, shared by all methods, in no method's memory
 
 

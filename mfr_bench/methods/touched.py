@@ -18,13 +18,13 @@ from dataclasses import replace
 from functools import partial
 
 from .shared import CLEARED, PIXEL_CLASS, Expand, expanded
-from .spec import IMAGE, LISTED, TILE_COMMAND, TILE_LIST, Buffer, Loop, Param, Params, Pass, State
+from .spec import IMAGE, LISTED, TILE_COMMAND, TILE_LIST, TILE_POINTS, Buffer, Loop, Param, Params, Pass, State
 
 BOUNDS = ("what full-screen passes touch: the viewport (off), or the rectangle that bounds the geometry, which the "
           "host knows (bounds); ")
 TOUCHED = Param("touched", "off", f"{BOUNDS}or of the resolve, within that, only tiles of {LISTED}x{LISTED} pixels "
                 "that have fragments, listed on the device after the store (tiles); the image is cleared beside",
-                choices=("off", "bounds", "tiles"))
+                choices=("off", "bounds", "tiles"), needs={"tiles": TILE_POINTS})
 TILES = f"ceil(W/{LISTED})*ceil(H/{LISTED})"
 LISTERS = 64  # tiles that a work group of the listing looks at
 
@@ -33,7 +33,8 @@ Step = Pass | Loop
 
 def without_tiles(reason: str) -> Param:
     """TOUCHED for a method whose resolve does not go by tile."""
-    return replace(TOUCHED, doc=f"{BOUNDS}the image is cleared beside; no tiles, {reason}", choices=("off", "bounds"))
+    return replace(TOUCHED, doc=f"{BOUNDS}the image is cleared beside; no tiles, {reason}", choices=("off", "bounds"),
+                   needs={})
 
 
 def touching(*steps: Step, looped: bool = False) -> tuple[Step, ...]:
