@@ -5,6 +5,9 @@
 vec4 composite_sorted(uint p) {
     vec4 colour = nothing_yet();
     FRAGMENT fragment;
-    for (fetch_begin(p); !enough(colour) && fetch_next(fragment);) colour = onto(colour, colour_of(fragment));
+    for (fetch_begin(p); fetch_next(fragment);) {
+        colour = onto(colour, colour_of(fragment));
+        if (enough(colour)) break;
+    }
     return composited(colour);
 }

@@ -12,7 +12,10 @@ vec4 resolve_pixel(uint p) {
     sort_fragments(count);
     vec4 colour = nothing_yet();
     uint i = 0u;
-    for (; i < count && !enough(colour); ++i) colour = onto(colour, colour_of(fragments[i]));
+    for (; i < count; ++i) {
+        colour = onto(colour, colour_of(fragments[i]));
+        if (enough(colour)) break;
+    }
     if (i < count && !enough(colour)) atomicAdd(lost_fragments, count - i);
     return composited(colour);
 }

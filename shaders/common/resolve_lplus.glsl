@@ -49,7 +49,10 @@ vec4 resolve_pixel(uint p) {
         if (done == 0u) expected = min(offered, uint(KEEP));
         sort_fragments(count);
         uint i = 0u;
-        for (; i < count && !enough(colour); ++i) colour = onto(colour, colour_of(fragments[i]));
+        for (; i < count; ++i) {
+            colour = onto(colour, colour_of(fragments[i]));
+            if (enough(colour)) break;
+        }
         done += i;
     } while (offered > room && done < uint(KEEP) && !enough(colour));
     if (done < expected && !enough(colour)) atomicAdd(lost_fragments, expected - done);

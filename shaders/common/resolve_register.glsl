@@ -86,7 +86,7 @@ vec4 resolve_pixel(uint p) {
     uint heads[LOCAL / NETWORK];  // of each block, the fragments already composited
     for (uint b = 0u; b < uint(LOCAL / NETWORK); ++b) heads[b] = 0u;
     vec4 colour = nothing_yet();
-    while (!enough(colour)) {
+    while (true) {
         uint nearest = EMPTY, from = 0u;
         for (uint b = 0u; b * uint(NETWORK) < end; ++b) {
             if (heads[b] >= uint(NETWORK)) continue;
@@ -98,6 +98,7 @@ vec4 resolve_pixel(uint p) {
         }
         if (nearest == EMPTY) break;
         colour = onto(colour, colour_of(fragments[from * uint(NETWORK) + heads[from]++]));
+        if (enough(colour)) break;
     }
     return composited(colour);
 }
