@@ -79,7 +79,8 @@ def scene_sizes(scene: Geometry, counts: np.ndarray, areas: np.ndarray | int = 1
     histogram = np.bincount(counts.ravel(), weights=weights)  # float64 is exact below 2**53 pixels
     return Sizes(W=scene.viewport[0], H=scene.viewport[1], n=max(1, int(counts.max())), F=int((counts * areas).sum()),
                  quads=len(scene), rejects=scene.keep_threshold < 2**32, histogram=tuple(int(h) for h in histogram),
-                 geometry=scene.geometry, area=scene.bounds[2] * scene.bounds[3], reach=scene.reach)
+                 geometry=scene.geometry, area=scene.bounds[2] * scene.bounds[3], layers=scene.layers,
+                 reach=scene.reach)
 
 
 def _mask(scene: Scene, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray | bool:

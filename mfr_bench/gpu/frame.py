@@ -267,7 +267,8 @@ class Frame:
         if self._next and self._next[0] is self._shown and self._next[1] == self._fragments:
             return self._next[2]
         *_, columns, rows = self.region
-        shown = replace(self.sizes, quads=len(self._shown), area=columns * rows, reach=self._shown.reach)
+        shown = replace(self.sizes, quads=len(self._shown), area=columns * rows, layers=self._shown.layers,
+                        reach=self._shown.reach)
         known = Known.of(shown, self._fragments, self._budgeted)
         self._next = self._shown, self._fragments, self.variant.method.capacity.rule(known, self.variant.scope)
         return self._next[2]

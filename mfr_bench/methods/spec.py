@@ -42,6 +42,7 @@ class Sizes:
     histogram: tuple[int, ...] = ()  # histogram[i] = pixels with i fragments
     geometry: str = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
     area: int | None = None  # pixels of the rectangle that bounds the geometry; None: of the viewport
+    layers: int | None = None  # most fragments that a pixel can have by the geometry; None: those of every primitive
     reach: int | None = None  # most fragments that the geometry can have; None: every layer in every pixel
 
     @property
@@ -57,7 +58,7 @@ class Sizes:
     @property
     def most_layers(self) -> int:
         """Most fragments that a pixel can have by the geometry alone: a strip of two triangles may cover it twice."""
-        return self.quads * (1 if self.geometry == "quad" else 2)
+        return self.layers if self.layers is not None else self.quads * (1 if self.geometry == "quad" else 2)
 
     def bounded(self, k: int) -> int:
         """Fragments left when each pixel keeps at most `k`: the sum of min(f, k) over the pixels."""
@@ -254,7 +255,7 @@ class Known:
     def of(cls, sizes: Sizes, fragments: int | None, room: int | None) -> Known:
         """Of a scene of these sizes, from what its geometry tells."""
         area = sizes.P if sizes.area is None else sizes.area
-        filled = sizes.flat and not sizes.rejects and sizes.reach == sizes.most_layers * area
+        filled = sizes.flat and not sizes.rejects and sizes.reach == sizes.quads * area
         return cls(sizes.most_layers, area, sizes.P, fragments, room, sizes.reach, filled)
 
 

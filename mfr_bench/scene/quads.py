@@ -17,6 +17,7 @@ from ..config.model import Scene as SceneConfig
 from ..hashing import WORD, hash3
 from . import stress
 from .colours import rgba
+from .overlap import most_over
 from .streams import DEPTH, DEPTH_ORDER, ORDER, PLACE_X, PLACE_Y, SIDE
 
 DEPTH_GRID = 2**23
@@ -52,6 +53,11 @@ class Scene:
             return 0, 0, 0, 0
         (left, bottom), (right, top) = rect[:, :2].min(axis=0), rect[:, 2:].max(axis=0)
         return int(left), int(bottom), int(right - left), int(top - bottom)
+
+    @cached_property
+    def layers(self) -> int:
+        """Most fragments that a pixel can have, by the rectangles alone."""
+        return most_over(self.rasterized, self.viewport)
 
     @cached_property
     def reach(self) -> int:

@@ -15,6 +15,7 @@ import numpy as np
 from ..config.model import Scene as SceneConfig
 from ..hashing import hash3
 from .colours import rgba
+from .overlap import most_over
 from .streams import ORDER
 
 MARGIN = 1  # pixels
@@ -46,21 +47,32 @@ class Strips:
         return min(2**32, round(self.fragment_probability * 2**32))
 
     @cached_property
-    def bounds(self) -> tuple[int, int, int, int]:
-        """Left, bottom, width and height in pixels of a rectangle that bounds the corners in the viewport.
+    def boxes(self) -> np.ndarray:
+        """int32 (n, 4): the pixels of the viewport that bound each strip, x0 y0 x1 y1, half-open.
 
-        It has MARGIN pixels to spare for what a device rounds. The viewport where a corner lies behind the eye.
+        They have MARGIN pixels to spare for what a device rounds. The viewport where a corner lies behind the eye.
         """
+        whole = np.array([0, 0, *self.viewport], dtype=np.int32)
+        corners = self.position.astype(np.float64)
+        behind = corners[..., 3].min(axis=1, initial=np.inf) <= 0
+        corners[behind] = 1.0
+        window = (corners[..., :2] / corners[..., 3:] + 1.0) / 2.0 * self.viewport
+        edges = np.hstack([np.floor(window.min(axis=1)) - MARGIN, np.ceil(window.max(axis=1)) + MARGIN])
+        boxes = np.clip(edges, 0, np.tile(self.viewport, 2)).astype(np.int32)
+        return np.where(behind[:, None], whole, boxes)
+
+    @cached_property
+    def bounds(self) -> tuple[int, int, int, int]:
+        """Left, bottom, width and height in pixels of a rectangle that bounds the strips in the viewport."""
         if not len(self):
             return 0, 0, 0, 0
-        corners = self.position.reshape(-1, 4).astype(np.float64)
-        if corners[:, 3].min() <= 0:
-            return 0, 0, *self.viewport
-        window = (corners[:, :2] / corners[:, 3:] + 1.0) / 2.0 * self.viewport
-        (left, bottom), (right, top) = (
-            np.clip(edge, 0, self.viewport).astype(int)
-            for edge in (np.floor(window.min(axis=0)) - MARGIN, np.ceil(window.max(axis=0)) + MARGIN))
+        (left, bottom), (right, top) = self.boxes[:, :2].min(axis=0), self.boxes[:, 2:].max(axis=0)
         return int(left), int(bottom), int(right - left), int(top - bottom)
+
+    @cached_property
+    def layers(self) -> int:
+        """Most fragments that a pixel can have, by the boxes alone: two triangles of each strip."""
+        return 2 * most_over(self.boxes, self.viewport)
 
     @property
     def reach(self) -> None:
