@@ -1,6 +1,6 @@
 """The method of this project: only the work that a scene needs, without a k, an n or a size from its user.
 
-Before a frame the host knows its geometry: how many primitives can cover a pixel, the rectangle that they lie in, and
+Before a frame the host knows its geometry: how many primitives can meet in a pixel, the rectangle that they lie in, and
 how many fragments the frame before had. From these it plans the frame:
 
 - `direct`: no pixel can have two fragments. They are blended, and nothing is stored.
