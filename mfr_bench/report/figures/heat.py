@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -86,11 +87,14 @@ class Heat:
 
     @cached_property
     def panels(self) -> list[tuple[str, list[Point]]]:
+        """Points by heading: in what a panel is not like most, which tell all that they have in common."""
         placed = [data.bare(self.options[name]) for name in ("x", "rows")]
         axes = [a for a in self.result.axes if data.bare(a) not in placed and len(data.values(self.points, a)) > 1]
+        usual = {a: Counter(p.at(a) for p in self.points).most_common(1)[0][0] for a in axes}
         found: dict[str, list[Point]] = {}
         for p in self.points:
-            found.setdefault(", ".join(data.heading(a, p.at(a), " ") for a in axes), []).append(p)
+            told = [a for a in axes if p.at(a) != usual[a]] or axes
+            found.setdefault(", ".join(data.heading(a, p.at(a), " ") for a in told), []).append(p)
         return list(found.items())
 
     @property
@@ -124,9 +128,9 @@ class Heat:
         value = self.values.get(point.cell["key"])
         shade, ink = self._colours(value)
         axes.add_patch(Rectangle((column - 0.48, row - 0.46), 0.96, 0.92, color=shade, linewidth=0))
-        text = number(value) if value else (point.sign if point.status != "ok" else "none")
-        axes.text(column, row, text, ha="center", va="center", color=ink,
-                  fontsize=style.NUMBER_PT if value else style.NUMBER_PT - 1.2)
+        sign = point.sign.replace(" ", "\n") if point.status != "ok" else "none"
+        axes.text(column, row, number(value, 2 if value < 1 else 3) if value else sign, ha="center", va="center",
+                  color=ink, linespacing=0.9, fontsize=style.NUMBER_PT if value else style.NUMBER_PT - 1.6)
 
     def _colours(self, value: float | None) -> tuple[Any, str]:
         """The field's colour, and the ink that can be read on it."""
