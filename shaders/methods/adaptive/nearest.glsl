@@ -90,7 +90,7 @@ vec4 merge() {
 vec4 resolve_pixel() {
     vec4 colour = vec4(0.0);
     uint from = 0u;
-    if (end_cell - first_cell <= 32u * MERGED * cell_step && faint()) return merge();
+    if ((end_cell - first_cell) / cell_step <= 32u * MERGED && faint()) return merge();
     bool more = first_cell < end_cell;
     while (more) {
         more = sweep(from) > 32u;
