@@ -336,3 +336,10 @@ def test_no_budget_is_the_default_and_can_be_written():
     assert "sums" not in adaptive.variant({}).memory_bytes(sizes_of(generate(FEW)))
     with pytest.raises(ValueError, match="allowed: 0 or a number between 0 and 1048576"):
         adaptive.variant({"memory_mb": -1.0})
+
+
+def test_layers_behind_thousands_of_others_do_not_leak(device):
+    """What shows through is held as such: as 1 minus a sum of opacities it stops at the last bit of 1."""
+    scene = generate(SceneConfig(size=(8, 8), depth_complexity=4096, alpha=(0.004, 0.01), seed=7))
+    with drawn(device, "adaptive", scene) as frame:
+        assert np.abs(frame.image() - composite(scene)).max() < 5e-6

@@ -10,10 +10,10 @@
     if (at < end_cell) block[i] = nodes[at]; \
     at += cell_step;
 #define PART(i) COMPARE(i, 63 - (i))
-#define COMPOSITE(i) colour = under(colour, colour_of(block[i]));
+#define COMPOSITE(i) colour = behind_of(colour, colour_of(block[i]));
 
 vec4 resolve_pixel() {
-    vec4 colour = vec4(0.0);
+    vec4 colour = NOTHING;
     uint at = first_cell;
     EACH32(LOAD, 0)
     SORT32(0)
@@ -25,7 +25,7 @@ vec4 resolve_pixel() {
         CLEAN32(0)
     }
     EACH32(COMPOSITE, 0)
-    if (more && 1.0 - colour.a > MAX_ERROR) {
+    if (more && colour.a > MAX_ERROR) {
         CLEAN32(32)
         EACH32(COMPOSITE, 32)
     }

@@ -24,7 +24,7 @@
 #define EMPTY_PLACE(i) block[i] = NO_FRAGMENT;
 #define KEEP_NEARER(i) if (block[63 - (i)].x < block[i].x) block[i] = block[63 - (i)];
 #define PUT_BACK(i) if (at < end_cell) nodes[at] = block[32 + (i)]; at += cell_step;
-#define COMPOSITE(i) if (block[i].x < limit) colour = under(colour, colour_of(block[i]));
+#define COMPOSITE(i) if (block[i].x < limit) colour = behind_of(colour, colour_of(block[i]));
 
 // Leaves the nearest 32 fragments from the depth `from` on in block[0 .. 32), nearest first; gives their number and
 // that of the fragments behind them.
@@ -43,7 +43,7 @@ uint sweep(uint from) {
 vec4 composite_alike(vec4 colour, uint depth) {
     for (uint at = first_cell; at < end_cell; at += cell_step) {
         FRAGMENT fragment = nodes[at];
-        if (fragment.x == depth) colour = under(colour, colour_of(fragment));
+        if (fragment.x == depth) colour = behind_of(colour, colour_of(fragment));
     }
     return colour;
 }
@@ -59,7 +59,7 @@ bool faint() {
 // Sorts each block where it lies, and composites the nearest of their heads in turn.
 vec4 merge() {
     const uint from = 0u;
-    vec4 colour = vec4(0.0);
+    vec4 colour = NOTHING;
     uint heads[MERGED], depths[MERGED], blocks = 0u;
     for (uint start = first_cell; start < end_cell; start += 32u * cell_step) {
         uint at = start, met = 0u;
@@ -70,7 +70,7 @@ vec4 merge() {
         heads[blocks] = 32u * blocks;
         depths[blocks++] = block[32].x;
     }
-    while (1.0 - colour.a > MAX_ERROR) {
+    while (colour.a > MAX_ERROR) {
         uint depth = EMPTY, nearest = 0u;
         for (uint b = 0u; b < blocks; ++b) {
             if (depths[b] >= depth) continue;
@@ -79,7 +79,7 @@ vec4 merge() {
         }
         if (depth == EMPTY) break;
         uint at = first_cell + heads[nearest] * cell_step;
-        colour = under(colour, colour_of(nodes[at]));
+        colour = behind_of(colour, colour_of(nodes[at]));
         at += cell_step;
         bool ended = (++heads[nearest] & 31u) == 0u || at >= end_cell;
         depths[nearest] = ended ? EMPTY : nodes[at].x;
@@ -88,7 +88,7 @@ vec4 merge() {
 }
 
 vec4 resolve_pixel() {
-    vec4 colour = vec4(0.0);
+    vec4 colour = NOTHING;
     uint from = 0u;
     if ((end_cell - first_cell) / cell_step <= 32u * MERGED && faint()) return merge();
     bool more = first_cell < end_cell;
@@ -101,7 +101,7 @@ vec4 resolve_pixel() {
             ++limit;
         }
         from = limit;
-        more = more && 1.0 - colour.a > MAX_ERROR;
+        more = more && colour.a > MAX_ERROR;
     }
     return colour;
 }

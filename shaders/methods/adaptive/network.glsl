@@ -6,10 +6,10 @@
     block[i] = NO_FRAGMENT; \
     if (at < end_cell) block[i] = nodes[at]; \
     at += cell_step;
-#define COMPOSITE(i) colour = under(colour, colour_of(block[i]));
+#define COMPOSITE(i) colour = behind_of(colour, colour_of(block[i]));
 
 vec4 resolve_pixel() {
-    vec4 colour = vec4(0.0);
+    vec4 colour = NOTHING;
     uint at = first_cell;
     EACH(LOAD)
     SORT_BLOCK

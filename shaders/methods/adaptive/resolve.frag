@@ -1,10 +1,11 @@
 // Resolve of the pixels of the region, or of one class of them by the depth test.
 #include "common/colour.glsl"
+#include "common/transmittance.glsl"
 #include "methods/adaptive/cells.glsl"
 #include <resolver>
 
 void main() {
     find_cells(place());
-    out_image = resolve_pixel();
+    out_image = with_opacity(resolve_pixel());
     COUNT(empty, first_cell == end_cell)
 }
