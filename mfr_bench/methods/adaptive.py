@@ -10,9 +10,9 @@ how many fragments the frame before had. From these it plans the frame:
   Nothing is counted beforehand; the cells of neighbours lie side by side.
 - `ranges`: a count by blending, then each pixel takes a range of exactly its fragments; empty pixels take none.
 
-A `max_error` above its default cuts deep frames: they have `ranges` for what lies before the depth behind which no more
-than that shows through. With a budget of memory that may not hold all fragments, `ranges` go band by band: what follows
-the count is drawn once for each of the rectangles whose fragments fit.
+A `max_error` above its default cuts deep frames: in `dense` cells instead of planes, else in `ranges`, they store what
+lies before the depth behind which no more than that shows through. With a budget of memory that may not hold all
+fragments, `ranges` go band by band: what follows the count is drawn once for each rectangle whose fragments fit.
 
 No plan can lose a fragment: what the frame before had only decides how much memory `dense` may take. The fragments of
 a pixel are sorted in registers, by a network as small as their number allows. Beyond 64 the nearest 32 are kept, sweep
@@ -74,10 +74,10 @@ def plan(known: Known, params: Params) -> Plan:
     cells = known.layers * known.area
     banded = known.room is not None and cells > known.room
     cut = float(params.get("max_error", EXACT)) > EXACT and known.layers >= WORTH_CUTTING
+    if known.filled and not banded:
+        return Plan(DENSE if cut else PLANES, known, cells, cut=cut)
     if banded or cut:
         return Plan(RANGES, known, banded=banded, cut=cut)
-    if known.filled:
-        return Plan(PLANES, known, cells)
     room = 0 if known.fragments is None else known.fragments + SPARE * (known.fragments + known.pixels)
     if cells <= room:
         return Plan(DENSE, known, cells)
@@ -126,7 +126,7 @@ def _cut(plan: Plan) -> bool:
 
 def _classed(plan: Plan) -> bool:
     """Whether pixels are told apart by their number of fragments."""
-    return plan.path == RANGES and plan.known.layers > UNCLASSED
+    return plan.cut or (plan.path == RANGES and plan.known.layers > UNCLASSED)
 
 
 IN_PLANES = Layout(_in(PLANES), {"DENSE": 1, "PLANES": 1})
@@ -148,10 +148,15 @@ def _ranged(plan: Plan) -> bool:
     return plan.path == RANGES and not _classed(plan)
 
 
+def _classed_by_counter(plan: Plan) -> bool:
+    return plan.path == DENSE and plan.cut
+
+
 def _resolves() -> tuple[Pass, ...]:
     """One resolve for each number of fragments: of all pixels, or of a class of them."""
     return tuple(made for index in range(len(BOUNDS) - 1) for made in (
-        *(_resolve(index, layout) for layout in LAYOUTS), _resolve_class(index)))
+        *(_resolve(index, layout) for layout in LAYOUTS),
+        *(_resolve_class(index, layout) for layout in (IN_CELLS, IN_RANGES))))
 
 
 def _resolve(index: int, layout: Layout) -> Pass:
@@ -168,12 +173,14 @@ def _resolver(most: int) -> str:
     return "network" if most < HALVES else "halves" if most == HALVES else "nearest"
 
 
-def _resolve_class(index: int) -> Pass:
-    step = _resolve(index, IN_RANGES)
+def _resolve_class(index: int, layout: Layout) -> Pass:
+    step = _resolve(index, layout)
     low, high = BOUNDS[index], BOUNDS[index + 1]
     return replace(step, into=(IMAGE, PIXEL_CLASS.name), defines={**step.defines, "CLASS": index},
                    vertex="screen/triangle_of_class.vert", command="draws",
-                   runs_in=lambda plan: _classed(plan) and low < plan.known.layers and high >= UNCLASSED,
+                   runs_in=_where(layout.runs_in, _classed,
+                                  lambda plan: low < plan.known.layers and high >= UNCLASSED),
+                   when=APPROXIMATE if layout is IN_CELLS else None,
                    state=State(depth_test="equal", depth_write=False, early=True))
 
 
@@ -193,18 +200,22 @@ COUNT = Pass("count", "geometry", "methods/adaptive/count.frag", into=("tally",)
 COUNT_LATER = replace(COUNT, counts=False, tallies=True)  # there is room for whatever comes
 ALLOCATE = Pass("allocate", "fullscreen", "methods/adaptive/allocate.frag", region=True, reads=("tally",),
                 writes=("counter", "taken"))
+CLASSIFIES = {"into": (PIXEL_CLASS.name,), "clears": {PIXEL_CLASS.name: (1.0,)}, "state": State(depth_test="always")}
 STORE = Pass("store", "geometry", "methods/adaptive/store.frag", writes=("counter", "nodes"))
 
 # After the count: a range for each pixel, the fragments in it, and what counts them; after that the image.
 STORED = (
     Pass("clear", "clear", writes=("taken",), runs_in=_ranged),
-    Pass("clear", "clear", writes=("taken", "draws"), runs_in=_classed),
+    Pass("clear", "clear", writes=("taken", "draws"), runs_in=_where(_in(RANGES), _classed)),
+    Pass("clear", "clear", writes=("draws",), runs_in=_classed_by_counter, when=APPROXIMATE),
     replace(ALLOCATE, defines={"CLASSED": 0, "DENSE": 0}, runs_in=_ranged),
-    replace(ALLOCATE, defines={"CLASSED": 1, "DENSE": 0}, runs_in=_classed, writes=(*ALLOCATE.writes, "draws"),
-            into=(PIXEL_CLASS.name,), clears={PIXEL_CLASS.name: (1.0,)}, state=State(depth_test="always")),
-    *(replace(STORE, defines=layout.defines, runs_in=layout.runs_in, writes=layout.storage, tallies=True)
-      for layout in (IN_PLANES, IN_CELLS)),
+    replace(ALLOCATE, defines={"CLASSED": 1, "DENSE": 0}, runs_in=_where(_in(RANGES), _classed),
+            writes=(*ALLOCATE.writes, "draws"), **CLASSIFIES),
+    replace(STORE, defines=IN_PLANES.defines, runs_in=IN_PLANES.runs_in, writes=IN_PLANES.storage, tallies=True),
+    *_whole_and_cut(replace(STORE, defines=IN_CELLS.defines, runs_in=IN_CELLS.runs_in, tallies=True)),
     *_whole_and_cut(replace(STORE, defines=IN_RANGES.defines, runs_in=IN_RANGES.runs_in)),
+    Pass("allocate", "fullscreen", "methods/adaptive/classify.frag", region=True, reads=("counter",), writes=("draws",),
+         defines=IN_CELLS.defines, runs_in=_classed_by_counter, when=APPROXIMATE, **CLASSIFIES),
     *(Pass("resolve", "fullscreen", "methods/adaptive/held.frag", region=True, reads=layout.reads,
            defines=layout.defines, runs_in=layout.runs_in, probes=HELD) for layout in LAYOUTS),
 )

@@ -49,8 +49,11 @@ def test_ranges_need_not_be_counted_first_where_the_geometry_cannot_have_many_mo
 
 def test_a_large_max_error_cuts_deep_frames():
     known = Known(64, 50, 100, 3200, reach=3200, filled=True)
-    assert plan(known, {"max_error": 0.01}) == Plan(RANGES, known, cut=True)
+    assert plan(known, {"max_error": 0.01}) == Plan(DENSE, known, 3200, cut=True)
     assert plan(known, {"max_error": 2.0**-20}).path == PLANES
+    scattered = replace(known, filled=False)
+    assert plan(scattered, {"max_error": 0.01}) == Plan(RANGES, scattered, cut=True)
+    assert plan(replace(known, layers=39), {"max_error": 0.01}).cut is False
 
 
 @pytest.mark.parametrize("config", [
@@ -184,6 +187,21 @@ def test_what_the_cut_discards_is_within_the_bound(device, config, max_error):
         held = frame.probe()["held_fragments"]
     faint = config.alpha[1] < 0.1
     assert (held == sizes_of(scene).F) == faint
+
+
+@pytest.mark.parametrize(("shader", "right", "wrong"), [
+    ("classify.frag", "classify(counter[place()])", "classify(1u)"), ("cut.frag", "wanted + 0.5", "wanted / 2.0")])
+def test_a_wrong_line_of_the_cut_is_seen(device, plant, shader, right, wrong):
+    scene = generate(SceneConfig(size=(64, 48), depth_complexity=90, alpha=(0.1, 0.2), seed=7))
+
+    def error() -> float:
+        with drawn(device, "adaptive", scene, max_error=1 / 512) as frame:
+            assert frame._plan.path == DENSE and frame._plan.cut
+            return np.abs(frame.image() - composite(scene)).max()
+
+    assert error() <= 1 / 512 + 1e-5
+    plant(f"methods/adaptive/{shader}", right, wrong)
+    assert error() > 1 / 512 + 1e-5
 
 
 def test_the_default_error_is_a_third_of_what_exact_images_may_differ_by():
