@@ -40,7 +40,7 @@ FAULTS = [
     ("kb-ps", "common/insert_sorted.glsl", "fragment.x < held.x", "fragment.x > held.x"),
     ("adaptive", "methods/adaptive/store.frag", "slot * PLACES + p", "slot + p"),
     ("adaptive", "methods/adaptive/store.frag", "slot = quad", "slot = quad + 1u"),
-    ("adaptive", "methods/adaptive/allocate.frag", "draws[5 * index + 1] = 1u", "draws[5 * index + 1] = 0u"),
+    ("adaptive", "methods/adaptive/classify.glsl", "draws[5 * index + 1] = 1u", "draws[5 * index + 1] = 0u"),
     ("adaptive", "methods/adaptive/allocate.frag", "atomicAdd(taken[0], count)", "taken[0]"),
     ("adaptive", "methods/adaptive/count.frag", "1.0 / 65535.0", "2.0 / 65535.0"),
     ("adaptive", "methods/adaptive/network.glsl", "at < end_cell", "at + cell_step < end_cell"),
