@@ -256,7 +256,7 @@ class Frame:
     def _only_due(self, steps: Sequence[Pass | Loop]) -> Iterator[Pass | Loop]:
         for step in steps:
             if isinstance(step, Loop):
-                yield replace(step, passes=tuple(self._only_due(step.passes)))
+                yield replace(step, passes=tuple(self._only_due(step.passes)), times=step.times if step.passes else "0")
             elif self.runs(step) and (self._probing or not step.probes):
                 yield step
 
@@ -281,10 +281,10 @@ class Frame:
             self._set_capacity(plan.capacity)
 
     def _loop(self, loop: Loop, mark: Mark | None) -> int:
-        """Iterations begun; `.previous` then names what the last of them wrote."""
+        """Iterations begun, or that another frame began for this one; `.previous` then names what the last wrote."""
         if loop.bands:
             return self._loop_bands(loop, mark)
-        times = int(evaluate(loop.times, self.sizes, self.variant.scope)) if loop.passes else 0
+        times = int(evaluate(loop.times, self.sizes, self.variant.scope))
         for iteration in range(times):
             for step in loop.passes:
                 counted = self._run(step, iteration, mark)
