@@ -62,6 +62,7 @@ NETWORKS = (2, 4, 8, 16, 32, 64)  # fragments of each sorting network; deeper pi
 HALVES = 64  # places of two networks: both halves of a pixel, or 32 fragments kept and 32 that are new
 DEEPEST = 65535  # fragments that 16 bits can count
 WORTH_CUTTING = 40  # layers from which two cheap passes for the opacity cost less than storing what it hides
+FURTHEST_CUT = 0.5  # depth; one further behind would save less than finding it costs
 UNCLASSED = 16  # layers up to which telling pixels apart costs more than it saves
 BOUNDS = (0, *NETWORKS, 2**32)
 ADD = ("add", "one", "one")
@@ -239,22 +240,25 @@ METHODS = [
         guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
         beside=f"{1 + COMMAND_WORDS * (len(BOUNDS) - 1)} words for the cells taken and the draws of classes; where "
                "cells are dense, at most a twentieth of 2f + 2 for those that stay empty; with max_error above its "
-               f"default, two words per pixel for the cut; with memory_mb one for each {SEGMENT} pixels of a row, and "
-               "no more fragments at a time than it leaves room for",
+               f"default, one and a half per pixel for the cut; with memory_mb one for each {SEGMENT} pixels of a row, "
+               "and no more fragments at a time than it leaves room for",
         params=(MAX_ERROR, MEMORY_MB, PAYLOAD), leaves_out=MAX_ERROR.name, deepest=DEEPEST,
         capacity=Planned(plan, budget=MEMORY_MB.name, least=f"min(F, {SEGMENT}*n)"),
         buffers=(Buffer("counter", "P"), Buffer("taken", "1"),
                  Buffer("draws", f"{COMMAND_WORDS}*{len(BOUNDS) - 1}"), Buffer("nodes", "2*capacity", type="FRAGMENT"),
                  Buffer("sums", f"H*ceil(W/{SEGMENT})", when=BUDGETED)),
         targets=(Target("tally", "r16"), replace(PIXEL_CLASS, format="depth16"),
-                 Target("opacity", "rgba8", when=APPROXIMATE), Target("cut_depth", "depth32f", when=APPROXIMATE)),
+                 Target("opacity", "rg8", when=APPROXIMATE), Target("cut_depth", "depth32f", when=APPROXIMATE)),
         steps=(
             Pass("blend", "geometry", "methods/baseline/floor.frag", into=(IMAGE,), clears={IMAGE: CLEARED},
                  state=State(blend=OVER), runs_in=_in(DIRECT)),
             Pass("clear", "clear", writes=("counter",), runs_in=_in(DENSE)),
             Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), runs_in=_cleared),
-            Pass("cut", "geometry", "methods/adaptive/opacity.frag", into=("opacity",), clears={"opacity": CLEARED},
-                 state=State(blend=ADD), runs_in=_cut, when=APPROXIMATE),
+            Pass("cut", "clear", clears={"cut_depth": (FURTHEST_CUT,)}, into=("cut_depth",), runs_in=_cut,
+                 when=APPROXIMATE),
+            Pass("cut", "geometry", "methods/adaptive/opacity.frag", into=("opacity", "cut_depth"),
+                 clears={"opacity": CLEARED}, runs_in=_cut, when=APPROXIMATE,
+                 state=State(blend=ADD, depth_test="less", depth_write=False, early=True)),
             Pass("cut", "fullscreen", "methods/adaptive/cut.frag", region=True, reads=("opacity",), into=("cut_depth",),
                  state=State(depth_test="always"), runs_in=_cut, when=APPROXIMATE),
             *_whole_and_cut(replace(COUNT, runs_in=lambda plan: plan.path == RANGES and plan.capacity is None)),

@@ -189,6 +189,13 @@ def test_what_the_cut_discards_is_within_the_bound(device, config, max_error):
     assert (held == sizes_of(scene).F) == faint
 
 
+def test_every_frame_cuts_at_the_first_quarter_that_is_opaque_enough(device):
+    """16 of 64 layers of opacity 1/2 lie in the first quarter, and let 2^-16 through."""
+    scene = generate(SceneConfig(size=(32, 16), depth_complexity=64, alpha=(0.5, 0.5), seed=7))
+    with drawn(device, "adaptive", scene, frames=0, max_error=1 / 512) as frame:
+        assert [frame.probe()["held_fragments"] for _ in range(3)] == [16 * 32 * 16] * 3
+
+
 @pytest.mark.parametrize(("shader", "right", "wrong"), [
     ("classify.frag", "classify(counter[place()])", "classify(1u)"), ("cut.frag", "wanted + 0.5", "wanted / 2.0")])
 def test_a_wrong_line_of_the_cut_is_seen(device, plant, shader, right, wrong):
