@@ -18,7 +18,8 @@ TIMESTAMP, SAMPLES_PASSED, QUERY_RESULT = 0x8E28, 0x8914, 0x8866
 TEXTURE0, MULTISAMPLE, TEXTURE_SAMPLES, SAMPLES, NUM_SAMPLE_COUNTS = 0x84C0, 0x809D, 0x9106, 0x80A9, 0x9380
 
 FORMATS = {"r8": 0x8229, "rg8": 0x822B, "rgba8": 0x8058, "r16": 0x822A, "rgba16f": 0x881A, "r32f": 0x822E,
-           "rg32f": 0x8230, "rgba32f": 0x8814, "r32ui": 0x8236, "depth16": 0x81A5, "depth32f": 0x8CAC, "depth24_stencil8": 0x88F0}
+           "rg32f": 0x8230, "rgba32f": 0x8814, "r32ui": 0x8236, "depth16": 0x81A5, "depth32f": 0x8CAC,
+           "depth24_stencil8": 0x88F0}
 EQUATIONS = {"add": 0x8006, "max": 0x8008}
 FACTORS = {"zero": 0, "one": 1, "one_minus_src_alpha": 0x0303, "one_minus_dst_alpha": 0x0305, "dst_alpha": 0x0304}
 STENCIL_TESTS = {"equal": 0x0202, "always": 0x0207}

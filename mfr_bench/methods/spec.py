@@ -318,7 +318,8 @@ class Buffer:
 Format = Literal["r8", "rg8", "rgba8", "r16", "rgba16f", "r32f", "rg32f", "rgba32f", "r32ui", "depth16", "depth32f",
                  "depth24_stencil8"]
 FORMAT_WORDS: Mapping[str, float] = {"r8": 0.25, "rg8": 0.5, "rgba8": 1, "r16": 0.5, "rgba16f": 2, "r32f": 1,
-                                     "rg32f": 2, "rgba32f": 4, "r32ui": 1, "depth16": 0.5, "depth32f": 1, "depth24_stencil8": 1}
+                                     "rg32f": 2, "rgba32f": 4, "r32ui": 1, "depth16": 0.5, "depth32f": 1,
+                                     "depth24_stencil8": 1}
 
 
 @dataclass(frozen=True)
