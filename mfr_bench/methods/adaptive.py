@@ -27,6 +27,7 @@ from dataclasses import dataclass, replace
 from ..bands import SEGMENT
 from .shared import CLEARED, HELD, PAYLOAD, PIXEL_CLASS
 from .spec import (
+    ADD,
     COMMAND_WORDS,
     IMAGE,
     OVER,
@@ -54,6 +55,9 @@ MAX_ERROR = Param("max_error", EXACT, "largest error of a channel by which fragm
 MEMORY_MB = Param("memory_mb", 0.0, "most memory in MiB; where it does not hold all fragments at once, the frame is "
                   "stored and resolved in several bands; 0: any number", real=True, low=0, high=2**20, off=0.0)
 
+FURTHEST_CUT = Param("furthest_cut", 0.5, "depth; a cut further behind would save less than finding it costs",
+                     real=True, low=0, high=1)
+
 DIRECT, PLANES, DENSE, RANGES = "direct", "planes", "dense", "ranges"
 
 SPARE = 1 / 20  # of the memory of exact ranges and two words per pixel, that `dense` may take beside it
@@ -62,10 +66,10 @@ NETWORKS = (2, 4, 8, 16, 32, 64)  # fragments of each sorting network; deeper pi
 HALVES = 64  # places of two networks: both halves of a pixel, or 32 fragments kept and 32 that are new
 DEEPEST = 65535  # fragments that 16 bits can count
 WORTH_CUTTING = 40  # layers from which two cheap passes for the opacity cost less than storing what it hides
-FURTHEST_CUT = 0.5  # depth; one further behind would save less than finding it costs
 UNCLASSED = 16  # layers up to which telling pixels apart costs more than it saves
 BOUNDS = (0, *NETWORKS, 2**32)
-ADD = ("add", "one", "one")
+TALLY = {"DEEPEST": DEEPEST}
+CLASSES = {"COMMAND_WORDS": COMMAND_WORDS, "UNCLASSED": UNCLASSED, "HALVES": HALVES}
 
 
 def plan(known: Known, params: Params) -> Plan:
@@ -132,7 +136,7 @@ def _classed(plan: Plan) -> bool:
 
 IN_PLANES = Layout(_in(PLANES), {"DENSE": 1, "PLANES": 1})
 IN_CELLS = Layout(_in(DENSE), {"DENSE": 1, "PLANES": 0})
-IN_RANGES = Layout(_in(RANGES), {"DENSE": 0, "PLANES": 0})
+IN_RANGES = Layout(_in(RANGES), {"DENSE": 0, "PLANES": 0, **TALLY})
 LAYOUTS = (IN_PLANES, IN_CELLS, IN_RANGES)
 
 
@@ -150,6 +154,7 @@ def _ranged(plan: Plan) -> bool:
 
 
 def _classed_by_counter(plan: Plan) -> bool:
+    """Whether they are told apart after the store, for nothing was counted before."""
     return plan.path == DENSE and plan.cut
 
 
@@ -197,7 +202,7 @@ def _whole_and_cut(step: Pass) -> tuple[Pass, Pass]:
 
 
 COUNT = Pass("count", "geometry", "methods/adaptive/count.frag", into=("tally",), clears={"tally": CLEARED},
-             state=State(blend=ADD), counts=True)
+             defines=TALLY, state=State(blend=ADD), counts=True)
 COUNT_LATER = replace(COUNT, counts=False, tallies=True)  # there is room for whatever comes
 ALLOCATE = Pass("allocate", "fullscreen", "methods/adaptive/allocate.frag", region=True, reads=("tally",),
                 writes=("counter", "taken"))
@@ -209,14 +214,14 @@ STORED = (
     Pass("clear", "clear", writes=("taken",), runs_in=_ranged),
     Pass("clear", "clear", writes=("taken", "draws"), runs_in=_where(_in(RANGES), _classed)),
     Pass("clear", "clear", writes=("draws",), runs_in=_classed_by_counter, when=APPROXIMATE),
-    replace(ALLOCATE, defines={"CLASSED": 0, "DENSE": 0}, runs_in=_ranged),
-    replace(ALLOCATE, defines={"CLASSED": 1, "DENSE": 0}, runs_in=_where(_in(RANGES), _classed),
+    replace(ALLOCATE, defines={**IN_RANGES.defines, "CLASSED": 0}, runs_in=_ranged),
+    replace(ALLOCATE, defines={**IN_RANGES.defines, **CLASSES, "CLASSED": 1}, runs_in=_where(_in(RANGES), _classed),
             writes=(*ALLOCATE.writes, "draws"), **CLASSIFIES),
     replace(STORE, defines=IN_PLANES.defines, runs_in=IN_PLANES.runs_in, writes=IN_PLANES.storage, tallies=True),
     *_whole_and_cut(replace(STORE, defines=IN_CELLS.defines, runs_in=IN_CELLS.runs_in, tallies=True)),
     *_whole_and_cut(replace(STORE, defines=IN_RANGES.defines, runs_in=IN_RANGES.runs_in)),
-    Pass("allocate", "fullscreen", "methods/adaptive/classify.frag", region=True, reads=("counter",), writes=("draws",),
-         defines=IN_CELLS.defines, runs_in=_classed_by_counter, when=APPROXIMATE, **CLASSIFIES),
+    Pass("resolve", "fullscreen", "methods/adaptive/classify.frag", region=True, reads=("counter",), writes=("draws",),
+         defines={**IN_CELLS.defines, **CLASSES}, runs_in=_classed_by_counter, when=APPROXIMATE, **CLASSIFIES),
     *(Pass("resolve", "fullscreen", "methods/adaptive/held.frag", region=True, reads=layout.reads,
            defines=layout.defines, runs_in=layout.runs_in, probes=HELD) for layout in LAYOUTS),
 )
@@ -242,7 +247,7 @@ METHODS = [
                "cells are dense, at most a twentieth of 2f + 2 for those that stay empty; with max_error above its "
                f"default, one and a half per pixel for the cut; with memory_mb one for each {SEGMENT} pixels of a row, "
                "and no more fragments at a time than it leaves room for",
-        params=(MAX_ERROR, MEMORY_MB, PAYLOAD), leaves_out=MAX_ERROR.name, deepest=DEEPEST,
+        params=(MAX_ERROR, MEMORY_MB, PAYLOAD), fixed=(FURTHEST_CUT,), leaves_out=MAX_ERROR.name, deepest=DEEPEST,
         capacity=Planned(plan, budget=MEMORY_MB.name, least=f"min(F, {SEGMENT}*n)"),
         buffers=(Buffer("counter", "P"), Buffer("taken", "1"),
                  Buffer("draws", f"{COMMAND_WORDS}*{len(BOUNDS) - 1}"), Buffer("nodes", "2*capacity", type="FRAGMENT"),
@@ -254,7 +259,7 @@ METHODS = [
                  state=State(blend=OVER), runs_in=_in(DIRECT)),
             Pass("clear", "clear", writes=("counter",), runs_in=_in(DENSE)),
             Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), runs_in=_cleared),
-            Pass("cut", "clear", clears={"cut_depth": (FURTHEST_CUT,)}, into=("cut_depth",), runs_in=_cut,
+            Pass("cut", "clear", clears={"cut_depth": (FURTHEST_CUT.default,)}, into=("cut_depth",), runs_in=_cut,
                  when=APPROXIMATE),
             Pass("cut", "geometry", "methods/adaptive/opacity.frag", into=("opacity", "cut_depth"),
                  clears={"opacity": CLEARED}, runs_in=_cut, when=APPROXIMATE,
@@ -268,7 +273,7 @@ METHODS = [
             *map(_at_once, RESOLVED),
             Pass("clear", "clear", writes=("sums",), runs_in=_banded, when=BUDGETED),
             Pass("allocate", "fullscreen", "methods/adaptive/sums.frag", region=True, reads=("tally",),
-                 writes=("sums",), defines={"SEGMENT": SEGMENT}, runs_in=_banded, when=BUDGETED),
+                 writes=("sums",), defines={"SEGMENT": SEGMENT, **TALLY}, runs_in=_banded, when=BUDGETED),
             Loop(tuple(_of_band(step) for step in (*STORED, *RESOLVED) if not step.defines.get("DENSE")), bands="sums"),
         ),
     ),

@@ -4,5 +4,5 @@
 
 void main() {
     if (rejected()) discard;
-    out_tally = vec4(1.0 / 65535.0);
+    out_tally = vec4(1.0 / float(DEEPEST));
 }

@@ -3,14 +3,9 @@
 // Invariant: two sorted halves, one of them backwards, are a bitonic sequence, and so are its nearer and further half.
 // Error: what is left out changes no channel by more than the transmittance before it, at most MAX_ERROR.
 // Source: registers, Knowles, Leach and Zambetta 2014 (kplus_2015 [34]); bitonic merge, Batcher 1968.
-#include "common/network.glsl"
+#include "methods/adaptive/registers.glsl"
 
-#define LOAD(i) \
-    block[i] = NO_FRAGMENT; \
-    if (at < end_cell) block[i] = nodes[at]; \
-    at += cell_step;
 #define PART(i) COMPARE(i, 63 - (i))
-#define COMPOSITE(i) colour = behind_of(colour, colour_of(block[i]));
 
 vec4 resolve_pixel() {
     vec4 colour = NOTHING;

@@ -1,4 +1,4 @@
 // The fragments that the count pass found in this pixel.
 uint tallied() {
-    return uint(texelFetch(tally, ivec2(gl_FragCoord.xy), 0).x * 65535.0 + 0.5);
+    return uint(texelFetch(tally, ivec2(gl_FragCoord.xy), 0).x * float(DEEPEST) + 0.5);
 }
