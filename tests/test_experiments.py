@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from mfr_bench.arrays import write_arrays
 from mfr_bench.claims import CLAIMS, load_runs
 from mfr_bench.config import load
 from mfr_bench.methods import catalog
 from mfr_bench.plan import expand
-from mfr_bench.reference import find
 from mfr_bench.report import data, figures
+from mfr_bench.report.reference import find
+from mfr_bench.store.arrays import write_arrays
 
 from .report import planted
 

@@ -10,7 +10,7 @@ from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.hashing import WORD, hash3, mix
 from mfr_bench.methods.spec import Buffer, Method, Pass
-from mfr_bench.oracle import sizes_of
+from mfr_bench.oracle.composite import sizes_of
 from mfr_bench.scene import generate
 
 words = st.integers(0, WORD)

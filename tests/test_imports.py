@@ -16,16 +16,12 @@ PACKAGE = Path(mfr_bench.__file__).parent
 
 # From left to right; a module imports only from its own layer and those before it. Longer names bind first.
 LAYERS = (
-    "errors", "resources", "hashing", "stats", "stability", "environment",
-    "methods.spec", "prediction", "bands", "methods.shared", "methods",
-    "config", "plan", "scene", "twochannel", "oracle", "quality", "instrument", "glsl", "gpu", "measure",
-    "store", "arrays", "journal", "reference", "forecast", "report", "claims", "compare",
-    "run", "cli", "__main__",
+    "errors", "resources", "hashing", "stats", "environment",
+    "methods.spec", "methods.shared", "methods", "config", "plan", "scene", "oracle", "glsl", "gpu", "measure",
+    "store", "report", "claims", "compare", "run", "cli", "__main__",
 )
-WITHOUT_GL = ("errors", "resources", "hashing", "stats", "stability", "environment", "prediction", "bands", "methods",
-              "config", "plan",
-              "scene", "twochannel", "oracle", "quality", "instrument", "glsl", "store", "arrays", "journal",
-              "reference", "forecast", "report", "claims", "compare")
+WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "methods", "config", "plan", "scene", "oracle",
+              "glsl", "store", "report", "claims", "compare")
 PARENT = ("run.supervisor", "run.ledger", "run.process")  # of a run: another process has the device
 OF_THE_DEVICE = ("gpu", "run.cell", "run.measuring", "run.scene_work", "run.worker")
 GL_PACKAGES = {"moderngl", "glcontext", "OpenGL"}

@@ -1,7 +1,8 @@
 """Facts that two layers hold, because neither may import the other, are the same."""
 
-from mfr_bench import plan, quality, store
+from mfr_bench import plan, store
 from mfr_bench.methods import catalog
+from mfr_bench.oracle import quality
 from mfr_bench.report import data
 
 

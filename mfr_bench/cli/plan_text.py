@@ -48,7 +48,7 @@ def _predicted(forecast, cells: Sequence[Any]) -> list[str]:
 
 def _forecast(known, ready):
     """What results of the device foretell: those of the run, those beside it, and those below results/."""
-    from ..forecast import Forecast, rates_of
+    from ..plan.forecast import Forecast, rates_of
     from ..run.ledger import relatives
 
     runs = [(folder.manifest(), folder.cells())

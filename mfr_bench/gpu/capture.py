@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import DeviceError
 from ..methods.shared import clear
 from ..methods.spec import EMPTY, Buffer, Method, Pass, Sizes
-from ..oracle import Fragments, in_chunks, scene_sizes
+from ..oracle.composite import Fragments, in_chunks, scene_sizes
 from ..scene import Geometry
 from .device import Device
 from .frame import Canvas, Frame, SceneBuffer

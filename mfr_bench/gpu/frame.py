@@ -9,8 +9,6 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from .. import twochannel
-from ..bands import Rectangle, bands
 from ..errors import CapacityError
 from ..glsl import (
     COLOURS_BINDING,
@@ -27,7 +25,8 @@ from ..glsl import (
     stages,
     texture_bindings,
 )
-from ..instrument import WORK
+from ..glsl.counters import WORK
+from ..methods.shared.bands import Rectangle, bands
 from ..methods.spec import (
     DISPATCH_OFFSET,
     IMAGE,
@@ -47,6 +46,7 @@ from ..methods.spec import (
     Variant,
     evaluate,
 )
+from ..oracle import twochannel
 from ..scene import Geometry
 from . import rawgl
 from .device import Device

@@ -14,8 +14,8 @@ from ..config.model import Scene as SceneConfig
 from ..errors import MfrError
 from ..methods.shared import MULTISAMPLING, SYNC, K, clear, resolve, route, routed_targets
 from ..methods.spec import IMAGE, Buffer, Method, Pass, State, Target, when
-from ..oracle import composite, fragment_counts, sizes_of
-from ..quality import conformance
+from ..oracle.composite import composite, fragment_counts, sizes_of
+from ..oracle.quality import conformance
 from ..scene import generate
 from .capture import capture
 from .device import Device

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from ..methods.spec import Sizes, Variant
-from ..quality import conformance
+from ..oracle.quality import conformance
 from ..scene import Geometry
 from .device import Device
 from .frame import Canvas, Frame, SceneBuffer

@@ -6,9 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import twochannel
 from ..methods.spec import Promise, Sizes
-from ..oracle import Fragments, composite, fragment_counts, scene_sizes, sizes_of
+from ..oracle import twochannel
+from ..oracle.composite import Fragments, composite, fragment_counts, scene_sizes, sizes_of
 from ..scene import Scene
 from .capture import capture, count
 from .device import Device

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from ..glsl import stages
-from ..instrument import MOST
+from ..glsl.counters import MOST
 from ..methods.spec import LISTED, TILE_COMMAND, Loop, Pass
 from . import rawgl
 from .frame import Frame, PassRunner

@@ -8,14 +8,14 @@ from functools import lru_cache
 
 from .spec import Method
 
-NO_FAMILIES = ("spec", "shared", "touched", "catalog_text")
+NO_FAMILIES = ("catalog_text",)
 
 
 @lru_cache(maxsize=1)
 def catalog() -> dict[str, Method]:
     """Every declared method by id, in the order of the family files' `ORDER`."""
     families = [importlib.import_module(f"{__name__}.{m.name}") for m in pkgutil.iter_modules(__path__)
-                if m.name not in NO_FAMILIES]
+                if not m.ispkg and m.name not in NO_FAMILIES]
     families.sort(key=lambda family: family.ORDER)
     found: dict[str, Method] = {}
     for family in families:

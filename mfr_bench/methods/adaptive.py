@@ -24,8 +24,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from ..bands import SEGMENT
 from .shared import CLEARED, HELD, PAYLOAD, PIXEL_CLASS
+from .shared.bands import SEGMENT
 from .spec import (
     ADD,
     COMMAND_WORDS,

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .shared import LOCK, SYNC, K, clear
+from .shared.touched import TOUCHED, touching
 from .spec import ADD, IMAGE, Buffer, Method, Pass, State, when
-from .touched import TOUCHED, touching
 
 ORDER = 8
 

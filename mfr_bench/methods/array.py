@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from .shared import OCCUPANCY, PAYLOAD, RESOLVE_OPTIONS, K, clear, occupied, resolve
+from .shared.touched import TOUCHED, touching
 from .spec import Buffer, Method, Param, Pass
-from .touched import TOUCHED, touching
 
 ORDER = 2
 

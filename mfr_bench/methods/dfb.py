@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE, rewind
 from .shared import PAYLOAD, RESOLVE_OPTIONS, REUSE_COUNT, clear, count, once
+from .shared.touched import TOUCHED, touching
 from .spec import Buffer, Counted, Loop, Method, Pass
-from .touched import TOUCHED, touching
 
 ORDER = 5
 

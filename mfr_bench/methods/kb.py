@@ -29,8 +29,8 @@ from .shared import (
     route,
     routed_targets,
 )
+from .shared.touched import TOUCHED, touching
 from .spec import Buffer, Loop, Method, Param, Pass, State, Target
-from .touched import TOUCHED, touching
 
 ORDER = 6
 

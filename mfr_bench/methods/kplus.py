@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ..prediction import BINS, fragments_in, predict_k
 from .sbuffer import ADDRESS, COUNTERS, HASH, MAPPING, SHARED_COUNTERS, referencing
 from .shared import (
     CLEAR_IMAGE,
@@ -33,8 +32,9 @@ from .shared import (
     once,
     resolve,
 )
+from .shared.prediction import BINS, fragments_in, predict_k
+from .shared.touched import TOUCHED, touching
 from .spec import PAYLOAD_WORDS, UNDER, Buffer, Choice, Counted, Decided, Loop, Method, Param, Params, Pass, State, when
-from .touched import TOUCHED, touching
 
 ORDER = 7
 

@@ -27,8 +27,8 @@ from .shared import (
     resolve_sorted,
     wide_buffers,
 )
+from .shared.touched import TOUCHED, touching
 from .spec import ON_OFF, SPARE_CELLS, Buffer, Grown, Method, Param, Pass, when
-from .touched import TOUCHED, touching
 
 ORDER = 3
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from functools import partial
 
 from .shared import OCCUPANCY, STAGE, STOP_OPACITY, K, occupied, resolve_sorted, zeroed_apart
+from .shared.touched import TOUCHED, touching
 from .spec import SPARE_CELLS, Buffer, Grown, Method, Param, Pass
-from .touched import TOUCHED, touching
 
 ORDER = 6
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from .shared import ATOMIC64, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, K, clear, occupied, resolve_sorted, wide_buffers
+from .shared.touched import TOUCHED, touching
 from .spec import Buffer, Method, Param, Pass, when
-from .touched import TOUCHED, touching
 
 ORDER = 6
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .shared import LOCK, PAYLOAD, STAGE, SYNC, K, clear, resolve_sorted
+from .shared.touched import TOUCHED, touching
 from .spec import Buffer, Method, Pass, when
-from .touched import TOUCHED, touching
 
 ORDER = 8
 

@@ -7,8 +7,8 @@ their 0th, and four for the shaded colour, for which the paper takes the image i
 from __future__ import annotations
 
 from .shared import CLEARED
+from .shared.touched import touching, without_tiles
 from .spec import ADD, IMAGE, Method, Param, Pass, State, Target, when
-from .touched import touching, without_tiles
 
 ORDER = 8
 

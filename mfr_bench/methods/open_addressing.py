@@ -33,8 +33,8 @@ from .shared import (
     resolve,
     resolve_sorted,
 )
+from .shared.touched import TOUCHED, touching
 from .spec import Buffer, Grown, Method, Param, Pass, when
-from .touched import TOUCHED, touching
 
 ORDER = 3
 

@@ -32,6 +32,7 @@ from .shared import (
     route,
     routed_targets,
 )
+from .shared.touched import TOUCHED, touching, without_tiles
 from .spec import (
     BEHIND,
     IMAGE,
@@ -48,7 +49,6 @@ from .spec import (
     State,
     Target,
 )
-from .touched import TOUCHED, touching, without_tiles
 
 ORDER = 1
 

@@ -18,8 +18,8 @@ from .shared import (
     once,
     resolve,
 )
+from .shared.touched import TOUCHED, touching
 from .spec import Buffer, Counted, Loop, Method, Param, Pass, when
-from .touched import TOUCHED, touching
 
 ORDER = 5
 

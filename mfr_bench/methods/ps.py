@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from .shared import CULLING, OCCUPANCY, STAGE, STOP_OPACITY, SYNC, K, clear, occupied, resolve_sorted
+from .shared.touched import TOUCHED, touching
 from .spec import Buffer, Method, Pass, when
-from .touched import TOUCHED, touching
 
 ORDER = 7
 

@@ -19,8 +19,8 @@ from .shared import (
     once,
     resolve,
 )
+from .shared.touched import TOUCHED, touching
 from .spec import Buffer, Counted, Method, Param, Pass
-from .touched import TOUCHED, touching
 
 ORDER = 4
 

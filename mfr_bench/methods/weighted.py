@@ -6,8 +6,8 @@ The weights are made for depths in units of a scene; `weight` says how ours, whi
 from __future__ import annotations
 
 from .shared import CLEARED
+from .shared.touched import touching, without_tiles
 from .spec import ADD, IMAGE, REVEAL, Method, Param, Pass, State, Target, when
-from .touched import touching, without_tiles
 
 ORDER = 8
 

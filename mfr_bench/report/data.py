@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from ..arrays import read_arrays
 from ..errors import StoreError, nearest
 from ..stats import Interval, interleaved_ratio, median_interval, ratio_interval, real
 from ..store import COLUMNS, FLOOR, Cell, Floors, ResultFolder, Row, device_name, result_rows
+from ..store.arrays import read_arrays
 
 EXACT_ERROR = 1e-4  # an image within it counts as exact: rounding of float32 payload math, n <= 1024
 MIB = 2**20

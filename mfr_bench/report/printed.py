@@ -10,9 +10,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..methods.spec import Sizes, evaluate
-from ..reference import Printed, find
 from ..stats import Interval
 from .data import Point, Result, number
+from .reference import Printed, find
 
 Here = Callable[[Point], Interval]
 

@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from .. import quality, twochannel
 from ..errors import CapacityError, MfrError
 from ..gpu.device import Device
 from ..gpu.frame import Frame
 from ..gpu.timers import Timer, repeats_for
 from ..gpu.work import entered_map, work_of
-from ..journal import Partial
 from ..measure.sampling import Sampler
 from ..measure.split import Split
 from ..methods.spec import Sizes, Variant
+from ..oracle import quality, twochannel
 from ..stats import interleaved_ratio
+from ..store.journal import Partial
 from .events import Begun, Finished, Sampled
 from .jobs import Job
 from .scene_work import ALL, SceneWork

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..journal import Partial
 from ..plan import Limits
+from ..store.journal import Partial
 from .jobs import Job
 
 # --- parent to worker ----------------------------------------------------------------------------

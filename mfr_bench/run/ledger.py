@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ..arrays import read_arrays, write_arrays
-from ..journal import Journal, Partial
 from ..measure.split import Split
 from ..plan import Known, expected_sizes, hopeless
 from ..store import ResultFolder
+from ..store.arrays import read_arrays, write_arrays
+from ..store.journal import Journal, Partial
 from .events import Finished, Sampled
 from .jobs import Job
 

@@ -6,10 +6,10 @@ import random
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
-from ..journal import Partial
 from ..measure.sampling import Sampler
 from ..methods.spec import Method, Sizes, Variant
 from ..plan import judge
+from ..store.journal import Partial
 from .cell import Bench, CellWork, failure, scene_values
 from .events import Begun, Finished, Group, Share, Synced
 from .jobs import Job

@@ -8,12 +8,12 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import quality
 from ..gpu.device import Device
 from ..gpu.frame import Canvas, SceneBuffer
 from ..gpu.truth import Truth, true_sizes
 from ..measure.split import Split
 from ..methods.spec import Promise, Sizes, Variant
+from ..oracle import quality
 from ..scene import Geometry, generate
 
 ANIMATION_FRAMES = 8  # that an animated scene cycles through

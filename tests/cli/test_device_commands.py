@@ -11,7 +11,7 @@ from mfr_bench.config import load
 from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Promise
-from mfr_bench.oracle import composite
+from mfr_bench.oracle.composite import composite
 from mfr_bench.plan import expand
 from mfr_bench.scene import generate
 

@@ -12,8 +12,8 @@ import termios
 
 import pytest
 
-from mfr_bench.journal import Journal
 from mfr_bench.store import ResultFolder
+from mfr_bench.store.journal import Journal
 
 from .conftest import CELLS, FIGURE, TINY, Ended, apart, cells, command, environment, sabotaged
 

@@ -9,7 +9,7 @@ from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.single import Shown
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Method, Sizes, Value, Variant, When
-from mfr_bench.quality import conformance
+from mfr_bench.oracle.quality import conformance
 from mfr_bench.scene import Geometry, generate
 
 N = 9  # most scenes share a depth complexity, so that their programs are shared too

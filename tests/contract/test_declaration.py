@@ -9,7 +9,7 @@ from mfr_bench.glsl import read, stages
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Sizes, evaluate
 from mfr_bench.plan import expected_sizes
-from mfr_bench.reference import find
+from mfr_bench.report.reference import find
 from mfr_bench.resources import shaders_dir
 
 from .cases import every_method, label, variants, with_k

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mfr_bench.quality import EXACT_ERROR
+from mfr_bench.oracle.quality import EXACT_ERROR
 
 from .cases import (
     ALIKE,

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mfr_bench import oracle
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.errors import DeviceError
 from mfr_bench.gpu import capture as capturing
@@ -14,7 +13,8 @@ from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Promise
-from mfr_bench.oracle import composite, fragment_counts, sizes_of
+from mfr_bench.oracle import composite as oracle
+from mfr_bench.oracle.composite import composite, fragment_counts, sizes_of
 from mfr_bench.plan import Cell, expected_sizes, judge
 from mfr_bench.scene import Strips, generate
 

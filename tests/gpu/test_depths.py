@@ -6,7 +6,7 @@ import pytest
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.methods import catalog
-from mfr_bench.oracle import sizes_of
+from mfr_bench.oracle.composite import sizes_of
 from mfr_bench.scene import generate
 from mfr_bench.scene.stress import ODD_DEPTHS
 

@@ -10,7 +10,7 @@ from mfr_bench.gpu.device import slug
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.gpu.timers import GpuTimer, WallTimer
 from mfr_bench.methods import catalog
-from mfr_bench.oracle import sizes_of
+from mfr_bench.oracle.composite import sizes_of
 from mfr_bench.scene import generate
 
 

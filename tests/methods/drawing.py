@@ -10,7 +10,7 @@ import pytest
 
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.methods import catalog
-from mfr_bench.oracle import sizes_of
+from mfr_bench.oracle.composite import sizes_of
 from mfr_bench.scene import Scene
 
 SIZE = (7, 5)  # pixels of a stack's viewport

@@ -5,7 +5,7 @@ import pytest
 
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.methods import catalog
-from mfr_bench.oracle import composite
+from mfr_bench.oracle.composite import composite
 from mfr_bench.scene import generate
 
 from .drawing import drawn

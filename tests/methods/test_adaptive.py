@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mfr_bench.bands import bands
 from mfr_bench.config.model import Measure
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.errors import CapacityError
@@ -14,10 +13,11 @@ from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
 from mfr_bench.methods.adaptive import DENSE, DIRECT, PLANES, RANGES, plan
+from mfr_bench.methods.shared.bands import bands
 from mfr_bench.methods.spec import Known, Plan
-from mfr_bench.oracle import composite, sizes_of
+from mfr_bench.oracle.composite import composite, sizes_of
+from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.plan import Cell, expected_sizes, judge
-from mfr_bench.quality import EXACT_ERROR
 from mfr_bench.scene import generate
 
 from ..contract.cases import SCENES, SLANTED, Drawn, sizes_in

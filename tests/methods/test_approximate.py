@@ -10,8 +10,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mfr_bench.oracle import composite
-from mfr_bench.quality import EXACT_ERROR
+from mfr_bench.oracle.composite import composite
+from mfr_bench.oracle.quality import EXACT_ERROR
 
 from .drawing import drawn, stack
 

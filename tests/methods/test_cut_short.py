@@ -5,8 +5,8 @@ import pytest
 
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
-from mfr_bench.oracle import composite, sizes_of
-from mfr_bench.quality import EXACT_ERROR
+from mfr_bench.oracle.composite import composite, sizes_of
+from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.scene import generate
 
 from .drawing import drawn
@@ -47,7 +47,7 @@ def test_dual_peeling_cut_short_lacks_the_middle(device, layers):
 
 
 def deep_pixels(layers):
-    from mfr_bench.oracle import fragment_counts
+    from mfr_bench.oracle.composite import fragment_counts
 
     return np.argwhere(fragment_counts(DEEP) >= layers)
 

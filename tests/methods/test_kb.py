@@ -6,8 +6,8 @@ import pytest
 from mfr_bench.hashing import mix
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import EMPTY, Loop
-from mfr_bench.oracle import composite
-from mfr_bench.quality import EXACT_ERROR
+from mfr_bench.oracle.composite import composite
+from mfr_bench.oracle.quality import EXACT_ERROR
 
 from .drawing import drawn, stack
 

@@ -12,8 +12,8 @@ from mfr_bench.gpu.truth import Truth, true_sizes
 from mfr_bench.gpu.work import entered_map
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Promise
-from mfr_bench.oracle import composite, fragment_counts, sizes_of
-from mfr_bench.quality import conformance
+from mfr_bench.oracle.composite import composite, fragment_counts, sizes_of
+from mfr_bench.oracle.quality import conformance
 from mfr_bench.scene import generate
 
 from .drawing import SIZE, assert_shows, drawn, stack

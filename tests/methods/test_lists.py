@@ -6,7 +6,7 @@ import pytest
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Sizes
-from mfr_bench.oracle import composite, sizes_of
+from mfr_bench.oracle.composite import composite, sizes_of
 from mfr_bench.scene import generate
 
 from .drawing import SIZE, assert_shows, drawn, stack

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mfr_bench.config import Scene as SceneConfig
-from mfr_bench.oracle import composite, fragment_counts
+from mfr_bench.oracle.composite import composite, fragment_counts
 from mfr_bench.scene import generate
 
 from .drawing import assert_shows, drawn, stack

@@ -5,8 +5,8 @@ import pytest
 
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
-from mfr_bench.oracle import composite
-from mfr_bench.quality import conformance
+from mfr_bench.oracle.composite import composite
+from mfr_bench.oracle.quality import conformance
 from mfr_bench.scene import generate
 
 from .drawing import assert_shows, drawn, over, stack

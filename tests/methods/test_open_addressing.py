@@ -10,7 +10,7 @@ from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Grown, Variant
-from mfr_bench.oracle import composite, fragment_counts, sizes_of
+from mfr_bench.oracle.composite import composite, fragment_counts, sizes_of
 from mfr_bench.plan import Cell, expected_sizes, judge
 from mfr_bench.scene import generate
 

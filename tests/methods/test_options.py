@@ -7,7 +7,7 @@ from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
 from mfr_bench.methods.shared import BMA, CLASS_BOUNDS, LPLUS, SORT
 from mfr_bench.methods.spec import Sizes
-from mfr_bench.oracle import composite, sizes_of
+from mfr_bench.oracle.composite import composite, sizes_of
 from mfr_bench.scene import Scene, generate
 
 from .drawing import SIZE, drawn, stack

@@ -11,7 +11,7 @@ from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.gpu.truth import true_sizes
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
-from mfr_bench.quality import EXACT_ERROR
+from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.scene import generate
 
 from ..contract.cases import SLANTED, Drawn

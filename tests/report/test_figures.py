@@ -9,11 +9,11 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from mfr_bench.arrays import write_arrays
 from mfr_bench.config import columns
 from mfr_bench.errors import StoreError
 from mfr_bench.methods import catalog
 from mfr_bench.report import data, figures, style
+from mfr_bench.store.arrays import write_arrays
 
 from . import planted
 from .planted import cell

@@ -9,8 +9,8 @@ import sys
 import time
 from pathlib import Path
 
-from mfr_bench.journal import Journal
 from mfr_bench.store import ResultFolder
+from mfr_bench.store.journal import Journal
 
 from ..cli.conftest import environment
 from .fake_worker import BATCH, BATCHES

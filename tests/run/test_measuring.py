@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from mfr_bench import glsl
-from mfr_bench.arrays import read_arrays
 from mfr_bench.config.model import KEPT, Measure
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu import truth
@@ -23,6 +22,7 @@ from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger, Sheet
 from mfr_bench.run.measuring import Measuring
 from mfr_bench.store import ResultFolder
+from mfr_bench.store.arrays import read_arrays
 
 MEASURE = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=7)
 SCENE = SceneConfig(size=(16, 12), depth_complexity=5)

@@ -11,7 +11,7 @@ from hypothesis import given
 from mfr_bench.config.layout import TILE
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.hashing import hash3
-from mfr_bench.oracle import fragment_counts
+from mfr_bench.oracle.composite import fragment_counts
 from mfr_bench.scene import generate
 
 from ..scenes import configs

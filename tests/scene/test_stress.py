@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mfr_bench.config.model import Scene as SceneConfig
-from mfr_bench.oracle import composite, fragment_counts, sizes_of
+from mfr_bench.oracle.composite import composite, fragment_counts, sizes_of
 from mfr_bench.scene import generate
 
 BASE = {"size": (9, 6), "depth_complexity": 8, "seed": 3}

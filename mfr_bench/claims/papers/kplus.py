@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...reference import find
+from ...report.reference import find
 from ..evidence import LESS, MORE, Bound, BoundByMaker, speedup
 from ..measures import COST, pass_time
 from ..picks import ALL_LAYERS, ANY, fastest_of, from_, if_any, other_than, pick, up_to

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...reference import find
+from ...report.reference import find
 from ..evidence import MORE, about, at_least, at_most, between, gain
 from ..measures import MEMORY, pass_time
 from ..picks import from_, other_than, pick, up_to

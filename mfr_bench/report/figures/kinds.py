@@ -22,8 +22,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from ...arrays import KEPT
 from ...errors import StoreError, nearest
+from ...store.arrays import KEPT
 from .. import data
 from ..data import Result
 from .bars import bars, stacked_passes

@@ -1,0 +1,191 @@
+"""How long a run will take, before it starts: from what was measured on the device, else from its calibration. Pure.
+
+A cell's time is that of its frames, which the sampling rules bound, and of what surrounds them: shaders to compile,
+images to compare. docs/measurement.md says what each is taken from.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ..config.model import Measure
+from ..methods.spec import Sizes
+from . import Cell, expected_sizes
+
+MEASURED, ALIKE, CALIBRATED = "measured here", "from the same method elsewhere", "by calibration alone"
+
+PASS_FRAMES = 7  # whose passes are timed
+PASS_SHARE = 0.25  # of the time limit, at most, that they take
+OTHER_FRAMES = 3  # first frame, last check, counted fragments
+WARMUP_FRAMES = 2
+MEDIAN_WIDTH = 1.96 * 1.2533  # half-width of the median's interval, in deviations of a mean of n normal samples
+USUAL_CV = 0.05  # of frame times, where none were measured
+WORK_PIXELS = 512 * 512  # of the calibration's image
+FIRST_ROUNDS = 16  # of its smallest work; each is twice the one before
+FRAGMENT_ROUNDS = 150  # what a fragment costs a multi-fragment method, in rounds of the calibration's arithmetic
+PIXEL_ROUNDS = 300  # and a pixel, in clears and the resolve
+
+
+@dataclass(frozen=True)
+class Rates:
+    """Seconds, and nanoseconds of GPU work. Defaults: two cores, Mesa's shader cache cold."""
+
+    start_s: float = 1.5  # to open the device and calibrate it, twice
+    compile_s: float = 0.2  # a cell's programs
+    pixel_s: float = 1e-5  # FLIP of an image, per pixel
+    store_s: float = 0.02  # a cell's row
+    report_s: float = 0.03  # tables and figures, per cell
+    round_ns: float = 0.5  # one round of the calibration's arithmetic in one pixel
+
+    @property
+    def fragment_ms(self) -> float:
+        return FRAGMENT_ROUNDS * self.round_ns / 1e6
+
+    @property
+    def pixel_ms(self) -> float:
+        return PIXEL_ROUNDS * self.round_ns / 1e6
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Time of a frame, the coefficient of variation of such times, and where both are from."""
+
+    time_ms: float
+    cv: float
+    source: str
+
+
+@dataclass(frozen=True)
+class Record:
+    """A measured cell, as a forecast uses it."""
+
+    fragments: int
+    frame: Frame
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Seconds in all, of which frames, and how many cells' frame times come from where."""
+
+    total_s: float
+    frames_s: float
+    sources: Mapping[str, int]
+
+    @property
+    def text(self) -> str:
+        basis = ", ".join(f"{count} {source}" for source, count in self.sources.items())
+        return f"about {duration(self.total_s)}; frame times: {basis or 'none'}"
+
+
+def duration(seconds: float) -> str:
+    """'40 s', '3 min', '2.5 h': two digits are more than a forecast is worth."""
+    if seconds < 90:
+        return f"{max(1, round(seconds, -1 if seconds >= 20 else 0)):.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+
+
+class Forecast:
+    """Predicts cells of one device from `records` (cell records of it, of any experiment) and rates."""
+
+    def __init__(self, records: Iterable[Mapping[str, Any]], rates: Rates):
+        self.rates = rates
+        self._exact: dict[str, Frame] = {}
+        self._of_method: dict[str, list[Record]] = defaultdict(list)
+        for row in records:
+            if frame := _measured(row):
+                self._exact[_identity(row["method"], row["params"], row["scene"])] = frame
+                self._of_method[row["method"]].append(
+                    Record(row["values"].get("fragments") or 0, replace(frame, source=ALIKE)))
+
+    def frame(self, cell: Cell, sizes: Sizes) -> Frame:
+        """What a frame of the cell should take."""
+        known = self._exact.get(_identity(cell.method, cell.params, cell.scene.as_dict()))
+        return known or self._alike(cell.method, sizes) or self._calibrated(sizes)
+
+    def _alike(self, method: str, sizes: Sizes) -> Frame | None:
+        """The method's frame of the nearest number of fragments, in proportion to that number."""
+        def distance(record: Record) -> float:
+            return abs(math.log((record.fragments + 1) / (sizes.F + 1)))
+
+        near = min(self._of_method.get(method, ()), key=distance, default=None)
+        scale = near and (sizes.F + 1) / (near.fragments + 1)
+        return replace(near.frame, time_ms=near.frame.time_ms * scale) if near else None
+
+    def _calibrated(self, sizes: Sizes) -> Frame:
+        time_ms = self.rates.fragment_ms * sizes.F + self.rates.pixel_ms * sizes.P
+        return Frame(time_ms, USUAL_CV, CALIBRATED)
+
+    def run(self, cells: Sequence[Cell]) -> Prediction:
+        """One run that measures these cells."""
+        rates, spent_s, around_s = self.rates, 0.0, self.rates.start_s if cells else 0.0
+        sources: Counter[str] = Counter()
+        for cell in cells:
+            sizes = expected_sizes(cell.scene)
+            frame = self.frame(cell, sizes)
+            spent_s += frames_s(frame, cell.measure)
+            sources[frame.source] += 1
+            around_s += rates.compile_s + rates.pixel_s * sizes.P + rates.store_s + rates.report_s
+        return Prediction(spent_s + around_s, spent_s, sources)
+
+
+def frames_s(frame: Frame, measure: Measure) -> float:
+    """Seconds that the sampling rules let the frames of a cell take: warm-up, samples, passes, checks."""
+    frame_s = frame.time_ms / 1e3
+    needed = (MEDIAN_WIDTH * frame.cv / measure.target_rel_ci) ** 2
+    samples = min(measure.max_samples, max(measure.min_samples, needed))
+    sampled_s = min((WARMUP_FRAMES + samples) * frame_s, max(measure.time_limit_s, 2 * frame_s) + frame_s / 2)
+    passes_s = min(PASS_FRAMES * frame_s, PASS_SHARE * measure.time_limit_s + frame_s)
+    return sampled_s + passes_s + OTHER_FRAMES * frame_s
+
+
+def _identity(method: str, params: Mapping[str, Any], scene: Mapping[str, Any]) -> str:
+    return json.dumps([method, dict(params), scene], sort_keys=True)
+
+
+def _measured(row: Mapping[str, Any]) -> Frame | None:
+    """The frame of a measured cell, its deviation from that of its samples."""
+    time_ms, samples = row["values"].get("time_ms"), row.get("samples_ms") or []
+    if not time_ms:
+        return None
+    low, high = row["values"].get("time_ms_low"), row["values"].get("time_ms_high")
+    width = (high - low) / 2 / time_ms if None not in (low, high) else None
+    cv = USUAL_CV if width is None else width * math.sqrt(len(samples)) / MEDIAN_WIDTH
+    return Frame(time_ms, cv, MEASURED)
+
+
+def rates_of(runs: Iterable[tuple[Mapping[str, Any], Sequence[Mapping[str, Any]]]],
+             calibration: Mapping[str, Any]) -> Rates:
+    """Rates by what earlier runs tell of their time, else by default. `runs`: manifests with their cell records."""
+    told: Counter[str] = Counter()
+    cells = pixels = 0
+    starts: set[object] = set()  # a run of several configs tells its time in every manifest
+    for manifest, rows in runs:
+        split = manifest.get("split_s")
+        if not isinstance(split, dict) or not split.get("compile"):
+            continue
+        measured = [row for row in rows if row["values"].get("time_ms") is not None]
+        cells += len(measured)
+        pixels += sum(math.prod(row["scene"]["size"]) for row in measured)
+        if manifest.get("started") not in starts:
+            starts.add(manifest.get("started"))
+            told.update({kind: seconds for kind, seconds in split.items() if isinstance(seconds, (int, float))})
+    rates = calibrated(calibration)
+    if not cells:
+        return rates
+    return replace(rates, start_s=told["start-up"] / len(starts), compile_s=told["compile"] / cells,
+                   pixel_s=(told["check"] + told["oracle"] + told["scene"]) / pixels,
+                   store_s=told["store"] / cells, report_s=told["report"] / cells)
+
+
+def calibrated(calibration: Mapping[str, Any]) -> Rates:
+    """Rates with the device's arithmetic: from the largest work of known size that was timed."""
+    times = calibration.get(f"{calibration.get('timer')}_ms") or ()
+    if not times:
+        return Rates()
+    rounds = FIRST_ROUNDS * 2 ** (len(times) - 1)
+    return Rates(round_ns=times[-1] * 1e6 / rounds / WORK_PIXELS)

@@ -1,0 +1,94 @@
+"""Image errors on planted differences."""
+
+import math
+
+import numpy as np
+import pytest
+
+from mfr_bench.oracle.quality import EXACT_ERROR, WRONG_PIXEL, conformance, quality
+
+ORACLE = np.random.default_rng(1).random((24, 32, 4))
+
+
+def planted(*places, by):
+    """The oracle's image with an error `by` at (row, column, channel)."""
+    image = ORACLE.astype(np.float32).astype(np.float64)
+    for place in places:
+        image[place] = ORACLE[place] + by
+    return image
+
+
+def test_the_same_image_has_no_error():
+    image = ORACLE.astype(np.float32)
+    assert conformance(image, image.astype(np.float64)) == {"max_abs_error": 0, "wrong_pixels": 0, "tied_pixels": 0}
+    assert quality(image, image.astype(np.float64)) == {
+        "rmse": 0, "psnr_db": math.inf, "flip": 0, "max_error_all": 0, "wrong_pixels_all": 0}
+
+
+def test_rounding_to_float32_is_no_error():
+    assert conformance(ORACLE.astype(np.float32), ORACLE)["max_abs_error"] < EXACT_ERROR / 1000
+
+
+@pytest.mark.parametrize("channel", range(4))
+def test_an_error_of_any_one_channel_counts(channel):
+    found = conformance(planted((3, 5, channel), (7, 9, channel), by=-0.25), ORACLE)
+    assert found["max_abs_error"] == pytest.approx(0.25)
+    assert found["wrong_pixels"] == 2
+
+
+def test_a_pixel_with_two_wrong_channels_is_one_wrong_pixel():
+    assert conformance(planted((3, 5, 0), (3, 5, 2), by=0.5), ORACLE)["wrong_pixels"] == 1
+
+
+@pytest.mark.parametrize(("error", "wrong"), [(0.99 * WRONG_PIXEL, 0), (1.01 * WRONG_PIXEL, 1)])
+def test_a_wrong_pixel_is_off_by_more_than_half_a_step_of_8_bits(error, wrong):
+    assert conformance(planted((0, 0, 1), by=error), ORACLE)["wrong_pixels"] == wrong
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+def test_a_value_that_is_no_number_is_an_error_of_1(value):
+    image = ORACLE.copy()
+    image[2, 3, 1] = value
+    assert conformance(image, ORACLE) == {"max_abs_error": 1, "wrong_pixels": 1, "tied_pixels": 0}
+    found = quality(image, ORACLE)
+    assert found["rmse"] == pytest.approx(math.sqrt(1 / ORACLE.size))
+    assert all(map(math.isfinite, found.values()))
+
+
+def test_an_image_of_nothing_but_nan_is_measured():
+    image = np.full_like(ORACLE, math.nan)
+    assert conformance(image, ORACLE)["wrong_pixels"] == 24 * 32
+    assert quality(image, ORACLE)["psnr_db"] == 0
+
+
+def test_rmse_and_psnr_are_over_all_channels():
+    found = quality(ORACLE + 0.01, ORACLE)
+    assert found["rmse"] == pytest.approx(0.01)
+    assert found["psnr_db"] == pytest.approx(40)
+
+
+def test_flip_is_of_the_colours_and_grows_with_the_difference():
+    flips = [quality(np.clip(ORACLE + error, 0, 1), ORACLE)["flip"] for error in (0, 0.05, 0.4)]
+    assert flips[0] == 0
+    assert 0 < flips[1] < flips[2] <= 1
+
+
+def test_images_of_different_sizes_are_refused():
+    with pytest.raises(ValueError, match=r"image \(24, 31, 4\) against oracle \(24, 32, 4\)"):
+        conformance(ORACLE[:, 1:], ORACLE)
+
+
+def test_what_is_compared_is_left_alone():
+    image, oracle = ORACLE.astype(np.float32), ORACLE.copy()
+    image[0, 0, 0] = math.nan
+    quality(image, oracle)
+    assert math.isnan(image[0, 0, 0])
+    np.testing.assert_array_equal(oracle, ORACLE)
+
+
+def test_pixels_of_equal_depths_are_left_out_and_counted():
+    tied = np.zeros(ORACLE.shape[:2], dtype=bool)
+    tied[3, 5] = tied[1, 1] = True
+    found = conformance(planted((3, 5, 0), (2, 2, 1), by=0.5), ORACLE, tied)
+    assert found == {"max_abs_error": pytest.approx(0.5), "wrong_pixels": 1, "tied_pixels": 2}
+    assert conformance(planted((3, 5, 0), by=0.5), ORACLE, tied)["wrong_pixels"] == 0

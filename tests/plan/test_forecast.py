@@ -1,0 +1,95 @@
+"""Predicted times: of planted measurements, by the sampling rules, by calibration."""
+
+from dataclasses import replace
+
+import pytest
+
+from mfr_bench.config.model import Measure, Scene
+from mfr_bench.plan import Cell, expected_sizes
+from mfr_bench.plan.forecast import (
+    ALIKE,
+    CALIBRATED,
+    MEASURED,
+    Forecast,
+    Frame,
+    Rates,
+    calibrated,
+    duration,
+    frames_s,
+    rates_of,
+)
+
+from ..report import planted
+
+SCENE = Scene(size=(64, 64), depth_complexity=32)
+MEASURE = Measure(target_rel_ci=0.05, min_samples=10, max_samples=100, time_limit_s=1.0)
+FREE = Rates(start_s=0, compile_s=0, pixel_s=0, store_s=0, report_s=0)
+
+
+def cell(method="a", scene=SCENE, measure=MEASURE, **params):
+    return Cell("planted", method, method, params, scene, measure, {})
+
+
+def record(method="a", time_ms=5.0, scene=SCENE, **parts):
+    fragments = expected_sizes(scene).F
+    return planted.cell(method, time_ms=time_ms, scene=scene.as_dict(), values={"fragments": fragments}, **parts)
+
+
+@pytest.mark.parametrize(("time_ms", "cv", "seconds"), [
+    (1.0, 0.01, 0.012 + 0.007 + 0.003),  # 2 to warm up, 10 samples, 7 of passes, 3 to check
+    (1.0, 0.1, 0.0261 + 0.007 + 0.003),  # (1.96 * 1.2533 * 0.1 / 0.05)**2 samples
+    (50.0, 0.3, 1.025 + 0.3 + 0.15),  # the time limit ends samples and passes
+    (3000.0, 0.01, 7.5 + 3.25 + 9.0),  # no fewer than two frames
+])
+def test_the_sampling_rules_bound_a_cells_frames(time_ms, cv, seconds):
+    assert frames_s(Frame(time_ms, cv, MEASURED), MEASURE) == pytest.approx(seconds, rel=0.02)
+
+
+def test_a_measured_cell_foretells_itself_whatever_its_shaders_were():
+    forecast = Forecast([record(time_ms=5.0, glsl_hash="old")], FREE)
+    frame = forecast.frame(cell(), expected_sizes(SCENE))
+    assert (frame.time_ms, frame.source) == (pytest.approx(5.0), MEASURED)
+    assert 0 < frame.cv < 0.02
+
+
+def test_another_scene_is_in_proportion_to_the_nearest_fragments():
+    small, large = replace(SCENE, depth_complexity=8), replace(SCENE, depth_complexity=64)
+    forecast = Forecast([record(time_ms=1.0, scene=small), record(time_ms=5.0)], FREE)
+    frame = forecast.frame(cell(scene=large), expected_sizes(large))
+    assert (frame.time_ms, frame.source) == (pytest.approx(10.0, rel=1e-3), ALIKE)
+
+
+def test_a_method_that_was_never_measured_is_calibrated():
+    rates = calibrated({"timer": "wall", "wall_ms": [1.0, 2.0, 4.0], "gpu_ms": [9.0, 9.0, 9.0]})
+    assert rates.round_ns == pytest.approx(4e6 / 64 / 512**2)
+    slow = replace(rates, round_ns=10 * rates.round_ns)
+    frames = [Forecast([record("b")], r).frame(cell(), expected_sizes(SCENE)) for r in (rates, slow)]
+    assert frames[0].source == CALIBRATED
+    assert frames[1].time_ms == pytest.approx(10 * frames[0].time_ms)
+    assert calibrated({}) == Rates()
+
+
+def test_a_run_is_what_its_cells_and_what_surrounds_them_take():
+    rates = Rates(start_s=1, compile_s=0.5, pixel_s=1e-4, store_s=0.1, report_s=0.2)
+    found = Forecast([record(time_ms=5.0)], rates).run([cell(), cell("b")])
+    assert found.sources == {MEASURED: 1, CALIBRATED: 1}
+    assert found.total_s - found.frames_s == pytest.approx(1 + 2 * (0.5 + 0.4096 + 0.1 + 0.2))
+    assert "1 measured here, 1 by calibration alone" in found.text
+    assert Forecast([], rates).run([]).total_s == 0
+
+
+def test_rates_are_those_of_earlier_runs_each_counted_once():
+    """A run of two configs tells its time in both manifests."""
+    split = {"start-up": 2.0, "compile": 4.0, "check": 1.0, "store": 0.4, "report": 0.8, "measure": 99.0}
+    first = {"split_s": split, "started": "2026-01-01T00:00:00Z"}
+    rows = [record(), record("b"), planted.cell("c", time_ms=None, status="unsupported", reason="needs x")]
+    rates = rates_of([(first, rows[:1]), (first, rows[1:])], {})
+    assert (rates.start_s, rates.compile_s, rates.store_s, rates.report_s) == (2.0, 2.0, 0.2, 0.4)
+    assert rates.pixel_s == pytest.approx(1 / (2 * 64 * 64))
+    assert rates_of([({}, rows), ({"split_s": {"report": 1.0}}, rows)], {}) == Rates()
+
+
+@pytest.mark.parametrize(("seconds", "text"), [(0.2, "1 s"), (7.4, "7 s"), (44, "40 s"), (170, "3 min"),
+                                               (9000, "2.5 h")])
+def test_a_forecast_has_no_more_digits_than_it_is_worth(seconds, text):
+    assert duration(seconds) == text
