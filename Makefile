@@ -26,7 +26,7 @@ lint: $(PYTHON_READY)  ## check the style of the code
 setup: $(PYTHON_READY) $(DRIVER_READY)  ## make .venv (PYTHON=/path/to/python3) and see to an OpenGL driver
 
 lock:  ## renew requirements.lock (needs uv; ARGS=--upgrade for the newest versions)
-	uv pip compile --quiet --universal --generate-hashes --python-version 3.10 --extra test --extra build \
+	uv pip compile --quiet --universal --generate-hashes --python-version 3.10 --extra mesh --extra test --extra build \
 		--custom-compile-command "make lock" --output-file requirements.lock $(ARGS) pyproject.toml
 
 clean:  ## remove .venv, builds and caches, but no results

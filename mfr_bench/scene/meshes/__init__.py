@@ -1,0 +1,1 @@
+"""Reads triangle meshes from files and places them on the screen: numpy only, no GL."""
