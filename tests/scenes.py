@@ -26,6 +26,8 @@ def configs(draw, **fixed) -> SceneConfig:
     } | fixed
     if chosen["layout"] == "random":
         chosen["quad_size"] = draw(st.none() | st.tuples(st.integers(4, 20), st.integers(4, 20)))
+    if chosen["layout"] == "block":
+        chosen["least_depth"] = draw(st.none() | shares)
     return SceneConfig(**chosen)
 
 
@@ -39,7 +41,8 @@ def placed(draw, most: int = 8) -> Scene:
     rect = np.array(rects, dtype=np.int32).reshape(-1, 4)[:, [0, 2, 1, 3]]
     rgba = draw(st.lists(st.tuples(*[st.integers(0, 255)] * 4), min_size=len(depths), max_size=len(depths)))
     return Scene((width, height), rect, (np.array(depths) / 2**23).astype(np.float32),
-                 np.array(rgba, dtype=np.uint8).reshape(-1, 4), draw(st.sampled_from([1.0, 0.5, 0.1])), draw(seeds))
+                 np.array(rgba, dtype=np.uint8).reshape(-1, 4), draw(st.sampled_from([1.0, 0.5, 0.1])), draw(seeds),
+                 draw(st.integers(0, len(depths))))
 
 
 def sorted_pairs(draw, width: int, height: int) -> list[list[int]]:

@@ -173,7 +173,8 @@ def scene(config: str, out: str, profile: str | None, overrides: tuple[str, ...]
     made = generate(expand(first_experiment(config, profile, overrides), catalog())[0].scene)
     data = io.BytesIO()
     np.savez(data, viewport=np.array(made.viewport, dtype=np.int32), **made.arrays(),
-             fragment_probability=np.float64(made.fragment_probability), seed=np.uint32(made.seed))
+             fragment_probability=np.float64(made.fragment_probability), seed=np.uint32(made.seed),
+             **({"least": np.uint32(made.least)} if made.least else {}))
     write_file(Path(out), data.getvalue())
     say(f"{out}: {len(made)} {made.geometry}s for {made.viewport[0]} x {made.viewport[1]} pixels")
 

@@ -343,8 +343,14 @@ def _mean_depth_too_high(scene: Scene) -> Fault | None:
     return (("scene.mean_depth", "r", "scene.depth_complexity"), what) if scene.mean_depth > most else None
 
 
+def _least_depth_unused(scene: Scene) -> Fault | None:
+    unused = scene.least_depth is not None and not (is_flat(scene) and scene.layout == "block")
+    what = "no use but for quads without slant in one block; allowed: with layout block"
+    return (("scene.least_depth", "scene.layout", "scene.kind"), what) if unused else None
+
+
 SCENE_RULES = (_too_many_quads, _quad_size_unused, _layout_unused, _slant_unused, _stress_unused, _mean_depth_unused,
-               _mean_depth_too_high, _no_such_depths)
+               _mean_depth_too_high, _no_such_depths, _least_depth_unused)
 
 
 def _too_few_samples(measure: Measure) -> Fault | None:

@@ -123,6 +123,12 @@ def has_mean_depth(scene: Scene) -> bool:
     return scene.kind != "quads" or scene.layout == "mixed"
 
 
+def least_layers(scene: Scene) -> int:
+    """Fewest fragments that a covered pixel draws before any is discarded; 0 where every pixel has all."""
+    wanted = max(1, round((scene.least_depth or 0) * scene.depth_complexity))
+    return min(wanted, scene.depth_complexity) if scene.least_depth else 0
+
+
 def mean_depth(scene: Scene) -> float:
     """Fragments per covered pixel that a scene with a mean depth aims at."""
     return scene.mean_depth or max(1.0, 0.4 * scene.depth_complexity)

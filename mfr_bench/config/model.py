@@ -82,9 +82,10 @@ class Scene(_Plain):
     size: viewport, pixels. pixel_density: share of the pixels that the block or the tiles cover, or the block around
     a hairball, needle tree or temple. depth_complexity: quads over every covered pixel; with layout `random`, their
     mean over the block's pixels; with layout `mixed` and the other kinds the maximum over the pixels, whose mean is
-    mean_depth (None: two fifths of it). slant: most change of depth across a quad, share of the depth range.
-    alpha: lowest and highest opacity. quad_size: pixels, layout `random` only; None means a quarter of each side of
-    the viewport.
+    mean_depth (None: two fifths of it). least_depth: each pixel of a block of flat quads draws its number of
+    fragments evenly from this share of depth_complexity up to all of it; None: every pixel has all. slant: most
+    change of depth across a quad, share of the depth range. alpha: lowest and highest opacity. quad_size: pixels,
+    layout `random` only; None means a quarter of each side of the viewport.
 
     What puts methods under stress: depth_at: depths lie about this one in steps of 2**depth_gap_log2, instead of all
     over the range. depth_copies: quads that share a depth; copies: whether they share their colour as well.
@@ -99,6 +100,7 @@ class Scene(_Plain):
     pixel_density: Share = 1.0
     depth_complexity: Annotated[int, Interval(ge=0, le=MAX_QUADS), Allowed(f"a whole number from 0 to {MAX_QUADS}")]
     mean_depth: Annotated[float, Interval(ge=1, le=MAX_QUADS), Allowed(f"a number from 1 to {MAX_QUADS}")] | None = None
+    least_depth: Share | None = None
     layout: Literal["block", "tiles", "random", "mixed"] = "block"
     order: Literal["random", "front_to_back", "back_to_front"] = "random"
     slant: Annotated[float, Interval(ge=0, le=1), Allowed("a number from 0 to 1")] = 0.0
@@ -175,7 +177,7 @@ class Figure(_Plain):
     rows: Text | None = None
     y: Text = "time_ms"
     log: Literal["x", "y", "xy"] | None = None
-    log_base: Literal[2, 10] = 10
+    log_base: Literal[2, 5, 10] = 10
     title: Text | None = None
     x_label: Text | None = None
     y_label: Text | None = None
@@ -191,7 +193,10 @@ class Figure(_Plain):
 
 @dataclass(frozen=True, kw_only=True)
 class Source(_Plain):
-    """Where an experiment comes from, what stands for its scene, and which quantities of results/reference it has."""
+    """Where an experiment comes from, what stands for its scene, and which quantities of results/reference it has.
+
+    readings: how a text that leaves something open was read, and what differs from the paper; a sentence each.
+    """
 
     __pydantic_config__: ClassVar[dict] = STRICT
 
@@ -199,6 +204,7 @@ class Source(_Plain):
     figure: Text | None = None
     stand_in: Text | None = None
     prints: Annotated[tuple[Text, ...], Allowed("a list of quantities of results/reference")] = ()
+    readings: Annotated[tuple[Text, ...], Allowed("a list of sentences")] = ()
 
 
 @dataclass(frozen=True)

@@ -136,7 +136,8 @@ def define_values(variant: Variant, step: Pass, sizes: Sizes) -> dict[str, int]:
     values: dict[str, int] = {
         "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
         "N": sizes.n, "KEEP": variant.value("keep", sizes), "LOCAL": variant.value("keep", sizes),
-        "REJECTS": int(sizes.rejects), "COMPUTE": int(step.kind == "compute"),
+        "REJECTS": int(sizes.rejects), "LEAST": sizes.least, "QUADS": sizes.quads,
+        "COMPUTE": int(step.kind == "compute"),
         "PAYLOAD_RGBA16F": 0, "CULLS": 0, "BY_TILE": int(step.by_tile), "REGION": int(step.region),
         "STOP_OPACITY": 1.0,
         "ACCUMULATE_COMPENSATED": 0, "ACCUMULATE_FLOAT16": 0, "ACCUMULATE_UNORM8": 0,

@@ -39,7 +39,7 @@ class Grid:
 
 def _grid(scene: Scene) -> Grid:
     width, height = scene.viewport
-    if scene.keep_threshold < 2**32:
+    if scene.rejects:
         return Grid(np.arange(width + 1), np.arange(height + 1))
     rect = scene.rasterized
     return Grid(np.unique(np.concatenate([[0, width], rect[:, 0], rect[:, 2]])),
@@ -62,7 +62,7 @@ def fragment_counts(scene: Scene) -> np.ndarray:
 def _cell_counts(scene: Scene, grid: Grid) -> np.ndarray:
     counts = np.zeros((len(grid.y) - 1, len(grid.x) - 1), dtype=np.int64)
     for quad, (x0, y0, x1, y1) in enumerate(_cell_rects(scene, grid)):
-        counts[y0:y1, x0:x1] += _mask(scene, quad, x0, y0, x1, y1)
+        counts[y0:y1, x0:x1] += _mask(scene, quad, x0, y0, x1, y1) if scene.rejects else True
     return counts
 
 
@@ -78,14 +78,14 @@ def scene_sizes(scene: Geometry, counts: np.ndarray, areas: np.ndarray | int = 1
     weights = np.broadcast_to(areas, counts.shape).ravel()
     histogram = np.bincount(counts.ravel(), weights=weights)  # float64 is exact below 2**53 pixels
     return Sizes(W=scene.viewport[0], H=scene.viewport[1], n=max(1, int(counts.max())), F=int((counts * areas).sum()),
-                 quads=len(scene), rejects=scene.keep_threshold < 2**32, histogram=tuple(int(h) for h in histogram),
+                 quads=len(scene), rejects=scene.rejects, histogram=tuple(int(h) for h in histogram),
                  geometry=scene.geometry, area=scene.bounds[2] * scene.bounds[3], layers=scene.layers,
-                 reach=scene.reach)
+                 reach=scene.reach, least=scene.least)
 
 
 def _mask(scene: Scene, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray | bool:
     """Which cells of the rectangle have the quad's fragment. Cells are pixels wherever fragments are rejected."""
-    return True if scene.keep_threshold >= 2**32 else scene.kept(quad, x0, y0, x1, y1)
+    return scene.kept(quad, x0, y0, x1, y1) if scene.rejects else True
 
 
 def composite(scene: Scene, layers: int | None = None, criterion: str = "nearest",

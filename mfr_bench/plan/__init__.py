@@ -11,7 +11,17 @@ from itertools import accumulate, pairwise
 from typing import Any, Literal
 
 from ..config.axes import measure_at, points, scene_at
-from ..config.layout import block, covered_pixels, has_mean_depth, is_flat, mean_depth, quad_count, quad_size, shares
+from ..config.layout import (
+    block,
+    covered_pixels,
+    has_mean_depth,
+    is_flat,
+    least_layers,
+    mean_depth,
+    quad_count,
+    quad_size,
+    shares,
+)
 from ..config.model import Experiment, Measure, MethodEntry, Scene
 from ..errors import UsageError, nearest
 from ..methods.spec import SCENE_FACTS, Method, Sizes, Value
@@ -202,13 +212,16 @@ def expected_sizes(scene: Scene) -> Sizes:
     histogram = (counts[0] + scene.size[0] * scene.size[1] - covered, *counts[1:])
     fragments = sum(f * pixels for f, pixels in enumerate(histogram))
     return Sizes(*scene.size, n=max(1, len(histogram) - 1), F=fragments, quads=quad_count(scene), histogram=histogram,
-                 geometry="quad" if is_flat(scene) else "strip")
+                 rejects=scene.fragment_probability < 1 or scene.least_depth is not None,
+                 geometry="quad" if is_flat(scene) else "strip", least=least_layers(scene))
 
 
 def _expected_counts(scene: Scene) -> list[float]:
     """The covered pixels expected to have 0, 1, 2, … fragments."""
     if has_mean_depth(scene):
         return _layered_counts(scene)
+    if scene.least_depth:
+        return _drawn_counts(scene)
     if scene.layout != "random":
         return _binomial_mix(scene.depth_complexity, {scene.fragment_probability: covered_pixels(scene)})
     chances: dict[float, float] = defaultdict(float)
@@ -218,6 +231,17 @@ def _expected_counts(scene: Scene) -> list[float]:
         for y in down:
             chances[x * y * scene.fragment_probability] += covered_pixels(scene) / (len(across) * len(down))
     return _binomial_mix(quad_count(scene), chances)
+
+
+def _drawn_counts(scene: Scene) -> list[float]:
+    """Each pixel draws its number of fragments evenly, and keeps each with the fragment probability."""
+    least, most = least_layers(scene), scene.depth_complexity
+    share = covered_pixels(scene) / (most - least + 1)
+    counts = [0.0] * (most + 1)
+    for layers in range(least, most + 1):
+        for hits, probability in _binomial(layers, scene.fragment_probability):
+            counts[hits] += share * probability
+    return counts
 
 
 def _layered_counts(scene: Scene) -> list[float]:

@@ -29,6 +29,7 @@ MEASURES = {
     "memory_mib": "memory (MiB)",
     "memory_model_mib": "memory by the paper's formula (MiB)",
     "ms_per_mib": "time per memory (ms / MiB)",
+    "ms_times_mib": "time × memory (ms · MiB)",
     "fps_per_mib": "frames per second and MiB",
     "words_per_pixel": "32-bit words per pixel",
     "share": "share of the passes' time",
@@ -39,6 +40,7 @@ MEASURES = {
 }
 MEASURES = {c.name: f"{c.name} ({c.unit})" if c.unit else c.name
             for c in COLUMNS if c.type in ("int", "float")} | MEASURES
+BY_MEMORY = {"ms_per_mib": ("time_ms", -1), "ms_times_mib": ("time_ms", 1), "fps_per_mib": ("fps", -1)}
 IN_MIB = {"memory_bytes": "memory_mib", "memory_model_bytes": "memory_model_mib"}  # bytes are drawn as MiB
 
 
@@ -141,10 +143,10 @@ class Point:
         if name == "words_per_pixel":
             value = self.row["memory_bytes"]
             return None, None if value is None else value / 4 / (self.row["width"] * self.row["height"]), None
-        if name in ("ms_per_mib", "fps_per_mib"):
-            of = self.measure("time_ms" if name == "ms_per_mib" else "fps")
+        if name in BY_MEMORY:
+            of, power = BY_MEMORY[name]
             memory = self.row["memory_bytes"]
-            return tuple(v / (memory / MIB) if v is not None and memory else None for v in of)
+            return tuple(v * (memory / MIB) ** power if v is not None and memory else None for v in self.measure(of))
         if name == "share":
             return None, 1.0 if self.passes_ms else None, None
         return None, self.row[name], None
@@ -187,6 +189,11 @@ class Result:
                  manifest.get("timer") and f"timer: {manifest['timer']}", self.dates,
                  version and f"mfr-bench {version}"]
         return " · ".join(str(part) for part in parts if part)
+
+    @property
+    def readings(self) -> str:
+        """One line: how the experiment's config reads what the paper leaves open."""
+        return " ".join(map(str, (self.manifest.get("source") or {}).get("readings") or ()))
 
     @property
     def dates(self) -> str:

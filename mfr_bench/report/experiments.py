@@ -19,6 +19,7 @@ The numbers that the papers print are in `results/reference/`, and stand beside 
 `mfr-bench run NAME` runs one, `mfr-bench run configs/ --profile smoke` runs all of them; `mfr-bench claims results`
 tells which of the papers' sentences hold.
 """
+READINGS = "Where a paper leaves a setting open, this is how it is read; the small print of the figures says the same."
 COLUMNS = ("config", "source", "shows", "scene", "full size", "smoke")
 
 
@@ -32,9 +33,16 @@ class Sized:
 
 def as_markdown(pairs: Iterable[tuple[Sized, Sized]]) -> str:
     """The page; each pair is an experiment at full size and in its profile `smoke`."""
+    pairs = list(pairs)
     rows = [_row(full, smoke) for full, smoke in pairs if full.experiment.source.get("paper")]
     table = [f"| {' | '.join(COLUMNS)} |", f"|{'|'.join(' --- ' for _ in COLUMNS)}|", *rows]
-    return "\n".join([HEAD, *table]) + "\n"
+    return "\n".join([HEAD, *table, "", *_readings([full.experiment for full, _ in pairs])]) + "\n"
+
+
+def _readings(experiments: Iterable[Experiment]) -> list[str]:
+    """A list of how each config reads what its paper leaves open."""
+    found = [f"- `{e.name}`: {' '.join(e.source['readings'])}" for e in experiments if e.source.get("readings")]
+    return ["## Readings", "", READINGS, "", *found] if found else []
 
 
 def _row(full: Sized, smoke: Sized) -> str:

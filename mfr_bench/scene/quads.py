@@ -12,13 +12,13 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..config.layout import TILE, TILES_STREAM, block, mean_depth, quad_count, quad_size, shares, tiles
+from ..config.layout import TILE, TILES_STREAM, block, least_layers, mean_depth, quad_count, quad_size, shares, tiles
 from ..config.model import Scene as SceneConfig
 from ..hashing import WORD, hash3
 from . import stress
 from .colours import rgba
 from .overlap import most_over
-from .streams import DEPTH, DEPTH_ORDER, ORDER, PLACE_X, PLACE_Y, SIDE
+from .streams import DEPTH, DEPTH_ORDER, FIRST_DRAWN, LAYERS_DRAWN, ORDER, PLACE_X, PLACE_Y, SIDE
 
 DEPTH_GRID = 2**23
 
@@ -30,6 +30,7 @@ class Scene:
     rect: int32 (n, 4), x0 y0 x1 y1, half-open pixels, origin lower left; it may reach beyond the viewport.
     depth: float32 (n,); outside [0, 1] there is nothing to see.
     rgba: uint8 (n, 4), straight alpha. seed decides which fragments are rejected.
+    least: where above 0, each pixel draws how many of all quads it receives, at least this many.
     """
 
     geometry: ClassVar[str] = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
@@ -40,6 +41,7 @@ class Scene:
     rgba: np.ndarray
     fragment_probability: float
     seed: int
+    least: int = 0
 
     def __len__(self) -> int:
         return len(self.depth)
@@ -82,17 +84,27 @@ class Scene:
         """A fragment is generated where its hash is below this; 2**32 means always."""
         return min(2**32, round(self.fragment_probability * 2**32))
 
+    @property
+    def rejects(self) -> bool:
+        """Whether some fragments of the rectangles are not generated."""
+        return self.keep_threshold < 2**32 or self.least > 0
+
     def arrays(self) -> dict[str, np.ndarray]:
         """What `mfr-bench scene` writes."""
         return {"rect": self.rect, "depth": self.depth, "rgba": self.rgba}
 
     def kept(self, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray:
         """bool (y1-y0, x1-x0): which pixels of the rectangle receive the quad's fragment."""
-        if self.keep_threshold >= 2**32:
-            return np.ones((y1 - y0, x1 - x0), dtype=bool)
         width = self.viewport[0]
         pixel = np.arange(y0, y1, dtype=np.uint64)[:, None] * width + np.arange(x0, x1, dtype=np.uint64)
-        return hash3(pixel, int(quad), self.seed) < self.keep_threshold
+        kept = hash3(pixel, int(quad), self.seed) < min(self.keep_threshold, 2**32 - 1)  # a uniform's largest
+        return kept & self._drawn(pixel, quad) if self.least else kept
+
+    def _drawn(self, pixel: np.ndarray, quad: int) -> np.ndarray:
+        """bool, as `pixel`: whether the quad is among those that the pixel draws, a run of the order of submission."""
+        count = len(self)
+        layers = self.least + hash3(pixel, LAYERS_DRAWN, self.seed) % (count - self.least + 1)
+        return (hash3(pixel, FIRST_DRAWN, self.seed) % count + quad) % count < layers
 
 
 def flat_quads(config: SceneConfig, seed: int) -> Scene:
@@ -102,7 +114,8 @@ def flat_quads(config: SceneConfig, seed: int) -> Scene:
     depth, colours = stress.values(config, depths(index, seed), rgba(config, index, seed))
     order = _submission(config.order, depth, index, seed)
     rect, depth = stress.reaching(config, rect[order]), stress.odd(config, depth[order])
-    return Scene(tuple(config.size), rect, depth, colours[order], config.fragment_probability, seed)
+    return Scene(tuple(config.size), rect, depth, colours[order], config.fragment_probability, seed,
+                 least_layers(config))
 
 
 def rectangles(config: SceneConfig, seed: int) -> np.ndarray:

@@ -31,6 +31,7 @@ class Strips:
     """
 
     geometry: ClassVar[str] = "strip"
+    least: ClassVar[int] = 0  # no pixel draws its number of fragments
 
     viewport: tuple[int, int]
     position: np.ndarray
@@ -45,6 +46,11 @@ class Strips:
     def keep_threshold(self) -> int:
         """A fragment is generated where its hash is below this; 2**32 means always."""
         return min(2**32, round(self.fragment_probability * 2**32))
+
+    @property
+    def rejects(self) -> bool:
+        """Whether some fragments of the strips are not generated."""
+        return self.keep_threshold < 2**32
 
     @cached_property
     def boxes(self) -> np.ndarray:

@@ -23,6 +23,7 @@ SCENES = {
     "sparse": SceneConfig(size=(97, 71), depth_complexity=N, pixel_density=0.11, seed=3),
     "tiles": SceneConfig(size=(97, 71), depth_complexity=N, pixel_density=0.4, layout="tiles", seed=4),
     "rejecting": SceneConfig(size=(97, 71), depth_complexity=N, fragment_probability=0.25, seed=5),
+    "uneven": SceneConfig(size=(97, 71), depth_complexity=N, least_depth=0.3, fragment_probability=0.8, seed=5),
     "scattered": SceneConfig(size=(64, 48), depth_complexity=5, layout="random", quad_size=(11, 7), seed=6),
     "opaque": SceneConfig(size=(40, 40), depth_complexity=N, alpha=(1.0, 1.0), seed=7),
 }

@@ -21,10 +21,19 @@ def fragments(scene: Scene, x: int, y: int) -> list[tuple[float, list[int]]]:
     """(depth, RGBA8) of everything that a pixel receives, nearest first."""
     found = []
     for quad, ((x0, y0, x1, y1), depth, rgba) in enumerate(zip(scene.rect, scene.depth, scene.rgba, strict=True)):
-        inside = x0 <= x < x1 and y0 <= y < y1
+        inside = x0 <= x < x1 and y0 <= y < y1 and drawn(scene, x, y, quad)
         if inside and hash3(y * scene.viewport[0] + x, quad, scene.seed) < scene.keep_threshold:
             found.append((float(depth), rgba.tolist()))
     return sorted(found)
+
+
+def drawn(scene: Scene, x: int, y: int, quad: int) -> bool:
+    """Whether a pixel that draws its number of fragments receives the quad."""
+    if not scene.least:
+        return True
+    pixel, count = y * scene.viewport[0] + x, len(scene)
+    layers = scene.least + hash3(pixel, 2**32 - 1, scene.seed) % (count - scene.least + 1)
+    return (hash3(pixel, 2**32 - 2, scene.seed) % count + quad) % count < layers
 
 
 def over(layers: list[tuple[float, list[int]]]) -> list[float]:
@@ -73,7 +82,7 @@ def test_counts_are_the_fragments_of_each_pixel(scene):
     assert (sizes.W, sizes.H, sizes.F, sizes.quads) == (width, height, counts.sum(), len(scene))
     assert sizes.n == max(1, counts.max())
     assert sizes.histogram == tuple(np.bincount(counts.ravel()))
-    assert sizes.rejects == (scene.fragment_probability < 1)
+    assert sizes.rejects == (scene.fragment_probability < 1 or scene.least > 0)
     assert [sizes.bounded(k) for k in (1, 2, 99)] == [np.minimum(counts, k).sum() for k in (1, 2, 99)]
 
 
@@ -85,7 +94,7 @@ def test_as_many_layers_as_there_are_fragments_are_all_of_them(config):
 
 @given(placed(), st.randoms(use_true_random=False))
 def test_the_order_of_submission_does_not_matter(scene, random):
-    scene = replace(scene, fragment_probability=1.0)  # which fragments are rejected does depend on it
+    scene = replace(scene, fragment_probability=1.0, least=0)  # which fragments are rejected does depend on it
     order = random.sample(range(len(scene)), len(scene))
     shuffled = replace(scene, rect=scene.rect[order], depth=scene.depth[order], rgba=scene.rgba[order])
     np.testing.assert_array_equal(composite(shuffled), composite(scene))

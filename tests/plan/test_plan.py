@@ -250,6 +250,16 @@ def test_expected_histograms_hold_every_pixel(scene, probability, layout):
     assert sizes.quads == len(generate(scene))
 
 
+@pytest.mark.parametrize("probability", [1.0, 0.25])
+def test_expected_sizes_of_pixels_that_draw_their_number_of_fragments(probability):
+    scene = Scene(size=(200, 160), pixel_density=0.6, depth_complexity=40, least_depth=0.1,
+                  fragment_probability=probability)
+    sizes, counts = plan.expected_sizes(scene), fragment_counts(generate(scene))
+    assert sizes.rejects and sum(sizes.histogram) == sizes.P
+    assert pytest.approx(counts.sum(), rel=0.02) == sizes.F
+    assert sizes.n == pytest.approx(counts.max(), rel=0.2)
+
+
 @pytest.mark.parametrize(("layout", "probability"), [("block", 0.3), ("tiles", 0.7), ("random", 1.0), ("random", 0.5)])
 def test_expected_sizes_are_near_where_chance_decides(layout, probability):
     scene = Scene(size=(200, 160), pixel_density=0.6, depth_complexity=40, layout=layout,

@@ -54,7 +54,7 @@ def test_bounds_and_reach_are_those_of_the_pixels_covered(config):
         assert width * height == 0
     counts = fragment_counts(scene)
     assert counts.sum() <= scene.reach
-    assert counts.sum() == scene.reach or config.fragment_probability < 1
+    assert counts.sum() == scene.reach or config.fragment_probability < 1 or config.least_depth
 
 
 @given(configs())
@@ -192,3 +192,28 @@ def test_one_scene_written_out():
     assert scene.rect.tolist() == [[1, 1, 7, 5], [1, 1, 7, 5], [1, 1, 7, 5]]
     assert (scene.depth * 2**23).astype(int).tolist() == [7666439, 916517, 4456706]
     assert scene.rgba.tolist() == [[117, 69, 127, 98], [145, 217, 33, 53], [19, 54, 39, 97]]
+
+
+@pytest.mark.parametrize("order", ["random", "front_to_back"])
+def test_pixels_draw_their_number_of_fragments_evenly(order):
+    """From a tenth of the depth complexity to all of it (kplus_2015 §5.1.1: n up to 10 k), each as often."""
+    config = SceneConfig(size=(160, 150), depth_complexity=20, least_depth=0.1, order=order, seed=4)
+    scene = generate(config)
+    counts = fragment_counts(scene)
+    assert scene.rejects and (counts.min(), counts.max()) == (2, 20)
+    drawn = np.bincount(counts.ravel(), minlength=21)[2:]
+    assert drawn == pytest.approx(np.full(19, counts.size / 19), rel=0.15)
+    assert np.abs(np.corrcoef(counts[:, :-1].ravel(), counts[:, 1:].ravel())[0, 1]) < 0.03  # neighbours draw apart
+
+
+def test_a_drawn_pixel_takes_every_quad_alike_often():
+    scene = generate(SceneConfig(size=(160, 150), depth_complexity=20, least_depth=0.1, seed=4))
+    shares = [scene.kept(quad, 0, 0, 160, 150).mean() for quad in range(20)]
+    assert shares == pytest.approx([11 / 20] * 20, rel=0.05)
+
+
+def test_drawn_fragments_are_thinned_by_the_fragment_probability():
+    config = SceneConfig(size=(160, 150), depth_complexity=40, least_depth=0.1, fragment_probability=0.25, seed=4)
+    counts = fragment_counts(generate(config))
+    assert counts.mean() == pytest.approx(22 * 0.25, rel=0.02)
+    assert 0.2 < (counts < 4).mean() < 0.5  # pixels with fewer than k = 4 of n = 40 fragments

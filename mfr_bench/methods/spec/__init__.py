@@ -38,12 +38,13 @@ class Sizes:
     n: int  # most fragments in any pixel, at least 1
     F: int  # fragments of the frame
     quads: int  # rectangles submitted
-    rejects: bool = False  # some generated fragments are discarded (f_p < 1)
+    rejects: bool = False  # some fragments are not generated (f_p < 1, or pixels that draw their number)
     histogram: tuple[int, ...] = ()  # histogram[i] = pixels with i fragments
     geometry: str = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
     area: int | None = None  # pixels of the rectangle that bounds the geometry; None: of the viewport
     layers: int | None = None  # most fragments that a pixel can have by the geometry; None: those of every primitive
     reach: int | None = None  # most fragments that the geometry can have; None: every layer in every pixel
+    least: int = 0  # fewest fragments that a pixel draws of those of all primitives; 0: every pixel has all
 
     @property
     def P(self) -> int:

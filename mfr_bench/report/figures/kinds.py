@@ -4,7 +4,7 @@
 
     kind     stacked_passes | bars | lines | maps | histogram | breaking | pareto | heat | work
     x, y     a swept key or column (see `data.Point.at`), a measure (see `data.MEASURES`)
-    log      x | y | xy; log_base 2 or 10
+    log      x | y | xy; log_base 2, 5 or 10
     panels   a swept key or column: one panel for each of its values
     methods  labels or ids: only these series
     floor    true: the floor as a dashed line

@@ -94,7 +94,7 @@ class Sheet:
 
 def sheet_of(result: Result, options: Options, notes: Iterable[str], width: float, body: float) -> Sheet:
     title = str(options.get("title") or result.manifest.get("title") or result.name)
-    lines = *notes, result.lacking, *printed.notes(result), result.provenance
+    lines = *notes, result.lacking, *printed.notes(result), result.readings, result.provenance
     small = [part for line in lines if line for part in fitted(line, style.SMALL_PT, width)]
     return Sheet(width, tuple(fitted(title, style.TITLE_PT, width, "bold")), tuple(small), body)
 
