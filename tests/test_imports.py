@@ -18,10 +18,10 @@ PACKAGE = Path(mfr_bench.__file__).parent
 LAYERS = (
     "errors", "resources", "hashing", "stats", "environment",
     "methods.spec", "methods.shared", "methods", "config", "plan", "scene", "oracle", "glsl", "gpu", "measure",
-    "store", "report", "claims", "compare", "run", "cli", "__main__",
+    "store", "report", "claims", "compare", "page", "run", "cli", "__main__",
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "methods", "config", "plan", "scene", "oracle",
-              "glsl", "store", "report", "claims", "compare")
+              "glsl", "store", "report", "claims", "compare", "page")
 PARENT = ("run.supervisor", "run.ledger", "run.process")  # of a run: another process has the device
 OF_THE_DEVICE = ("gpu", "run.cell", "run.measuring", "run.scene_work", "run.worker")
 GL_PACKAGES = {"moderngl", "glcontext", "OpenGL"}

@@ -13,6 +13,7 @@ from . import (
     claims_command,
     compare_command,
     device_commands,
+    page_command,
     report_commands,
     run_command,
     stress_command,
@@ -41,7 +42,8 @@ Shell completion (or zsh_source, fish_source):
 SECTIONS = {
     "Measure": (run_command.run, stress_command.stress),
     "Read what was measured": (report_commands.table, report_commands.plot, advise_command.advise,
-                               compare_command.compare, claims_command.claims, report_commands.conformance),
+                               compare_command.compare, claims_command.claims, report_commands.conformance,
+                               page_command.report),
     "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, device_commands.scene,
                     device_commands.render, device_commands.shader),
 }

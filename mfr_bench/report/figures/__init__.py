@@ -8,7 +8,7 @@
     bars, lines   a kind or two each
 """
 
-from .files import render, write_figures, write_together
+from .files import figure_paths, render, write_figures, write_together
 from .kinds import KINDS, build
 
-__all__ = ["KINDS", "build", "render", "write_figures", "write_together"]
+__all__ = ["KINDS", "build", "figure_paths", "render", "write_figures", "write_together"]

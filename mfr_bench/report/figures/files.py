@@ -49,6 +49,18 @@ def write_together(folders: Sequence[ResultFolder], target: Path) -> list[Path]:
             for path in _draw_all(_by_device(data.join(results)), target, 1)]
 
 
+def figure_paths(result: Result) -> list[Path]:
+    """Where the PNG file of each of the result's figures stands, in their order, whether or not it is there."""
+    return [stem.with_name(f"{stem.name}.png") for stem in _stems(result, result.folder.path / "figures")]
+
+
+def _stems(result: Result, target: Path) -> list[Path]:
+    """The files of the result's figures without their endings: numbered where there are several."""
+    name = re.sub(r"[^\w.-]+", "-", result.name).strip("-.") or "figure"
+    several = len(result.figures) > 1
+    return [target / (f"{name}-{i}" if several else name) for i in range(1, len(result.figures) + 1)]
+
+
 def _by_device(result: Result) -> Result:
     """Figures without panels of their own get one for each device."""
     panelled = [options if options.get("panels") else {**options, "panels": "device"} for options in result.figures]
@@ -56,13 +68,11 @@ def _by_device(result: Result) -> Result:
 
 
 def _draw_all(result: Result, target: Path, processes: int) -> list[Path]:
-    name = re.sub(r"[^\w.-]+", "-", result.name).strip("-.") or "figure"
     several = len(result.figures) > 1
     if any(options.get("kind") == "maps" for options in result.figures):
         for point in result.points:  # read here, where what cannot be read is told; a forked child's words are lost
             _ = point.arrays
-    tasks = [(target / (f"{name}-{i}" if several else name), options)
-             for i, options in enumerate(result.figures, 1)]
+    tasks = list(zip(_stems(result, target), result.figures, strict=True))
     with _uncollected():
         if processes > 1 and several:
             _write_shared(result, tasks)

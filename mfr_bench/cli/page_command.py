@@ -1,0 +1,36 @@
+"""`report`: all results as one HTML page; from the store alone, no GL."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .options import OutPath
+from .output import note, say
+from .report_commands import FOLDERS
+
+
+@click.command()
+@FOLDERS
+@click.option("--out", metavar="F.html", default="report.html", show_default=True, type=OutPath(dir_okay=False),
+              help="Write the page to this file.")
+def report(folders: tuple[str, ...], out: str) -> None:
+    """Write one HTML page of all results at or below DIR, to be sent.
+
+    Tables that can be sorted and filtered, figures, charts of any column, kept images behind a slider, the papers'
+    claims, device and versions, and the command that gives each of them again. The file opens from disk, loads
+    nothing from a network, and names no host, user or path. Without JavaScript all tables and figures are still there.
+
+    \b
+    Example: mfr-bench report results/nvidia-h200 --out report.html
+    """
+    from ..page import write_page
+    from ..store import ResultFolder, find_results
+
+    results = [ResultFolder(path) for path in find_results(folders)]
+    write_page(results, Path(out))
+    say(out)
+    for folder in results:
+        for line in folder.damaged:
+            note(line)

@@ -1,0 +1,196 @@
+"""What the page says, as plain data for its template: nothing here knows HTML."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..report import data
+from ..report.data import Point, Result
+from .pictures import figure_png, kept_images, kept_png
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A column of the table of cells: its heading, the measure, and its meaning for a tooltip."""
+
+    name: str
+    heading: str
+    meaning: str
+
+
+MEASURED = (
+    Measured("time_ms", "time (ms)", "median of whole frames, with its 95 % interval"),
+    Measured("floor_ratio", "× floor", "time over that of the same geometry with plain alpha blending"),
+    Measured("memory_mib", "memory (MiB)", "objects that the method allocated"),
+    Measured("max_abs_error", "error", "largest channel error against the promised image"),
+    Measured("rmse", "RMSE", "root mean square error against the image of all fragments"),
+    Measured("flip", "FLIP", "mean FLIP error against the image of all fragments"),
+    Measured("hit_ratio", "kept", "fragments kept / generated"),
+    Measured("samples", "samples", "timed frames"),
+)
+SCENE = {"size": "viewport", "kind": "scene", "layout": "layout", "order": "order", "alpha": "opacity", "seed": "seed",
+         "pixel_density": "pixel density p_d", "depth_complexity": "depth complexity n",
+         "fragment_probability": "fragment probability f_p"}
+ENVIRONMENT = ("gpu", "vendor", "gl", "mesa", "cpu", "cores", "kernel")  # no host, no user, no path
+VERSIONS = ("mfr-bench", "python", "moderngl", "glcontext", "numpy", "flip-evaluator")
+ANYWHERE = re.compile(r"(?<![\w.])(?:/[\w.+-]+){2,}/?|[A-Za-z]:\\\S+")  # an absolute path
+
+
+@dataclass(frozen=True)
+class Value:
+    """A field of a row: the text shown, and what it is sorted and drawn by."""
+
+    text: str
+    raw: float | str | None = None
+    low: float | None = None
+    high: float | None = None
+
+
+@dataclass(frozen=True)
+class Line:
+    """A row of the table of cells."""
+
+    label: str
+    method: str
+    device: str
+    status: str
+    reason: str
+    places: tuple[Value, ...]
+    measures: tuple[Value, ...]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure or a kept image."""
+
+    name: str
+    uri: str
+    width: int
+    height: int
+    x: str = ""
+    y: str = ""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """All of one result folder."""
+
+    anchor: str
+    name: str
+    title: str
+    source: str
+    provenance: str
+    setting: tuple[tuple[str, str], ...]
+    counts: tuple[tuple[str, int], ...]
+    axes: tuple[str, ...]
+    lines: tuple[Line, ...]
+    figures: tuple[Picture, ...]
+    images: tuple[Picture, ...]
+    environment: tuple[tuple[str, str], ...]
+    reproduce: str
+    lacking: str
+
+
+def without_paths(text: Any) -> str:
+    """The text with absolute paths replaced, since they tell of users and machines."""
+    return ANYWHERE.sub("(path)", " ".join(str(text).split()))
+
+
+def experiment(result: Result, anchor: str, figures: Sequence[Path]) -> Experiment:
+    """What the page says of a result. figures: the PNG files of its figures, in their order."""
+    axes = tuple(axis for axis in result.axes if data.bare(axis) != "device")
+    return Experiment(
+        anchor=anchor, name=result.name, title=str(result.manifest.get("title") or result.name),
+        source=_source(result), provenance=without_paths(result.provenance), setting=_setting(result),
+        counts=tuple(sorted(Counter(p.sign for p in result.points).items(), key=lambda item: (item[0] != "ok", item))),
+        axes=tuple(data.short(axis) for axis in axes),
+        lines=tuple(_line(p, axes) for p in result.points),
+        figures=tuple(_figure(path, options) for path, options in zip(figures, result.figures, strict=False)
+                      if path.is_file()),
+        images=_images(result.points), environment=_environment(result.manifest),
+        reproduce=_command(result.manifest, result.name), lacking=result.lacking)
+
+
+def _source(result: Result) -> str:
+    source = result.manifest.get("source") or {}
+    return " ".join(str(part) for part in (source.get("paper"), data.figure_of(source)) if part)
+
+
+def _setting(result: Result) -> tuple[tuple[str, str], ...]:
+    """The scene and the sweeps in words that need no config."""
+    scene = result.manifest.get("scene") or (result.points[0].cell["scene"] if result.points else {})
+    found = [(words, data.plain(_tuple(scene[name]))) for name, words in SCENE.items() if scene.get(name) is not None]
+    profile = result.manifest.get("profile")
+    found += [("profile", str(profile))] if profile else []
+    for kind in ("sweep", "zip"):
+        found += [(data.short(name), ", ".join(data.plain(_tuple(v)) for v in values))
+                  for name, values in (result.manifest.get(kind) or {}).items() if isinstance(values, list)]
+    return tuple((name, without_paths(value)) for name, value in found)
+
+
+def _tuple(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _line(point: Point, axes: Iterable[str]) -> Line:
+    places = tuple(Value("" if (v := point.at(axis)) is None else data.plain(v), _raw(v)) for axis in axes)
+    return Line(point.label, point.method, str(point.row.get("device") or ""), point.sign,
+                without_paths(point.row.get("reason") or ""), places,
+                tuple(_measure(point, column.name) for column in MEASURED))
+
+
+def _raw(value: Any) -> float | str | None:
+    return value if value is None or isinstance(value, (int, float)) else data.plain(value)
+
+
+def _measure(point: Point, name: str) -> Value:
+    low, middle, high = point.measure(name)
+    if middle is None:
+        return Value("")
+    text = data.number(middle)
+    if low is not None and high is not None and name == "time_ms":
+        text += f" ({data.number(low)}–{data.number(high)})"
+    return Value(text, middle, low, high)
+
+
+def _figure(path: Path, options: Mapping[str, Any]) -> Picture:
+    uri, width, height = figure_png(path)
+    y = str(options.get("y") or "time_ms")
+    return Picture(path.stem, uri, width, height, data.short(str(options.get("x") or "")), y)
+
+
+def _images(points: Iterable[Point]) -> tuple[Picture, ...]:
+    found = []
+    for point in points:
+        image = kept_images(point.arrays)
+        if image is not None:
+            where = ", ".join(f"{data.short(k)} {data.plain(_tuple(v))}" for k, v in point.cell["point"].items())
+            found.append(Picture(": ".join(filter(None, (point.label, where))), *kept_png(image)))
+    return tuple(found)
+
+
+def _environment(manifest: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    held, versions = manifest.get("environment") or {}, manifest.get("versions") or {}
+    revision = (held.get("revision") or {}) if isinstance(held, Mapping) else {}
+    found = [(name, held.get(name)) for name in ENVIRONMENT] + [(name, versions.get(name)) for name in VERSIONS]
+    found += [("commit", f"{revision['commit'][:12]}{' with changes' if revision.get('dirty') else ''}")
+              if isinstance(revision.get("commit"), str) else ("commit", None),
+              ("timer", manifest.get("timer")), ("measured", manifest.get("started")),
+              ("noise floor", data.percent(manifest["noise_floor_rel"])
+               if isinstance(manifest.get("noise_floor_rel"), (int, float)) else None)]
+    return tuple((name, without_paths(value)) for name, value in found if value is not None)
+
+
+def _command(manifest: Mapping[str, Any], name: str) -> str:
+    """The command that measures the experiment again."""
+    config = Path(str(manifest.get("config") or name)).stem
+    words = ["mfr-bench", "run", config]
+    if manifest.get("profile"):
+        words += ["--profile", str(manifest["profile"])]
+    return shlex.join(words)

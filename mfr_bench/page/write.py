@@ -1,0 +1,71 @@
+"""Fills the page's template."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Sequence
+from importlib.resources import files
+from pathlib import Path
+
+from .. import __version__
+from ..claims import CLAIMS, judge_all, load_runs
+from ..report import data, style
+from ..store import ResultFolder, write_file
+from .content import MEASURED, Experiment, experiment, without_paths
+
+STYLES = ("vendor/uPlot.min.css", "page.css")
+SCRIPTS = ("vendor/uPlot.iife.min.js", "page.js")
+
+
+def write_page(folders: Sequence[ResultFolder], target: Path, draw: bool = True) -> None:
+    """Write the page of all results to `target`. Raises StoreError.
+
+    draw: figures that a folder lacks are drawn first.
+    """
+    write_file(target, page_text(folders, draw).encode())
+
+
+def page_text(folders: Sequence[ResultFolder], draw: bool = True) -> str:
+    """The HTML of the page."""
+    import jinja2
+
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True,
+                                     undefined=jinja2.StrictUndefined,
+                                     loader=jinja2.FunctionLoader(_file))
+    experiments = [_experiment(folder, f"e{i}", draw) for i, folder in enumerate(folders, 1)]
+    return environment.get_template("page.html.j2").render(
+        experiments=experiments, columns=MEASURED, verdicts=_verdicts(folders), version=__version__,
+        colours={line.method: style.method_colour(line.method) for e in experiments for line in e.lines},
+        styles=[_file(name) for name in STYLES], scripts=[_file(name) for name in SCRIPTS], policy=_policy())
+
+
+def _experiment(folder: ResultFolder, anchor: str, draw: bool) -> Experiment:
+    from ..report.figures import figure_paths, write_figures
+
+    result = data.load(folder)
+    paths = figure_paths(result)
+    if draw and not all(path.is_file() for path in paths):
+        write_figures(folder)
+    return experiment(result, anchor, paths)
+
+
+def _verdicts(folders: Iterable[ResultFolder]) -> list[dict[str, object]]:
+    """What the papers' sentences come to here; those that cannot be tested stand last."""
+    found = [verdict.record() | {"findings_text": [finding.text for finding in verdict.findings]}
+             for verdict in judge_all(CLAIMS, load_runs(folders))]
+    tested = [v for v in found if v["verdict"] in ("holds", "does not hold")]
+    return [{name: without_paths(value) if isinstance(value, str) else value for name, value in v.items()}
+            for v in (*tested, *(v for v in found if v not in tested))]
+
+
+def _file(name: str) -> str:
+    return files(__package__).joinpath(*name.split("/")).read_text(encoding="utf-8")
+
+
+def _policy() -> str:
+    """The Content-Security-Policy of the page: its own scripts by hash, and nothing from anywhere."""
+    import base64
+
+    hashes = " ".join(f"'sha256-{base64.b64encode(hashlib.sha256(_file(name).encode()).digest()).decode()}'"
+                      for name in SCRIPTS)
+    return f"default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src {hashes}"

@@ -1,0 +1,96 @@
+"""The page's text: complete without a script, and silent about machines, users and paths."""
+
+import base64
+import hashlib
+import re
+
+import numpy as np
+import pytest
+
+from mfr_bench.page.content import MEASURED, without_paths
+from mfr_bench.page.pictures import kept_png
+from mfr_bench.page.write import SCRIPTS, _file, page_text
+from mfr_bench.report import data
+
+from ..report import planted
+
+
+@pytest.fixture(scope="module")
+def text(page):
+    return page.read_text()
+
+
+def test_every_cell_stands_in_the_table_with_its_values(results, text):
+    points = data.load(results).points
+    rows = re.findall(r"<tr data-m=.*?</tr>", text)
+    assert len(rows) == len(points)
+    for point, row in zip(points, rows, strict=True):
+        assert point.label in row and f">{point.sign}<" in row
+        if point.row["time_ms"] is not None:
+            assert f'data-v="{point.row["time_ms"]:.6g}" data-l="{point.row["time_ms_low"]:.6g}"' in row
+        else:
+            assert point.row["reason"] in row
+    assert all(f">{column.heading}</th>" in text for column in MEASURED)
+
+
+def test_figures_and_kept_images_are_inside(text):
+    images = re.findall(r'<img src="data:image/png;base64,([^"]+)" width="(\d+)" height="(\d+)"', text)
+    assert len(images) == 3
+    for content, width, height in images:
+        png = base64.b64decode(content)
+        assert png[:8] == b"\x89PNG\r\n\x1a\n"
+        assert (int.from_bytes(png[16:20], "big"), int.from_bytes(png[20:24], "big")) == (int(width), int(height))
+
+
+def test_no_host_user_or_path_stands_in_the_page(results, text):
+    for word in ("secret-host", "/home", "somebody", str(results.path.parent)):
+        assert word not in text
+    assert without_paths("cannot open /home/ann/a.yaml: no such file") == "cannot open (path): no such file"
+    assert without_paths("time/memory, 3/4 and and/or stay") == "time/memory, 3/4 and and/or stay"
+
+
+def test_nothing_is_loaded_from_anywhere_and_only_these_scripts_run(text):
+    assert re.findall(r"(?:src|href)=[\"'](?!data:|#)", text) == []
+    policy = re.search(r'Content-Security-Policy" content="([^"]+)"', text)[1].replace("&#39;", "'")
+    assert policy.startswith("default-src 'none'")
+    for name in SCRIPTS:
+        digest = base64.b64encode(hashlib.sha256(_file(name).encode()).digest()).decode()
+        assert f"'sha256-{digest}'" in policy and _file(name) in text
+
+
+def test_markup_in_names_is_text(tmp_path):
+    evil = "<script>alert(1)</script>"
+    folder = planted.folder(tmp_path / "x", [planted.cell(label=evil, reason=evil)], title=evil)
+    assert evil not in page_text([folder])
+
+
+def test_the_page_is_the_same_each_time_and_of_several_folders(results, tmp_path):
+    other = planted.folder(tmp_path / "other", [planted.cell()])
+    first = page_text([results, other])
+    assert first == page_text([results, other])
+    assert first.count('class="experiment"') == 2
+
+
+def test_an_empty_folder_has_a_page(tmp_path):
+    assert 'id="e1"' in page_text([planted.folder(tmp_path / "none", [])])
+
+
+def test_a_kept_image_is_upright_over_a_checkerboard():
+    image = np.zeros((200, 200, 4), dtype=np.uint8)
+    image[100:] = (255, 0, 0, 255)  # the upper half
+    uri, width, height = kept_png(image)
+    from io import BytesIO
+
+    from PIL import Image
+
+    shown = np.asarray(Image.open(BytesIO(base64.b64decode(uri.partition(",")[2]))))
+    assert shown.shape == (height, width, 3)
+    assert (shown[:height // 2] == (255, 0, 0)).all()
+    assert set(np.unique(shown[height // 2:])) == {204, 255}
+
+
+def test_the_libraries_are_those_that_their_list_names():
+    listed = dict(re.findall(r"\| `(\S+)` \|.*\| `([0-9a-f]{64})` \|", _file("vendor/README.md")))
+    assert set(listed) == {"uPlot.iife.min.js", "uPlot.min.css"}
+    for name, digest in listed.items():
+        assert hashlib.sha256(_file(f"vendor/{name}").encode()).hexdigest() == digest
