@@ -1,0 +1,148 @@
+"""Finds the fastest of several methods by rounds of one frame each, in which the clearly slower leave early.
+
+In a round every method that is left draws one frame, in random order. Two methods are compared within rounds only, so
+that what slows a round down hits both. A method leaves when another one is better by a test that may be looked at
+after every round: the mixture likelihood ratio of a binomial share, a supermartingale under its hypothesis (Robbins
+1970; Ville's inequality bounds the chance that it ever passes 1/p by p). Three hypotheses are tested, which the
+fastest method fulfils; each takes a third of the chance:
+
+    its frame is the longer one in at most 1/2 of the rounds
+    its frame takes more than 2 times the other's in at most 1/8 of them
+    its frame takes more than 4 times the other's in at most 1/64 of them
+
+The first is what "fastest" means, by the median of the ratio; the others are assumptions about noise, by which a
+method that takes several times as long leaves after three to five frames (docs/measurement.md has what was measured
+of them). The chance of dropping the fastest method is then at most `chance`, all comparisons and rounds together.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from statistics import median
+
+from ..stats import median_interval
+
+CHANCE = 0.01  # of dropping the fastest method
+INDIFFERENCE = 0.02  # methods whose times differ by less are as good as each other
+RESAMPLES = 400  # of the rounds, for the chance that a method is the best
+HYPOTHESES = ((1.0, 1 / 2), (2.0, 1 / 8), (4.0, 1 / 64))  # factor, and share of the rounds at most
+LEAST_ROUNDS = 12  # before methods count as equal
+EQUAL_CONFIDENCE = 0.98  # two-sided, of the interval that tells whether they are
+
+
+@dataclass(frozen=True)
+class Dropped:
+    """A method that left: after which round, to whom, and the median of the ratio of their times."""
+
+    method: str
+    after_round: int
+    to: str
+    ratio: float
+
+
+@cache
+def evidence(hits: int, rounds: int, share: float) -> float:
+    """Logarithm of the likelihood ratio against "at most `share` of the rounds are hits".
+
+    The alternatives are all larger shares, each as likely as another. Never above log(1/p) with a chance above p where
+    the hypothesis is true, however often it is looked at.
+    """
+    steps = 64  # of the midpoint rule over the larger shares: a finite mixture is a supermartingale as well
+    width = (1 - share) / steps
+    logs = []
+    for step in range(steps):
+        larger = share + (step + 0.5) * width
+        logs.append(hits * math.log(larger / share) + (rounds - hits) * math.log((1 - larger) / (1 - share)))
+    most = max(logs)
+    return most + math.log(sum(math.exp(value - most) for value in logs) / steps)
+
+
+class Elimination:
+    """Rounds of frame times, and who is left of the methods."""
+
+    def __init__(self, methods: Sequence[str], chance: float = CHANCE, indifference: float = INDIFFERENCE):
+        if len(set(methods)) < len(methods) or not methods:
+            raise ValueError("methods: allowed: one or more, each once")
+        self.left = list(methods)
+        self.rounds: list[dict[str, float]] = []
+        self.dropped: list[Dropped] = []
+        self.indifference = indifference
+        self._limit = math.log(len(HYPOTHESES) * max(1, len(methods) - 1) / chance)
+        self._hits: dict[tuple[str, str, float], int] = {}
+
+    def add(self, times_ms: Mapping[str, float]) -> list[Dropped]:
+        """Take the times of a round, one for each method that is left. Returns who leaves after it."""
+        if set(times_ms) != set(self.left):
+            raise ValueError(f"a round has a time for each of {', '.join(self.left)}")
+        self.rounds.append(dict(times_ms))
+        for method in self.left:
+            for other in self.left:
+                for factor, _ in HYPOTHESES:
+                    if times_ms[method] > factor * times_ms[other]:
+                        key = method, other, factor
+                        self._hits[key] = self._hits.get(key, 0) + 1
+        return self._leaving()
+
+    def _leaving(self) -> list[Dropped]:
+        leader, leaving = self.leader, []
+        for method in self.left:
+            beaten = next((other for other in (leader, *self.left) if other != method and self._slower(method, other)),
+                          None)
+            if beaten and method != leader:
+                leaving.append(Dropped(method, len(self.rounds), beaten, self.ratio(method, beaten)))
+        self.left = [method for method in self.left if method not in {gone.method for gone in leaving}]
+        self.dropped += leaving
+        return leaving
+
+    def _slower(self, method: str, other: str) -> bool:
+        return any(evidence(self._hits.get((method, other, factor), 0), len(self.rounds), share) > self._limit
+                   for factor, share in HYPOTHESES)
+
+    @property
+    def leader(self) -> str:
+        """The method that is left with the lowest median time."""
+        return min(self.left, key=self.time_ms)
+
+    def time_ms(self, method: str) -> float:
+        """The median of the method's times."""
+        return median(times[method] for times in self.rounds if method in times)
+
+    def ratio(self, method: str, other: str) -> float:
+        """The median, over the rounds of both, of the method's time over the other's."""
+        return median(times[method] / times[other] for times in self.rounds if method in times and other in times)
+
+    @property
+    def decided(self) -> bool:
+        """Whether more rounds change nothing that matters: one method is left, or all that are left are as good.
+
+        These are as good where the order-statistic interval of the ratio of each to the leader (99 %) ends below
+        1 + `indifference`.
+        """
+        if len(self.left) == 1:
+            return True
+        if len(self.rounds) < LEAST_ROUNDS:
+            return False
+        leader = self.leader
+        ratios = [[times[method] / times[leader] for times in self.rounds] for method in self.left if method != leader]
+        highs = (median_interval(each, EQUAL_CONFIDENCE)[2] for each in ratios)
+        return all(high is not None and high <= 1 + self.indifference for high in highs)
+
+    def chances(self, seed: int = 0) -> dict[str, float]:
+        """For each method that is left the chance that it is the fastest, by resampling the rounds.
+
+        What a round's times have in common is divided out. Methods that left share what `chance` allows; it is not
+        in these numbers.
+        """
+        pick = random.Random(seed)  # noqa: S311 - resampling, no secret
+        rounds = [{method: times[method] / common for method in self.left}
+                  for times in self.rounds for common in [median(times[method] for method in self.left)]]
+        best = dict.fromkeys(self.left, 0)
+        for _ in range(RESAMPLES):
+            drawn = pick.choices(rounds, k=len(rounds))
+            best[min(self.left, key=lambda method: median(times[method] for times in drawn))] += 1
+        return {method: count / RESAMPLES for method, count in best.items()}
+
