@@ -10,7 +10,7 @@ from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.hashing import WORD, hash3, mix
 from mfr_bench.methods.spec import Buffer, Method, Pass
-from mfr_bench.oracle.composite import sizes_of
+from mfr_bench.oracle.composite import stats_of
 from mfr_bench.scene import generate
 
 words = st.integers(0, WORD)
@@ -74,9 +74,9 @@ def test_glsl_gives_the_same_bits(device, monkeypatch, seed):
     real = glsl.read
     monkeypatch.setattr(glsl, "read", lambda path: HASH_SHADER if path == "test/hash.frag" else real(path))
     scene = generate(SceneConfig(size=(97, 71), depth_complexity=0, seed=seed))
-    sizes = sizes_of(scene)
+    stats = stats_of(scene)
     quads, canvas = SceneBuffer(device, scene), Canvas(device, scene.viewport)
-    frame = Frame(device, PROBE.variant({}), sizes, quads, canvas)
+    frame = Frame(device, PROBE.variant({}), stats, quads, canvas)
     frame.draw()
     found = frame.words("hashes")
     for thing in (frame, canvas, quads):

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from ..methods.spec import Sizes, evaluate
+from ..methods.spec import SceneStats, evaluate
 from ..report.data import Point, plain, short
 from ..stats import Interval, median_interval
 from .evidence import (
@@ -334,13 +334,13 @@ class Memory:
         wanted = ("width", "height", "max_fragments", "fragments", "memory_bytes", "hit_ratio")
         if any(row[name] is None for name in wanted):
             return NOTHING
-        sizes = Sizes(row["width"], row["height"], max(1, row["max_fragments"]), row["fragments"], quads=0)
-        if not sizes.P:
+        stats = SceneStats(row["width"], row["height"], max(1, row["max_fragments"]), row["fragments"], primitives=0)
+        if not stats.P:
             return NOTHING
-        known = {"f_k": row["hit_ratio"] * row["fragments"] / sizes.P} if "f_k" in formula else {"k": row["k"]}
+        known = {"f_k": row["hit_ratio"] * row["fragments"] / stats.P} if "f_k" in formula else {"k": row["k"]}
         if "k" in formula and not all(map(is_number, known.values())):
             return NOTHING
-        expected = self.bytes_each * sizes.P * evaluate(formula, sizes, known if "k" in formula else {})
+        expected = self.bytes_each * stats.P * evaluate(formula, stats, known if "k" in formula else {})
         return (row["memory_bytes"] / expected,) * 3 if expected else NOTHING
 
 

@@ -213,7 +213,7 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
     with Interruption():
         opened = open_device(device)
         with shown(opened, made) as on:
-            sizes, decision = on.sizes, judge(cell, catalog(), on.sizes, opened.limits)
+            stats, decision = on.stats, judge(cell, catalog(), on.stats, opened.limits)
             if decision:
                 raise DeviceError(f"{method_id}: {decision[0]}: {decision[1]}")
             image = on.render(variant)
@@ -222,7 +222,7 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
     said = (f"max_abs_error {errors['max_abs_error']:.3g}, {errors['wrong_pixels']} wrong pixels" if errors
             else "no image to compare")
     tied = f", {errors['tied_pixels']} of equal depths left out" if errors and errors["tied_pixels"] else ""
-    say(f"{out}: {sizes.W} x {sizes.H}, {sizes.F} fragments, {said}{tied}")
+    say(f"{out}: {stats.W} x {stats.H}, {stats.F} fragments, {said}{tied}")
     if errors and verdict(variant, errors, lost=0)[0] == "wrong":
         click.get_current_context().exit(WRONG)
 
@@ -284,16 +284,16 @@ def shader(method_id: str, pass_name: str | None, config: str, profile: str | No
     """
     from ..errors import UsageError, nearest
     from ..glsl import stages
-    from ..plan import expected_sizes
+    from ..plan import expected_stats
 
     cell, variant = _first_cell(config, method(method_id, "METHOD"), profile, overrides)
     names = variant.pass_names
     if pass_name is not None and pass_name not in names:
         raise UsageError(f"--pass: {method_id} has no pass {pass_name!r}; allowed: {', '.join(names)}"
                          f"{nearest(pass_name, names)}")
-    sizes = expected_sizes(cell.scene)
+    stats = expected_stats(cell.scene)
     for step in variant.passes:
-        if step.kind == "clear" or step.probes or pass_name not in (None, step.name) or not variant.runs(step, sizes):
+        if step.kind == "clear" or step.probes or pass_name not in (None, step.name) or not variant.runs(step, stats):
             continue
-        for stage in stages(variant, step, sizes):
+        for stage in stages(variant, step, stats):
             say(f"// {method_id}, pass {step.name}: {stage.entry}\n{stage.text}")

@@ -1,6 +1,6 @@
 """Shader text: includes expanded, a prelude of everything that Python owns, errors mapped back to files.
 
-Python owns the numbers that both sides need (bindings, sizes, parameters); the prelude carries them into
+Python owns the numbers that both sides need (bindings, stats, parameters); the prelude carries them into
 GLSL. Only those that the shader names are written, so that programs are shared wherever they are equal.
 """
 
@@ -22,7 +22,7 @@ from ..methods.spec import (
     Decided,
     Pass,
     Planned,
-    Sizes,
+    SceneStats,
     Target,
     Variant,
 )
@@ -131,12 +131,12 @@ def expand(entry: str, slots: Mapping[str, str], counted: bool = False) -> tuple
     return "\n".join(lines) + "\n", tuple(files)
 
 
-def define_values(variant: Variant, step: Pass, sizes: Sizes) -> dict[str, int]:
+def define_values(variant: Variant, step: Pass, stats: SceneStats) -> dict[str, int]:
     """Every number that a pass of the variant may use, by its name in GLSL."""
     values: dict[str, int] = {
         "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
-        "N": sizes.n, "KEEP": variant.value("keep", sizes), "LOCAL": variant.value("keep", sizes),
-        "REJECTS": int(sizes.rejects), "LEAST": sizes.least, "QUADS": sizes.quads,
+        "N": stats.n, "KEEP": variant.value("keep", stats), "LOCAL": variant.value("keep", stats),
+        "REJECTS": int(stats.rejects), "LEAST": stats.least, "QUADS": stats.primitives,
         "COMPUTE": int(step.kind == "compute"),
         "PAYLOAD_RGBA16F": 0, "CULLS": 0, "BY_TILE": int(step.by_tile), "REGION": int(step.region),
         "STOP_OPACITY": 1.0,
@@ -148,7 +148,7 @@ def define_values(variant: Variant, step: Pass, sizes: Sizes) -> dict[str, int]:
             values |= {f"{param.name}_{choice}".upper(): int(choice == value) for choice in param.choices}
         else:
             values[param.name.upper()] = value
-    formulas = {name: variant.value(str(value), sizes) for name, value in step.defines.items()}
+    formulas = {name: variant.value(str(value), stats) for name, value in step.defines.items()}
     return values | formulas
 
 
@@ -256,7 +256,7 @@ def _storage(variant: Variant) -> dict[str, instrument.Stored]:
     return found | roles
 
 
-def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None, counted: bool = False,
+def source(variant: Variant, step: Pass, stats: SceneStats, entry: str | None = None, counted: bool = False,
            mapped: str | None = None) -> Source:
     """The stage `entry` (default: the pass's own shader) of one pass, ready to compile.
 
@@ -270,7 +270,7 @@ def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None,
     words = set(re.findall(r"[A-Za-z_]\w*", body))
     words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()
     prelude = _version(variant, words)
-    values = define_values(variant, step, sizes)
+    values = define_values(variant, step, stats)
     prelude += [f"#define {name} {literal(name, value)}" for name, value in sorted(values.items()) if name in words]
     prelude += ["#define K chosen_k"] if "K" in words and isinstance(variant.method.capacity, Decided) else []
     prelude += TYPES[variant.payload_words]
@@ -286,12 +286,12 @@ def source(variant: Variant, step: Pass, sizes: Sizes, entry: str | None = None,
         prelude += [f"layout(binding = {b.index}) uniform {_sampler(targets.get(split_ref(b.ref)[0]))} {b.name};"
                     for b in texture_bindings(variant, step)]
         prelude += [macro] if "CLEAR" in words else []
-        prelude += _outputs(variant, step, sizes)
+        prelude += _outputs(variant, step, stats)
         prelude += ["layout(early_fragment_tests) in;"] if step.state.early else []
         prelude += _diagnostics(words, counted)
     if counted and mapped:
         text = instrument.mapped("\n".join(prelude), body, mapped)
-        return Source(entry, text, files, counted) if text else source(variant, step, sizes, entry)
+        return Source(entry, text, files, counted) if text else source(variant, step, stats, entry)
     if counted:
         return Source(entry, instrument.counting("\n".join(prelude), body, _storage(variant)), files, counted)
     return Source(entry, "\n".join(prelude) + "\n" + body, files, counted)
@@ -310,7 +310,7 @@ def colour_refs(variant: Variant, step: Pass) -> list[str]:
     return [ref for ref in step.into if split_ref(ref)[0] not in depth]
 
 
-def _outputs(variant: Variant, step: Pass, sizes: Sizes) -> list[str]:
+def _outputs(variant: Variant, step: Pass, stats: SceneStats) -> list[str]:
     """The colour targets as the shader writes them: outputs at locations, or images at units."""
     targets = {t.name: t for t in variant.targets}
     lines: list[str] = []
@@ -318,7 +318,7 @@ def _outputs(variant: Variant, step: Pass, sizes: Sizes) -> list[str]:
     for ref in colour_refs(variant, step):
         name = split_ref(ref)[0]
         target = targets.get(name)
-        layers = variant.layer_count(target, sizes) if target else 1
+        layers = variant.layer_count(target, stats) if target else 1
         array = f"[{layers}]" if target and target.layers else ""
         kind = _INTEGER.get(target.format, "") if target else ""
         lines.append(f"layout(rgba32f, binding = {location}) writeonly uniform image2D out_{name};"
@@ -327,14 +327,14 @@ def _outputs(variant: Variant, step: Pass, sizes: Sizes) -> list[str]:
     return lines
 
 
-def _vertex(step: Pass, sizes: Sizes) -> str:
-    return step.vertex or (f"scene/{sizes.geometry}.vert" if step.kind == "geometry" else "screen/triangle.vert")
+def _vertex(step: Pass, stats: SceneStats) -> str:
+    return step.vertex or (f"scene/{stats.geometry}.vert" if step.kind == "geometry" else "screen/triangle.vert")
 
 
-def stages(variant: Variant, step: Pass, sizes: Sizes, counted: bool = False,
+def stages(variant: Variant, step: Pass, stats: SceneStats, counted: bool = False,
            mapped: str | None = None) -> tuple[Source, ...]:
     """All stages of a pass: vertex and fragment, or compute alone; `counted` and `mapped` are as for `source`."""
-    own = source(variant, step, sizes, counted=counted, mapped=mapped)
+    own = source(variant, step, stats, counted=counted, mapped=mapped)
     if step.kind == "compute":
         return (own,)
-    return source(variant, step, sizes, _vertex(step, sizes)), own
+    return source(variant, step, stats, _vertex(step, stats)), own

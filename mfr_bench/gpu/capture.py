@@ -8,8 +8,8 @@ import numpy as np
 
 from ..errors import DeviceError
 from ..methods.shared import clear
-from ..methods.spec import EMPTY, Buffer, Method, Pass, Sizes
-from ..oracle.composite import Fragments, in_chunks, scene_sizes
+from ..methods.spec import EMPTY, Buffer, Method, Pass, SceneStats
+from ..oracle.composite import Fragments, in_chunks, scene_stats
 from ..scene import Geometry
 from .device import Device
 from .frame import Canvas, Frame, SceneBuffer
@@ -32,46 +32,46 @@ STORE = _capture("store", clear("found"),
                  buffers=(FOUND, Buffer("first", "P"), Buffer("nodes", "2*F", type="uvec2")))
 
 
-def capture(device: Device, quads: SceneBuffer, canvas: Canvas) -> Fragments:
+def capture(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> Fragments:
     """The fragments of the scene on the device.
 
     Raises DeviceError where a pass does not see what the other saw: nothing is lost without notice. MemoryError where
     there is no room.
     """
-    sizes = _uncounted(quads.scene)
-    counts = count(device, quads, canvas)
+    stats = _uncounted(scene_buffer.scene)
+    counts = count(device, scene_buffer, canvas)
     depth, primitive = (np.empty(int(counts.sum()), dtype=np.uint32) for _ in range(2))
     room = min(CHUNK_BYTES, device.limits.max_block_bytes) // NODE_BYTES
     for pixels, part in in_chunks(counts.ravel(), room):
         if part.stop > part.start:
-            nodes = _stored(device, sizes, quads, canvas, counts.ravel(), pixels)
+            nodes = _stored(device, stats, scene_buffer, canvas, counts.ravel(), pixels)
             depth[part], primitive[part] = nodes[:, 0], nodes[:, 1]
-    return Fragments.of(quads.scene, counts, depth, primitive)
+    return Fragments.of(scene_buffer.scene, counts, depth, primitive)
 
 
-def _uncounted(scene: Geometry) -> Sizes:
-    """The sizes that are known before any fragment is."""
-    return scene_sizes(scene, np.zeros(1, dtype=np.int64))
+def _uncounted(scene: Geometry) -> SceneStats:
+    """The statistics that are known before any fragment is."""
+    return scene_stats(scene, np.zeros(1, dtype=np.int64))
 
 
-def count(device: Device, quads: SceneBuffer, canvas: Canvas) -> np.ndarray:
+def count(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> np.ndarray:
     """int64 (H, W): the fragments of each pixel, of the scene on the device."""
-    sizes = _uncounted(quads.scene)
-    frame = Frame(device, COUNT.variant({}), sizes, quads, canvas)
+    stats = _uncounted(scene_buffer.scene)
+    frame = Frame(device, COUNT.variant({}), stats, scene_buffer, canvas)
     try:
         frame.draw()
-        return frame.words("found").astype(np.int64).reshape(sizes.H, sizes.W)
+        return frame.words("found").astype(np.int64).reshape(stats.H, stats.W)
     finally:
         frame.release()
 
 
-def _stored(device: Device, sizes: Sizes, quads: SceneBuffer, canvas: Canvas, counts: np.ndarray,
+def _stored(device: Device, stats: SceneStats, scene_buffer: SceneBuffer, canvas: Canvas, counts: np.ndarray,
             pixels: slice) -> np.ndarray:
     """uint32 (fragments, 2): depth bits and primitive, pixel by pixel in the range."""
     here = counts[pixels]
     first = np.full(len(counts), EMPTY, dtype=np.uint32)
     first[pixels] = np.cumsum(here) - here
-    frame = Frame(device, STORE.variant({}), replace(sizes, F=int(here.sum())), quads, canvas)
+    frame = Frame(device, STORE.variant({}), replace(stats, F=int(here.sum())), scene_buffer, canvas)
     try:
         frame.fill("first", first)
         frame.draw()

@@ -40,7 +40,7 @@ from ..methods.spec import (
     Pass,
     Plan,
     Planned,
-    Sizes,
+    SceneStats,
     State,
     Target,
     Variant,
@@ -140,21 +140,21 @@ class Frame:
     Raises ShaderError for GLSL that does not compile, MemoryError where the device has no room.
     """
 
-    def __init__(self, device: Device, variant: Variant, sizes: Sizes, quads: SceneBuffer, canvas: Canvas):
-        self.device, self.gl, self.variant, self.sizes = device, device.gl, variant, sizes
-        self.quads, self.canvas = quads, canvas
+    def __init__(self, device: Device, variant: Variant, stats: SceneStats, scene_buffer: SceneBuffer, canvas: Canvas):
+        self.device, self.gl, self.variant, self.stats = device, device.gl, variant, stats
+        self.scene_buffer, self.canvas = scene_buffer, canvas
         self.geometry_passes = 0  # of the last frame
-        self._capacity = variant.start_capacity(sizes)
+        self._capacity = variant.start_capacity(stats)
         self._room = self._capacity  # elements allocated; never less than the capacity in use
         self._counted = 0  # samples that the latest counting pass let through
         self.chosen_k = 0  # of a method whose k the host decides
-        self._shown = quads.scene
+        self._shown = scene_buffer.scene
         self._drawn: Geometry | None = None  # the scene of the latest frame, while all that it left is in place
         self._plan: Plan | None = None  # of the latest frame, of a planned method
         self._next: tuple[Geometry, int | None, Plan] | None = None  # the newest plan, and what it was made from
         self._due: tuple[Pass | Loop, ...] = ()  # what a frame runs while it is as `_due_when` says
         self._due_when: tuple[Plan | None, bool, bool] | None = None  # plan, still, probing
-        self._budgeted = variant.room(sizes)  # most elements of a planned method with a budget
+        self._budgeted = variant.room(stats)  # most elements of a planned method with a budget
         self.band: Rectangle | None = None  # of the loop over bands that is running
         self._fragments: int | None = None  # of the latest frame of a planned method, once it is known
         self._uniforms = device.ctx.buffer(reserve=4 * len(FRAME_FIELDS + REGION_FIELDS + EDGE_FIELDS))
@@ -172,17 +172,17 @@ class Frame:
 
     def _compiles_now(self, step: Pass) -> bool:
         """What a planned method may need is compiled when it is needed."""
-        return self.variant.runs(step, self.sizes) and not step.probes and step.runs_in is None
+        return self.variant.runs(step, self.stats) and not step.probes and step.runs_in is None
 
     def _texture(self, target: Target) -> Texture:
-        samples, layers = self.variant.samples(target, self.sizes), self.variant.layer_count(target, self.sizes)
-        return Texture(self.gl, target.format, (self.sizes.W, self.sizes.H),
+        samples, layers = self.variant.samples(target, self.stats), self.variant.layer_count(target, self.stats)
+        return Texture(self.gl, target.format, (self.stats.W, self.stats.H),
                        samples if target.samples else 0, layers if target.layers else 0)
 
     def _allocate(self) -> None:
         """Make every buffer that is missing or too small for the room."""
         for buffer in self.variant.buffers:
-            size = self.variant.block_bytes(buffer, self.sizes, self._room)
+            size = self.variant.block_bytes(buffer, self.stats, self._room)
             held = self._buffers.get(buffer.name, [])
             if held and held[0].size >= size:
                 continue
@@ -193,7 +193,7 @@ class Frame:
 
     def _write_uniforms(self) -> None:
         scene = self._shown
-        values = {"width": self.sizes.W, "height": self.sizes.H, "pixels": self.sizes.P, "capacity": self._capacity,
+        values = {"width": self.stats.W, "height": self.stats.H, "pixels": self.stats.P, "capacity": self._capacity,
                   "seed": scene.seed, "keep_threshold": min(scene.keep_threshold, 2**32 - 1),
                   "chosen_k": self.chosen_k}
         left, bottom, columns, rows = self.region
@@ -216,7 +216,7 @@ class Frame:
         return buffers | textures
 
     def show(self, scene: Geometry) -> None:
-        """Take the scene that `quads` now holds: its seed reaches the shaders."""
+        """Take the scene that `scene_buffer` now holds: its seed reaches the shaders."""
         if scene is not self._shown:
             self._shown, self._drawn = scene, None
             self._write_uniforms()
@@ -224,7 +224,7 @@ class Frame:
     @property
     def still(self) -> bool:
         """Whether the frame before the next, or before the one that is drawn, was of the same scene."""
-        return self._drawn is self.quads.scene
+        return self._drawn is self.scene_buffer.scene
 
     def draw(self, mark: Mark | None = None) -> bool:
         """Run every pass in order; `mark` is called with the pass's name after each."""
@@ -236,14 +236,14 @@ class Frame:
         self._uniforms.bind_to_uniform_block(FRAME_BINDING)
         self._diagnostics.bind_to_storage_buffer(DIAGNOSTICS_BINDING)
         if self.variant.two_channel:
-            self.quads.two_channel[1].bind_to_uniform_block(COLOURS_BINDING)
+            self.scene_buffer.two_channel[1].bind_to_uniform_block(COLOURS_BINDING)
         iteration = 0
         for step in self._steps_due():
             if isinstance(step, Loop):
                 iteration = self._loop(step, mark)
             else:
                 self._run(step, iteration, mark)
-        self._drawn = self.quads.scene
+        self._drawn = self.scene_buffer.scene
         return self._fits()
 
     def _steps_due(self) -> tuple[Pass | Loop, ...]:
@@ -267,7 +267,7 @@ class Frame:
         if self._next and self._next[0] is self._shown and self._next[1] == self._fragments:
             return self._next[2]
         *_, columns, rows = self.region
-        shown = replace(self.sizes, quads=len(self._shown), area=columns * rows, layers=self._shown.layers,
+        shown = replace(self.stats, primitives=len(self._shown), area=columns * rows, layers=self._shown.layers,
                         reach=self._shown.reach)
         known = Known.of(shown, self._fragments, self._budgeted)
         self._next = self._shown, self._fragments, self.variant.method.capacity.rule(known, self.variant.scope)
@@ -284,7 +284,7 @@ class Frame:
         """Iterations begun, or that another frame began for this one; `.previous` then names what the last wrote."""
         if loop.bands:
             return self._loop_bands(loop, mark)
-        times = int(evaluate(loop.times, self.sizes, self.variant.scope))
+        times = int(evaluate(loop.times, self.stats, self.variant.scope))
         for iteration in range(times):
             for step in loop.passes:
                 counted = self._run(step, iteration, mark)
@@ -296,7 +296,7 @@ class Frame:
         """The passes once for each band, of which there are any where the plan says so."""
         if not (loop.passes and self._plan and self._plan.banded):
             return 0
-        sums = self.words(loop.bands).reshape(self.sizes.H, -1)
+        sums = self.words(loop.bands).reshape(self.stats.H, -1)
         try:
             for band in bands(sums, self.region, self._budgeted):
                 self.band = band
@@ -350,7 +350,7 @@ class Frame:
         """Whether the pass is part of the latest frame, or of every one of this scene."""
         planned = step.runs_in is None or (self._plan is not None and step.runs_in(self._plan))
         due = step.still is None or step.still == self.still
-        return planned and due and self.variant.runs(step, self.sizes)
+        return planned and due and self.variant.runs(step, self.stats)
 
     def _runner(self, step: Pass) -> PassRunner | None:
         """Of a pass that is due; None where another one does its work."""
@@ -370,7 +370,7 @@ class Frame:
     def _decide(self) -> None:
         """Set k and the capacity for the passes that follow, from what the last one has written."""
         decided = self.variant.method.capacity
-        choice = decided.rule(self.words(decided.reads).tolist(), self._counted, self.sizes.P, self.variant.scope)
+        choice = decided.rule(self.words(decided.reads).tolist(), self._counted, self.stats.P, self.variant.scope)
         self.chosen_k = choice.k
         self._set_capacity(choice.capacity)
         self._write_uniforms()
@@ -400,7 +400,7 @@ class Frame:
         """Room for so many elements. Raises CapacityError where a storage block cannot have it."""
         most = self.device.limits.max_block_bytes
         for buffer in self.variant.buffers:
-            if (size := self.variant.block_bytes(buffer, self.sizes, elements)) > most:
+            if (size := self.variant.block_bytes(buffer, self.stats, elements)) > most:
                 raise CapacityError(f"{wanted} fragments do not fit: {buffer.name} would grow to {size} bytes, "
                                  f"a storage block holds {most}")
         self._set_capacity(elements)
@@ -453,7 +453,7 @@ class Frame:
     def draw_map(self, runners: Mapping[int, PassRunner]) -> np.ndarray:
         """uint32 (H, W): what the runners' programs count for each pixel in one frame, as by `draw_by`."""
         own = self._diagnostics
-        self._diagnostics = self.device.ctx.buffer(bytes(4 * (len(DIAGNOSTICS) + self.sizes.P)))
+        self._diagnostics = self.device.ctx.buffer(bytes(4 * (len(DIAGNOSTICS) + self.stats.P)))
         try:
             self.draw_by(runners)
             self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
@@ -461,7 +461,7 @@ class Frame:
         finally:
             self._diagnostics.release()
             self._diagnostics = own
-        return words.reshape(self.sizes.H, self.sizes.W)
+        return words.reshape(self.stats.H, self.stats.W)
 
     def work(self) -> Counter[str]:
         """What counting programs have counted since `reset_work`, by the names of `instrument.WORK`."""
@@ -533,7 +533,7 @@ class PassRunner:
 
     def __init__(self, frame: Frame, step: Pass):
         self.frame, self.step, self.gl = frame, step, frame.gl
-        variant, sizes = frame.variant, frame.sizes
+        variant, stats = frame.variant, frame.stats
         self.buffers = buffer_bindings(variant, step)
         self.textures = texture_bindings(variant, step)
         self.touched = frozenset(split_ref(b.ref)[0] for b in self.buffers)
@@ -546,17 +546,17 @@ class PassRunner:
         if step.kind in ("geometry", "fullscreen"):
             self.vao = frame.device.ctx.vertex_array(self.program, self._content())
         self._groups: dict[tuple[int, int], int] = {}  # work groups, by width and height of what they go over
-        self.instances = variant.value(step.instances, sizes)
+        self.instances = variant.value(step.instances, stats)
         self.writes_depth = step.state.depth_write and any(frame.texture(r, 0).is_depth for r in step.into)
 
     def _content(self) -> list[tuple]:
         """The attributes of each instance."""
         if self.step.by_tile:
             return [(self.frame.named(TILE_LIST), "1u", "in_tile")]
-        return self.frame.quads.attributes(self.program) if self.step.kind == "geometry" else []
+        return self.frame.scene_buffer.attributes(self.program) if self.step.kind == "geometry" else []
 
     def _stages(self) -> tuple[Source, ...]:
-        return stages(self.frame.variant, self.step, self.frame.sizes)
+        return stages(self.frame.variant, self.step, self.frame.stats)
 
     @cached_property
     def takes_iteration(self) -> bool:
@@ -596,8 +596,8 @@ class PassRunner:
         self.gl.clip_depths_from_zero(self.clips_from_zero)
         if self.step.kind == "fullscreen":
             self._draw_screen()
-        elif len(self.frame.quads.scene):
-            count = len(self.frame.quads.scene)
+        elif len(self.frame.scene_buffer.scene):
+            count = len(self.frame.scene_buffer.scene)
             self._within(self._band, lambda: self.vao.render(mode=5, vertices=4, instances=count))  # GL_TRIANGLE_STRIP
 
     def _clear(self, framebuffer: Framebuffer, texture: Texture, values: tuple[float, ...]) -> None:
@@ -642,7 +642,7 @@ class PassRunner:
 
     def _draw_tiles(self) -> None:
         """A point over each listed tile, in a viewport of whole tiles: points whose middle is outside are clipped."""
-        width, height = self.frame.sizes.W, self.frame.sizes.H
+        width, height = self.frame.stats.W, self.frame.stats.H
         self.gl.glViewport(0, 0, width + -width % LISTED, height + -height % LISTED)
         self.vao.render_indirect(self._commands(TILE_COMMAND), mode=0, count=1)  # GL_POINTS
 
@@ -677,10 +677,10 @@ class PassRunner:
 
     def _group_count(self) -> int:
         """Work groups of a dispatch over the viewport, or over the region as if it were one."""
-        sizes = self.frame.sizes
-        extent = self.frame.region[2:] if self.step.region else (sizes.W, sizes.H)
+        stats = self.frame.stats
+        extent = self.frame.region[2:] if self.step.region else (stats.W, stats.H)
         if extent not in self._groups:
-            within = replace(sizes, W=max(1, extent[0]), H=max(1, extent[1]))
+            within = replace(stats, W=max(1, extent[0]), H=max(1, extent[1]))
             self._groups[extent] = int(evaluate(self.step.groups, within, self.frame.variant.scope))
         return self._groups[extent]
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..methods.spec import IMAGE, Method, Pass, Sizes
+from ..methods.spec import IMAGE, Method, Pass, SceneStats
 from ..scene import Scene
 from .device import Device
 from .frame import Canvas, Frame, SceneBuffer
@@ -35,14 +35,14 @@ def _copied(device: Device) -> float:
 
 def _filled(device: Device) -> float:
     scene = Scene((SIDE, SIDE), np.zeros((0, 4), np.int32), np.zeros(0, np.float32), np.zeros((0, 4), np.uint8), 1.0, 0)
-    quads, canvas = SceneBuffer(device, scene), Canvas(device, (SIDE, SIDE))
-    frame = Frame(device, FILL.variant({}), Sizes(W=SIDE, H=SIDE, n=1, F=0, quads=0), quads, canvas)
+    scene_buffer, canvas = SceneBuffer(device, scene), Canvas(device, (SIDE, SIDE))
+    frame = Frame(device, FILL.variant({}), SceneStats(W=SIDE, H=SIDE, n=1, F=0, primitives=0), scene_buffer, canvas)
     try:
         return SIDE * SIDE * _per_second(device, frame.draw)
     finally:
         frame.release()
         canvas.release()
-        quads.release()
+        scene_buffer.release()
 
 
 def _per_second(device: Device, work: Callable[[], object]) -> float:

@@ -14,7 +14,7 @@ from ..config.model import Scene as SceneConfig
 from ..errors import MfrError
 from ..methods.shared import MULTISAMPLING, SYNC, K, clear, resolve, route, routed_targets
 from ..methods.spec import IMAGE, Buffer, Method, Pass, State, Target, when
-from ..oracle.composite import composite, fragment_counts, sizes_of
+from ..oracle.composite import composite, fragment_counts, stats_of
 from ..oracle.quality import conformance
 from ..scene import generate
 from .capture import capture
@@ -77,15 +77,15 @@ class _Bench:
     def __init__(self, device: Device, config: SceneConfig):
         self.device = device
         self.scene = generate(config)
-        self.sizes = sizes_of(self.scene)
-        self.quads = SceneBuffer(device, self.scene)
-        self.canvas = Canvas(device, (self.sizes.W, self.sizes.H))
+        self.stats = stats_of(self.scene)
+        self.scene_buffer = SceneBuffer(device, self.scene)
+        self.canvas = Canvas(device, (self.stats.W, self.stats.H))
 
     def frame(self, method: Method, **params) -> Frame:
-        return Frame(self.device, method.variant(params), self.sizes, self.quads, self.canvas)
+        return Frame(self.device, method.variant(params), self.stats, self.scene_buffer, self.canvas)
 
     def release(self) -> None:
-        self.quads.release()
+        self.scene_buffer.release()
         self.canvas.release()
 
 
@@ -94,7 +94,7 @@ def _atomics(bench: _Bench) -> tuple[bool, str]:
     frame.draw()
     total = int(frame.words("total")[0])
     frame.release()
-    return total == bench.sizes.F, f"{total} of {bench.sizes.F} increments of one word"
+    return total == bench.stats.F, f"{total} of {bench.stats.F} increments of one word"
 
 
 def _counted(bench: _Bench, source: str) -> tuple[bool, str]:
@@ -112,7 +112,7 @@ def _locked(bench: _Bench, sync: str) -> tuple[bool, str]:
     frame.draw()
     total = int(frame.words("counter").sum())
     frame.release()
-    return total == bench.sizes.F, f"{total} of {bench.sizes.F} plain increments under the lock"
+    return total == bench.stats.F, f"{total} of {bench.stats.F} plain increments under the lock"
 
 
 def _routed(device: Device, multisampling: str) -> tuple[bool, str]:
@@ -124,12 +124,12 @@ def _routed(device: Device, multisampling: str) -> tuple[bool, str]:
         frame.release()
     finally:
         bench.release()
-    return wrong == 0, f"{bench.sizes.P - wrong} of {bench.sizes.P} pixels with every fragment in a sample of its own"
+    return wrong == 0, f"{bench.stats.P - wrong} of {bench.stats.P} pixels with every fragment in a sample of its own"
 
 
 def _slanted(device: Device) -> tuple[bool, str]:
     with shown(device, generate(SLANTED_SCENE)) as on:
-        fragments = capture(device, on.quads, on.canvas)
+        fragments = capture(device, on.scene_buffer, on.canvas)
         held = on.render(NEAREST.variant({}))[..., 0].view(np.uint32)
     first = np.cumsum(fragments.counts.ravel()) - fragments.counts.ravel()
     alike = int(np.count_nonzero(held.ravel() == fragments.depth[first]))

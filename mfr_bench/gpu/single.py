@@ -7,26 +7,26 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from ..methods.spec import Sizes, Variant
+from ..methods.spec import SceneStats, Variant
 from ..oracle.quality import conformance
 from ..scene import Geometry
 from .device import Device
 from .frame import Canvas, Frame, SceneBuffer
-from .truth import Truth, true_sizes
+from .truth import Truth, true_stats
 
 
 class Shown:
-    """A scene on the device, for one method at a time. `sizes` are its true ones."""
+    """A scene on the device, for one method at a time. `stats` are its true ones."""
 
     def __init__(self, device: Device, scene: Geometry):
         self.device = device
-        self.quads, self.canvas = SceneBuffer(device, scene), Canvas(device, scene.viewport)
-        self.sizes: Sizes = true_sizes(device, self.quads, self.canvas)
-        self.truth = Truth(device, self.quads, self.canvas)
+        self.scene_buffer, self.canvas = SceneBuffer(device, scene), Canvas(device, scene.viewport)
+        self.stats: SceneStats = true_stats(device, self.scene_buffer, self.canvas)
+        self.truth = Truth(device, self.scene_buffer, self.canvas)
 
     def render(self, variant: Variant) -> np.ndarray:
         """float32 (H, W, 4), premultiplied over transparent black, row 0 at the bottom."""
-        frame = Frame(self.device, variant, self.sizes, self.quads, self.canvas)
+        frame = Frame(self.device, variant, self.stats, self.scene_buffer, self.canvas)
         try:
             frame.draw_fitting()
             return frame.image()
@@ -37,7 +37,7 @@ class Shown:
         """Against what the variant promises; None where nothing can be compared."""
         if variant.guarantee == "none":
             return None
-        return conformance(image, self.truth.image(variant.promise(self.sizes)), self.truth.tied)
+        return conformance(image, self.truth.image(variant.promise(self.stats)), self.truth.tied)
 
 
 @contextmanager
@@ -48,4 +48,4 @@ def shown(device: Device, scene: Geometry) -> Iterator[Shown]:
         yield on
     finally:
         on.canvas.release()
-        on.quads.release()
+        on.scene_buffer.release()

@@ -6,26 +6,26 @@ from functools import cached_property
 
 import numpy as np
 
-from ..methods.spec import Promise, Sizes
+from ..methods.spec import Promise, SceneStats
 from ..oracle import twochannel
-from ..oracle.composite import Fragments, composite, fragment_counts, scene_sizes, sizes_of
+from ..oracle.composite import Fragments, composite, fragment_counts, scene_stats, stats_of
 from ..scene import Scene
 from .capture import capture, count
 from .device import Device
 from .frame import Canvas, SceneBuffer
 
 
-def true_sizes(device: Device, quads: SceneBuffer, canvas: Canvas) -> Sizes:
-    """The sizes of the scene on the device: of flat quads by the oracle, else as the device counts."""
-    scene = quads.scene
-    return sizes_of(scene) if isinstance(scene, Scene) else scene_sizes(scene, count(device, quads, canvas))
+def true_stats(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> SceneStats:
+    """The statistics of the scene on the device: of flat quads by the oracle, else as the device counts."""
+    scene = scene_buffer.scene
+    return stats_of(scene) if isinstance(scene, Scene) else scene_stats(scene, count(device, scene_buffer, canvas))
 
 
 class Truth:
     """The images of one scene in float64. It must be the scene on the device when they are first asked for."""
 
-    def __init__(self, device: Device, quads: SceneBuffer, canvas: Canvas):
-        self._device, self._quads, self._canvas, self.scene = device, quads, canvas, quads.scene
+    def __init__(self, device: Device, scene_buffer: SceneBuffer, canvas: Canvas):
+        self._device, self._quads, self._canvas, self.scene = device, scene_buffer, canvas, scene_buffer.scene
 
     @cached_property
     def _fragments(self) -> Fragments | None:

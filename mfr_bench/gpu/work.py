@@ -75,7 +75,7 @@ def entered_map(frame: Frame) -> np.ndarray | None:
     if any(isinstance(step, Loop) for step in frame.variant.steps):
         return None
     runners = {id(step): MapRunner(frame, step) for step in frame.variant.passes
-               if frame.variant.runs(step, frame.sizes) and not step.probes}
+               if frame.variant.runs(step, frame.stats) and not step.probes}
     try:
         return frame.draw_map(runners) if any(runner.maps for runner in runners.values()) else None
     finally:
@@ -89,7 +89,7 @@ class MapRunner(PassRunner):
     maps = False
 
     def _stages(self):
-        found = stages(self.frame.variant, self.step, self.frame.sizes, mapped="entered")
+        found = stages(self.frame.variant, self.step, self.frame.stats, mapped="entered")
         self.maps = any(stage.counted for stage in found)
         return found
 
@@ -103,7 +103,7 @@ class CountingRunner(PassRunner):
         self.work: Work = Counter()
 
     def _stages(self):
-        return stages(self.frame.variant, self.step, self.frame.sizes, counted=True)
+        return stages(self.frame.variant, self.step, self.frame.stats, counted=True)
 
     def run(self, iteration: int) -> None:
         self.frame.reset_work()
@@ -122,7 +122,7 @@ class CountingRunner(PassRunner):
         geometry = self.step.kind == "geometry"
         rasterized = _rasterized(self.frame) if geometry and self._band else self.rasterized
         texels = {ref: self.frame.texture(ref, 0) for ref in self.step.into}
-        words = {ref: texture.bytes // (4 * self.frame.sizes.P) for ref, texture in texels.items()}
+        words = {ref: texture.bytes // (4 * self.frame.stats.P) for ref, texture in texels.items()}
         colour = sum(count for ref, count in words.items() if not texels[ref].is_depth)
         depth = sum(count for ref, count in words.items() if texels[ref].is_depth)
         written = colour + depth * self.writes_depth
@@ -136,15 +136,15 @@ class CountingRunner(PassRunner):
     def _pixels(self) -> int:
         """Pixels of the band, of the region, of all listed tiles in it at most, or of the viewport."""
         *_, columns, rows = self._extent or (0, 0, *self._viewport)
-        listed = int(self.frame.words(TILE_COMMAND)[0]) * LISTED**2 if self.step.by_tile else self.frame.sizes.P
+        listed = int(self.frame.words(TILE_COMMAND)[0]) * LISTED**2 if self.step.by_tile else self.frame.stats.P
         return min(columns * rows, listed)
 
     @property
     def _viewport(self) -> tuple[int, int]:
-        return self.frame.sizes.W, self.frame.sizes.H
+        return self.frame.stats.W, self.frame.stats.H
 
     def _add_clears(self) -> None:
-        viewport = self.frame.sizes.P
+        viewport = self.frame.stats.P
         *_, columns, rows = self._extent or (0, 0, *self._viewport)
         beside = self.step.kind == "clear" and self.step.region and not self._band
         pixels = viewport - columns * rows if beside else columns * rows

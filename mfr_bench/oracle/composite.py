@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..methods.spec import Sizes
+from ..methods.spec import SceneStats
 from ..scene import Geometry, Scene
 
 
@@ -66,21 +66,22 @@ def _cell_counts(scene: Scene, grid: Grid) -> np.ndarray:
     return counts
 
 
-def sizes_of(scene: Scene) -> Sizes:
+def stats_of(scene: Scene) -> SceneStats:
     """What the scene asks of a method: its fragments, counted."""
     grid = _grid(scene)
     counts, areas = _cell_counts(scene, grid), grid.areas
-    return scene_sizes(scene, counts, areas)
+    return scene_stats(scene, counts, areas)
 
 
-def scene_sizes(scene: Geometry, counts: np.ndarray, areas: np.ndarray | int = 1) -> Sizes:
-    """The sizes of a scene with these fragments in pixels, or in cells of these areas."""
+def scene_stats(scene: Geometry, counts: np.ndarray, areas: np.ndarray | int = 1) -> SceneStats:
+    """The statistics of a scene with these fragments in pixels, or in cells of these areas."""
     weights = np.broadcast_to(areas, counts.shape).ravel()
     histogram = np.bincount(counts.ravel(), weights=weights)  # float64 is exact below 2**53 pixels
-    return Sizes(W=scene.viewport[0], H=scene.viewport[1], n=max(1, int(counts.max())), F=int((counts * areas).sum()),
-                 quads=len(scene), rejects=scene.rejects, histogram=tuple(int(h) for h in histogram),
-                 geometry=scene.geometry, area=scene.bounds[2] * scene.bounds[3], layers=scene.layers,
-                 reach=scene.reach, least=scene.least)
+    return SceneStats(
+        W=scene.viewport[0], H=scene.viewport[1], n=max(1, int(counts.max())), F=int((counts * areas).sum()),
+        primitives=len(scene), rejects=scene.rejects, histogram=tuple(int(h) for h in histogram),
+        geometry=scene.geometry, area=scene.bounds[2] * scene.bounds[3], layers=scene.layers, reach=scene.reach,
+        least=scene.least)
 
 
 def _mask(scene: Scene, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray | bool:

@@ -24,7 +24,7 @@ from ..config.layout import (
 )
 from ..config.model import Experiment, Measure, MethodEntry, Scene
 from ..errors import UsageError, nearest
-from ..methods.spec import SCENE_FACTS, Method, Sizes, Value
+from ..methods.spec import SCENE_FACTS, Method, SceneStats, Value
 
 FLOOR = "floor"  # measured for every scene: what the other times are compared with
 MIB = 2**20
@@ -103,28 +103,28 @@ def _cell(experiment: Experiment, method: Method, entry: MethodEntry, point: Map
                 measure_at(experiment.measure, point), mine, method.k_saves_passes)
 
 
-def judge(cell: Cell, catalog: Mapping[str, Method], sizes: Sizes, limits: Limits | None) -> Decision | None:
+def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: Limits | None) -> Decision | None:
     """Why a cell is not measured, or None. Without limits only the budget is held against it."""
     variant = catalog[cell.method].variant(cell.params)
     missing = [f for f in variant.needs if limits and f not in limits.features]
-    missing += [SCENE_FACTS[f] for f in variant.asks if not getattr(sizes, f)]
+    missing += [SCENE_FACTS[f] for f in variant.asks if not getattr(stats, f)]
     if missing:
         return "unsupported", f"needs {', '.join(missing)}"
     deepest = variant.method.deepest
-    if deepest and sizes.n > deepest:
-        return "over_budget", f"a pixel has {sizes.n} fragments, the method has room for {deepest}"
-    local = variant.local_array(sizes)
+    if deepest and stats.n > deepest:
+        return "over_budget", f"a pixel has {stats.n} fragments, the method has room for {deepest}"
+    local = variant.local_array(stats)
     if limits and limits.max_local_array and local > limits.max_local_array:
         return "over_budget", (f"needs a local array of {local} fragments in a shader, which this driver compiles for "
                                f"minutes; allowed: {limits.max_local_array}")
-    side = max(sizes.W, sizes.H)
+    side = max(stats.W, stats.H)
     if limits and side > limits.max_texture_size:
         return "over_budget", f"needs textures of {side} pixels a side, the device allows {limits.max_texture_size}"
-    allowed, least = variant.budget_bytes, variant.least_bytes(sizes)
+    allowed, least = variant.budget_bytes, variant.least_bytes(stats)
     if least > allowed:
         return "over_budget", (f"needs at least {_mib(least)}, {variant.method.capacity.budget} allows it "
                                f"{_mib(allowed)}")
-    memory = variant.memory_bytes(sizes)
+    memory = variant.memory_bytes(stats)
     for buffer in variant.buffers:
         if limits and memory[buffer.name] > limits.max_block_bytes:
             return "over_budget", (f"needs {_mib(memory[buffer.name])} for {buffer.name}, the device allows "
@@ -193,16 +193,16 @@ def overview(cells: Iterable[Cell], catalog: Mapping[str, Method],
 
 
 def _row(cell: Cell, catalog: Mapping[str, Method], limits: Limits | None) -> dict[str, Any]:
-    sizes = expected_sizes(cell.scene)
-    decision = judge(cell, catalog, sizes, limits)
-    memory = catalog[cell.method].variant(cell.params).memory_bytes(sizes)
+    stats = expected_stats(cell.scene)
+    decision = judge(cell, catalog, stats, limits)
+    memory = catalog[cell.method].variant(cell.params).memory_bytes(stats)
     return {"experiment": cell.experiment, "label": cell.label, "method": cell.method, "point": dict(cell.point),
             "scene": cell.scene.as_dict(), "memory_bytes": sum(memory.values()),
             "decision": ": ".join(decision) if decision else "measure"}
 
 
 @lru_cache(maxsize=512)
-def expected_sizes(scene: Scene) -> Sizes:
+def expected_stats(scene: Scene) -> SceneStats:
     """What a scene should come to, without making it: exact for block and tiles without rejected fragments.
 
     About right elsewhere: the fragments of slanted primitives are known when a device has drawn them.
@@ -211,9 +211,10 @@ def expected_sizes(scene: Scene) -> Sizes:
     counts = _whole_pixels(_expected_counts(scene), covered)
     histogram = (counts[0] + scene.size[0] * scene.size[1] - covered, *counts[1:])
     fragments = sum(f * pixels for f, pixels in enumerate(histogram))
-    return Sizes(*scene.size, n=max(1, len(histogram) - 1), F=fragments, quads=quad_count(scene), histogram=histogram,
-                 rejects=scene.fragment_probability < 1 or scene.least_depth is not None,
-                 geometry="quad" if is_flat(scene) else "strip", least=least_layers(scene))
+    return SceneStats(
+        *scene.size, n=max(1, len(histogram) - 1), F=fragments, primitives=quad_count(scene), histogram=histogram,
+        rejects=scene.fragment_probability < 1 or scene.least_depth is not None,
+        geometry="quad" if is_flat(scene) else "strip", least=least_layers(scene))
 
 
 def _expected_counts(scene: Scene) -> list[float]:

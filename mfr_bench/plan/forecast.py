@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ..config.model import Measure
-from ..methods.spec import Sizes
-from . import Cell, expected_sizes
+from ..methods.spec import SceneStats
+from . import Cell, expected_stats
 
 MEASURED, ALIKE, CALIBRATED = "measured here", "from the same method elsewhere", "by calibration alone"
 
@@ -102,22 +102,22 @@ class Forecast:
                 self._of_method[row["method"]].append(
                     Record(row["values"].get("fragments") or 0, replace(frame, source=ALIKE)))
 
-    def frame(self, cell: Cell, sizes: Sizes) -> Frame:
+    def frame(self, cell: Cell, stats: SceneStats) -> Frame:
         """What a frame of the cell should take."""
         known = self._exact.get(_identity(cell.method, cell.params, cell.scene.as_dict()))
-        return known or self._alike(cell.method, sizes) or self._calibrated(sizes)
+        return known or self._alike(cell.method, stats) or self._calibrated(stats)
 
-    def _alike(self, method: str, sizes: Sizes) -> Frame | None:
+    def _alike(self, method: str, stats: SceneStats) -> Frame | None:
         """The method's frame of the nearest number of fragments, in proportion to that number."""
         def distance(record: Record) -> float:
-            return abs(math.log((record.fragments + 1) / (sizes.F + 1)))
+            return abs(math.log((record.fragments + 1) / (stats.F + 1)))
 
         near = min(self._of_method.get(method, ()), key=distance, default=None)
-        scale = near and (sizes.F + 1) / (near.fragments + 1)
+        scale = near and (stats.F + 1) / (near.fragments + 1)
         return replace(near.frame, time_ms=near.frame.time_ms * scale) if near else None
 
-    def _calibrated(self, sizes: Sizes) -> Frame:
-        time_ms = self.rates.fragment_ms * sizes.F + self.rates.pixel_ms * sizes.P
+    def _calibrated(self, stats: SceneStats) -> Frame:
+        time_ms = self.rates.fragment_ms * stats.F + self.rates.pixel_ms * stats.P
         return Frame(time_ms, USUAL_CV, CALIBRATED)
 
     def run(self, cells: Sequence[Cell]) -> Prediction:
@@ -125,11 +125,11 @@ class Forecast:
         rates, spent_s, around_s = self.rates, 0.0, self.rates.start_s if cells else 0.0
         sources: Counter[str] = Counter()
         for cell in cells:
-            sizes = expected_sizes(cell.scene)
-            frame = self.frame(cell, sizes)
+            stats = expected_stats(cell.scene)
+            frame = self.frame(cell, stats)
             spent_s += frames_s(frame, cell.measure)
             sources[frame.source] += 1
-            around_s += rates.compile_s + rates.pixel_s * sizes.P + rates.store_s + rates.report_s
+            around_s += rates.compile_s + rates.pixel_s * stats.P + rates.store_s + rates.report_s
         return Prediction(spent_s + around_s, spent_s, sources)
 
 

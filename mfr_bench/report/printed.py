@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from ..methods.spec import Sizes, evaluate
+from ..methods.spec import SceneStats, evaluate
 from ..stats import Interval
 from .data import Point, Result, number
 from .reference import Printed, find
@@ -81,11 +81,11 @@ def _by_formula(formula: str, point: Point) -> float | None:
     row, k = point.row, point.at("k")
     if not row["fragments"] or not row["max_fragments"] or not isinstance(k, int):
         return None
-    sizes = Sizes(W=row["width"], H=row["height"], n=row["max_fragments"], F=row["fragments"], quads=1)
+    stats = SceneStats(W=row["width"], H=row["height"], n=row["max_fragments"], F=row["fragments"], primitives=1)
     if "f_k" not in formula:
-        return evaluate(formula, sizes, {"k": k})
+        return evaluate(formula, stats, {"k": k})
     share = row["promised_ratio"] if row["promised_ratio"] is not None else row["hit_ratio"]
-    return None if share is None else evaluate(formula, sizes, {"f_k": share * sizes.F / sizes.P})
+    return None if share is None else evaluate(formula, stats, {"f_k": share * stats.F / stats.P})
 
 
 def matches(row: Printed, points: Iterable[Point]) -> list[Match]:

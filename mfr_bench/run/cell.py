@@ -16,7 +16,7 @@ from ..gpu.timers import Timer, repeats_for
 from ..gpu.work import entered_map, work_of
 from ..measure.sampling import Sampler
 from ..measure.split import Split
-from ..methods.spec import Sizes, Variant
+from ..methods.spec import SceneStats, Variant
 from ..oracle import quality, twochannel
 from ..stats import interleaved_ratio
 from ..store.journal import Partial
@@ -92,7 +92,7 @@ class CellWork:
         scene.show(0)
         self._begin("compile")
         with self.bench.split.work("compile"):
-            frame = Frame(device, self.variant, scene.sizes, scene.quads, scene.canvas)
+            frame = Frame(device, self.variant, scene.stats, scene.scene_buffer, scene.canvas)
             try:
                 self._begin("first frame")
                 frame.draw_fitting()
@@ -166,15 +166,15 @@ class CellWork:
         status, reason = verdict(self.variant, self.conformance, self.lost, distinct or 1)
         sampler, frame = self.sampler, self.frame
         low, middle, high = sampler.interval
-        values = scene_values(self.variant, self.scene.sizes) | self.conformance | self.quality | {
+        values = scene_values(self.variant, self.scene.stats) | self.conformance | self.quality | {
             "samples": len(sampler.samples_ms), "timer": self.bench.timer.name, "time_ms": middle, "time_ms_low": low,
             "time_ms_high": high, "noisy": sampler.noisy, "stop_reason": sampler.stop_reason,
             "repeats": self.repeats, "memory_bytes": sum(frame.memory_bytes.values()),
             "lost_fragments": self.lost, "geometry_passes": frame.geometry_passes,
-            "distinct_images": distinct, "error_bound": self.variant.error_bound(self.scene.sizes), **self._shares(),
+            "distinct_images": distinct, "error_bound": self.variant.error_bound(self.scene.stats), **self._shares(),
         }
         if self.variant.two_channel:
-            values |= twochannel.errors(self.scene.quads.scene.rgba)
+            values |= twochannel.errors(self.scene.scene_buffer.scene.rgba)
         arrays = self._kept_arrays()
         if "discarded" in arrays and self.scene.shown.F:
             values["culled_share"] = float(arrays["discarded"].sum() / self.scene.shown.F)
@@ -248,13 +248,13 @@ class CellWork:
 
         They are of the scene on the device. What the method's memory cannot be asked for is as promised.
         """
-        sizes = self.scene.shown
-        if not self.checked or not sizes.F:
+        stats = self.scene.shown
+        if not self.checked or not stats.F:
             return {"hit_ratio": None, "promised_ratio": None, "discarded_share": None}
-        counted, promised = self.frame.probe(), self.variant.kept(sizes)
+        counted, promised = self.frame.probe(), self.variant.kept(stats)
         arrived = counted.get("arrived_fragments")
-        return {"hit_ratio": counted.get("held_fragments", promised) / sizes.F, "promised_ratio": promised / sizes.F,
-                "discarded_share": None if arrived is None else 1 - arrived / sizes.F}
+        return {"hit_ratio": counted.get("held_fragments", promised) / stats.F, "promised_ratio": promised / stats.F,
+                "discarded_share": None if arrived is None else 1 - arrived / stats.F}
 
 
 def verdict(variant: Variant, conformance: Mapping[str, float | int], lost: int,
@@ -284,20 +284,20 @@ def failure(error: Exception) -> tuple[str, str]:
     return "crashed", " ".join((str(error) if isinstance(error, MfrError) else repr(error)).split())
 
 
-def scene_values(variant: Variant, sizes: Sizes) -> dict[str, Any]:
+def scene_values(variant: Variant, stats: SceneStats) -> dict[str, Any]:
     """What is known of a cell without running it."""
-    decision = variant.decision(sizes)
-    return {"fragments": sizes.F, "covered_pixels": sum(sizes.histogram[1:]),
-            "max_fragments": len(sizes.histogram) - 1, "memory_model_bytes": variant.model_bytes(sizes),
+    decision = variant.decision(stats)
+    return {"fragments": stats.F, "covered_pixels": sum(stats.histogram[1:]),
+            "max_fragments": len(stats.histogram) - 1, "memory_model_bytes": variant.model_bytes(stats),
             "chosen_k": decision.k if decision else None}
 
 
 def frames(variant: Variant, scene: SceneWork) -> list[dict[str, Any]]:
     """What a cell met and chose in each frame, where frames differ or the method chooses."""
-    chosen = [variant.decision(sizes) for sizes in scene.frames]
+    chosen = [variant.decision(stats) for stats in scene.frames]
     if len(chosen) == 1 and chosen[0] is None:
         return []
-    return [{"frame": i, "fragments": sizes.F, "covered_pixels": sum(sizes.histogram[1:]),
-             "max_fragments": len(sizes.histogram) - 1, "chosen_k": choice.k if choice else None,
-             "kept": variant.kept(sizes), "histogram": list(sizes.histogram)}
-            for i, (sizes, choice) in enumerate(zip(scene.frames, chosen, strict=True))]
+    return [{"frame": i, "fragments": stats.F, "covered_pixels": sum(stats.histogram[1:]),
+             "max_fragments": len(stats.histogram) - 1, "chosen_k": choice.k if choice else None,
+             "kept": variant.kept(stats), "histogram": list(stats.histogram)}
+            for i, (stats, choice) in enumerate(zip(scene.frames, chosen, strict=True))]

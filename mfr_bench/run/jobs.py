@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..glsl import stages
-from ..methods.spec import Method, Sizes, Variant
-from ..plan import Cell, expected_sizes
+from ..methods.spec import Method, SceneStats, Variant
+from ..plan import Cell, expected_stats
 from ..store import key
 
-NOMINAL = Sizes(W=1, H=1, n=2, F=1, quads=1)  # the scene is in a cell's key of its own
+NOMINAL = SceneStats(W=1, H=1, n=2, F=1, primitives=1)  # the scene is in a cell's key of its own
 Shaders = tuple[Variant, str]  # the geometry, which has a vertex shader of its own
 GUARDS = ("hard_limit_s", "hard_limit_mb")  # settings that end a cell, and change no number of one that ends well
 
@@ -27,10 +27,10 @@ class Job:
 
 def glsl_hash(variant: Variant, geometry: str) -> str:
     """Hash of every stage of every pass, at sizes that stand for those of any scene of this geometry."""
-    sizes = replace(NOMINAL, geometry=geometry)
+    stats = replace(NOMINAL, geometry=geometry)
     digest = hashlib.sha256()
     for step in variant.passes:
-        for stage in stages(variant, step, sizes) if step.kind != "clear" else ():
+        for stage in stages(variant, step, stats) if step.kind != "clear" else ():
             digest.update(stage.text.encode())
     return digest.hexdigest()[:16]
 
@@ -45,7 +45,7 @@ def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[s
     codes = {} if codes is None else codes
     found = []
     for cell in cells:
-        shaders = catalog[cell.method].variant(cell.params), expected_sizes(cell.scene).geometry
+        shaders = catalog[cell.method].variant(cell.params), expected_stats(cell.scene).geometry
         code = codes.get(shaders) or codes.setdefault(shaders, glsl_hash(*shaders))
         settings = {name: value for name, value in cell.measure.as_dict().items() if name not in GUARDS}
         name = key({"method": cell.method, "params": dict(cell.params), "glsl": code,

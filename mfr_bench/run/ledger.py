@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..measure.split import Split
-from ..plan import Known, expected_sizes, hopeless
+from ..plan import Known, expected_stats, hopeless
 from ..store import ResultFolder
 from ..store.arrays import read_arrays, write_arrays
 from ..store.journal import Journal, Partial
@@ -114,7 +114,7 @@ class Ledger:
         for sheet in self.sheets:
             for job in sheet.pending:
                 pending.setdefault(job.cell.scene, {}).setdefault(job.key, job)
-        scenes = sorted(pending, key=lambda scene: expected_sizes(scene).F)
+        scenes = sorted(pending, key=lambda scene: expected_stats(scene).F)
         return [list(pending[scene].values()) for scene in scenes]
 
     # --- while cells are measured ----------------------------------------------------------------

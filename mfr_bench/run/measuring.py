@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
 from ..measure.sampling import Sampler
-from ..methods.spec import Method, Sizes, Variant
+from ..methods.spec import Method, SceneStats, Variant
 from ..plan import judge
 from ..store.journal import Partial
 from .cell import Bench, CellWork, failure, scene_values
@@ -45,9 +45,9 @@ class Measuring:
                 self.bench.emit(Finished(job.key, *failure(error), values={}))
             return
         try:
-            allowed = [job for job in group.jobs if not self._skipped(job, scene.sizes)]
+            allowed = [job for job in group.jobs if not self._skipped(job, scene.stats)]
             self.bench.emit(Synced())
-            for chunk in self._chunks(allowed, scene.sizes):
+            for chunk in self._chunks(allowed, scene.stats):
                 self._chunk(chunk, scene)
         finally:
             scene.release()
@@ -59,19 +59,19 @@ class Measuring:
         self.bench.emit(finished)
         self.bench.emit(Synced())
 
-    def _skipped(self, job: Job, sizes: Sizes) -> bool:
+    def _skipped(self, job: Job, stats: SceneStats) -> bool:
         """Decide without compiling or allocating anything whether the device or the budget forbids the cell."""
-        decision = judge(job.cell, self.catalog, sizes, self.bench.device.limits)
+        decision = judge(job.cell, self.catalog, stats, self.bench.device.limits)
         if decision:
-            self.bench.emit(Finished(job.key, *decision, values=scene_values(self._variant(job), sizes)))
+            self.bench.emit(Finished(job.key, *decision, values=scene_values(self._variant(job), stats)))
         return decision is not None
 
-    def _chunks(self, todo: Sequence[Job], sizes: Sizes) -> Iterator[list[Job]]:
+    def _chunks(self, todo: Sequence[Job], stats: SceneStats) -> Iterator[list[Job]]:
         """Jobs in order, as many together as fit the memory for interleaving."""
         chunk: list[Job] = []
         held = 0
         for job in todo:
-            needed = sum(self._variant(job).memory_bytes(sizes).values())
+            needed = sum(self._variant(job).memory_bytes(stats).values())
             if chunk and held + needed > self._live_bytes:
                 yield chunk
                 chunk, held = [], 0
@@ -102,7 +102,7 @@ class Measuring:
         try:
             running.append(CellWork(self.bench, scene, job, variant, self._partials.get(job.key, Partial())))
         except Exception as error:  # noqa: BLE001 - whatever it is, it is this cell's result
-            self._fail(job, error, scene_values(variant, scene.sizes))
+            self._fail(job, error, scene_values(variant, scene.stats))
 
     def _sample(self, running: list[CellWork]) -> None:
         """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done."""
@@ -135,7 +135,7 @@ class Measuring:
             step(cell)
         except Exception as error:  # noqa: BLE001 - whatever it is, it is this cell's result
             cell.done = True
-            self._fail(cell.job, error, scene_values(cell.variant, cell.scene.sizes))
+            self._fail(cell.job, error, scene_values(cell.variant, cell.scene.stats))
 
     def _batch(self, cell: CellWork, sampler: Sampler) -> None:
         if sampler.wanted:

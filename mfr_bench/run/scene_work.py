@@ -10,9 +10,9 @@ import numpy as np
 
 from ..gpu.device import Device
 from ..gpu.frame import Canvas, SceneBuffer
-from ..gpu.truth import Truth, true_sizes
+from ..gpu.truth import Truth, true_stats
 from ..measure.split import Split
-from ..methods.spec import Promise, Sizes, Variant
+from ..methods.spec import Promise, SceneStats, Variant
 from ..oracle import quality
 from ..scene import Geometry, generate
 
@@ -21,7 +21,7 @@ ALL = Promise()  # every fragment: the A-buffer's image
 
 
 class SceneWork:
-    """A scene's frames, sizes, device buffers and oracle images, each made when it is first needed."""
+    """A scene's frames, statistics, device buffers and oracle images, each made when it is first needed."""
 
     def __init__(self, device: Device, config, split: Split):
         self.split = split
@@ -29,11 +29,11 @@ class SceneWork:
         with split.work("scene"):
             frames = ANIMATION_FRAMES if config.animate else 1
             self.scenes = [generate(config, frame) for frame in range(frames)]
-            self._sizes = {id(self.show(i)): true_sizes(device, self.quads, self.canvas) for i in range(frames)}
-            self.sizes = _largest(list(self._sizes.values()))
+            self._stats = {id(self.show(i)): true_stats(device, self.scene_buffer, self.canvas) for i in range(frames)}
+            self.stats = _largest(list(self._stats.values()))
 
     @cached_property
-    def quads(self) -> SceneBuffer:
+    def scene_buffer(self) -> SceneBuffer:
         return SceneBuffer(self._device, self.scenes[0])
 
     @cached_property
@@ -41,27 +41,27 @@ class SceneWork:
         return Canvas(self._device, self.scenes[0].viewport)
 
     @property
-    def frames(self) -> list[Sizes]:
+    def frames(self) -> list[SceneStats]:
         """Of every frame of an animation."""
-        return list(self._sizes.values())
+        return list(self._stats.values())
 
     @property
-    def shown(self) -> Sizes:
+    def shown(self) -> SceneStats:
         """Of the scene on the device now."""
-        return self._sizes[id(self.quads.scene)]
+        return self._stats[id(self.scene_buffer.scene)]
 
     def show(self, frame: int) -> Geometry:
         """Bring the scene of an animation's frame to the device."""
         scene = self.scenes[frame % len(self.scenes)]
-        if scene is not self.quads.scene:
-            self.quads.replace(scene)
+        if scene is not self.scene_buffer.scene:
+            self.scene_buffer.replace(scene)
         return scene
 
     @property
     def truth(self) -> Truth:
         """The oracle of the scene on the device now."""
-        scene = self.quads.scene
-        return self._truths.setdefault(id(scene), Truth(self._device, self.quads, self.canvas))
+        scene = self.scene_buffer.scene
+        return self._truths.setdefault(id(scene), Truth(self._device, self.scene_buffer, self.canvas))
 
     def conformance(self, variant: Variant, image: np.ndarray) -> dict[str, float | int]:
         """Errors of an image of the scene on the device against what the variant aims at."""
@@ -73,9 +73,9 @@ class SceneWork:
 
     def oracle(self, promise: Promise) -> np.ndarray:
         """The float64 image of the promised fragments of the scene on the device now; computed once."""
-        if promise.layers is not None and promise.layers >= self.sizes.n:
+        if promise.layers is not None and promise.layers >= self.stats.n:
             promise = replace(ALL, two_channel=promise.two_channel)
-        which = id(self.quads.scene), promise
+        which = id(self.scene_buffer.scene), promise
         if which not in self._oracles:
             with self.split.work("oracle"):
                 self._oracles[which] = self.truth.image(promise)
@@ -88,18 +88,18 @@ class SceneWork:
 
     def quality(self, image: np.ndarray) -> dict[str, float | None]:
         """Errors against all fragments; equal images, as exact methods give them, are compared once."""
-        which = id(self.quads.scene), hashlib.sha256(image).digest()
+        which = id(self.scene_buffer.scene), hashlib.sha256(image).digest()
         if which not in self._qualities:
             self._qualities[which] = quality.quality(image, self.oracle(ALL))
         return self._qualities[which]
 
     def release(self) -> None:
-        for name in ("quads", "canvas"):
+        for name in ("scene_buffer", "canvas"):
             if name in self.__dict__:
                 self.__dict__[name].release()
 
 
-def _largest(sizes: list[Sizes]) -> Sizes:
+def _largest(stats: list[SceneStats]) -> SceneStats:
     """Room for every frame of an animation."""
-    biggest = max(sizes, key=lambda s: s.F)
-    return replace(biggest, n=max(s.n for s in sizes), quads=max(s.quads for s in sizes))
+    biggest = max(stats, key=lambda s: s.F)
+    return replace(biggest, n=max(s.n for s in stats), primitives=max(s.primitives for s in stats))

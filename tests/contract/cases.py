@@ -8,7 +8,7 @@ from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.single import Shown
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Method, Sizes, Value, Variant, When
+from mfr_bench.methods.spec import Method, SceneStats, Value, Variant, When
 from mfr_bench.oracle.quality import conformance
 from mfr_bench.scene import Geometry, generate
 
@@ -85,7 +85,7 @@ def scene(config: SceneConfig) -> Geometry:
 
 
 class Stage(Shown):
-    """A scene on the device, with its sizes and its oracle's images."""
+    """A scene on the device, with its statistics and its oracle's images."""
 
     def __init__(self, device, config: SceneConfig):
         super().__init__(device, scene(config))
@@ -101,8 +101,8 @@ def stage(device, config: SceneConfig) -> Stage:
     return STAGES[config]
 
 
-def sizes_in(device, config: SceneConfig) -> Sizes:
-    return stage(device, config).sizes
+def stats_in(device, config: SceneConfig) -> SceneStats:
+    return stage(device, config).stats
 
 
 class Drawn:
@@ -110,7 +110,7 @@ class Drawn:
 
     def __init__(self, device, variant: Variant, config: SceneConfig, frames: int = 1, probing: bool = False):
         on = stage(device, config)
-        frame = Frame(device, variant, on.sizes, on.quads, on.canvas)
+        frame = Frame(device, variant, on.stats, on.scene_buffer, on.canvas)
         digests = set()
         for _ in range(frames):
             frame.draw_fitting()
@@ -118,11 +118,11 @@ class Drawn:
             digests.add(self.image.tobytes())
         self.distinct_images = len(digests)
         self.lost = frame.lost_fragments()
-        self.passes, self.kept = frame.geometry_passes, variant.kept(on.sizes)
+        self.passes, self.kept = frame.geometry_passes, variant.kept(on.stats)
         self.probed = frame.probe() if probing else {}
         self.passes_probing, self.image_probing = frame.geometry_passes, frame.image()
-        self.allocated, self.declared = frame.memory_bytes, variant.memory_bytes(on.sizes)
-        promised = on.image(variant.promise(on.sizes))
+        self.allocated, self.declared = frame.memory_bytes, variant.memory_bytes(on.stats)
+        promised = on.image(variant.promise(on.stats))
         self.error = conformance(self.image, promised, on.truth.tied)["max_abs_error"]
         self.fits = all(size <= self.declared[name] for name, size in self.allocated.items())
         frame.release()

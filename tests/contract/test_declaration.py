@@ -7,15 +7,15 @@ import pytest
 from mfr_bench.config import Scene
 from mfr_bench.glsl import read, stages
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Sizes, evaluate
-from mfr_bench.plan import expected_sizes
+from mfr_bench.methods.spec import SceneStats, evaluate
+from mfr_bench.plan import expected_stats
 from mfr_bench.report.reference import find
 from mfr_bench.resources import shaders_dir
 
 from .cases import every_method, label, variants, with_k
 from .preprocess import active
 
-SIZES = expected_sizes(Scene(size=(64, 48), depth_complexity=12, pixel_density=0.5))
+SIZES = expected_stats(Scene(size=(64, 48), depth_complexity=12, pixel_density=0.5))
 ENTRY_SUFFIXES = (".vert", ".frag", ".comp")
 MOST_LINES = 150
 
@@ -88,7 +88,7 @@ def test_memory_formulas_have_values(method):
 
 
 def test_memory_grows_with_what_the_formula_names():
-    words = [evaluate("3*f + 1", Sizes(W=4, H=4, n=2, F=fragments, quads=2), {}) for fragments in (0, 16, 32)]
+    words = [evaluate("3*f + 1", SceneStats(W=4, H=4, n=2, F=fragments, primitives=2), {}) for fragments in (0, 16, 32)]
     assert words == [1, 4, 7]
 
 

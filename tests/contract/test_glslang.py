@@ -9,11 +9,11 @@ import pytest
 from mfr_bench.config import Scene
 from mfr_bench.glsl import stages
 from mfr_bench.methods import catalog
-from mfr_bench.plan import expected_sizes
+from mfr_bench.plan import expected_stats
 
 from .cases import every_method, variants
 
-SIZES = expected_sizes(Scene(size=(64, 48), depth_complexity=40, pixel_density=0.5))
+SIZES = expected_stats(Scene(size=(64, 48), depth_complexity=40, pixel_density=0.5))
 GEOMETRIES = ("quad", "strip")
 
 

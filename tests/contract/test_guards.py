@@ -8,7 +8,7 @@ import pytest
 from mfr_bench import glsl
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
-from mfr_bench.gpu.truth import true_sizes
+from mfr_bench.gpu.truth import true_stats
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Variant
 from mfr_bench.scene import generate
@@ -105,9 +105,9 @@ def broken(device, variant, config, untold: int = 0) -> list[str]:
     """The buffers behind which two frames have written; the method is told of `untold` fragments less per pixel."""
     scene = generate(config)
     quads, canvas = SceneBuffer(device, scene), Canvas(device, config.size)
-    sizes = true_sizes(device, quads, canvas)
-    sizes = replace(sizes, n=max(1, sizes.n - untold), F=sizes.F - untold * sizes.P)
-    frame = Guarded(device, variant, sizes, quads, canvas)
+    stats = true_stats(device, quads, canvas)
+    stats = replace(stats, n=max(1, stats.n - untold), F=stats.F - untold * stats.P)
+    frame = Guarded(device, variant, stats, quads, canvas)
     try:
         frame.draw_fitting()
         frame.draw()

@@ -16,7 +16,7 @@ from .cases import (
     label,
     options,
     runs_here,
-    sizes_in,
+    stats_in,
     variants,
     with_k,
 )
@@ -38,12 +38,12 @@ def check(device, variant, scenes):
     """
     promised = []
     for name, config in scenes.items():
-        if not all(getattr(sizes_in(device, config), fact) for fact in variant.asks):
+        if not all(getattr(stats_in(device, config), fact) for fact in variant.asks):
             continue
         drawn = Drawn(device, variant, config)
         assert drawn.allocated == drawn.declared or (variant.stores_fewer and drawn.fits), name
         assert np.isfinite(drawn.image).all(), name
-        if variant.exact_in(sizes_in(device, config)):
+        if variant.exact_in(stats_in(device, config)):
             promised.append(name)
             assert drawn.lost == 0, name
             assert drawn.error <= EXACT_ERROR, name

@@ -9,14 +9,14 @@ from mfr_bench.glsl import counters as instrument
 from mfr_bench.glsl.counters import Stored, counting
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Sizes
+from mfr_bench.methods.spec import SceneStats
 from mfr_bench.resources import shaders_dir
 
 from ..methods.drawing import SIZE, drawn, stack
 
 PIXELS = SIZE[0] * SIZE[1]
 DEPTHS = (0.5, 0.25, 0.75, 0.125)
-SIZES = Sizes(W=4, H=4, n=3, F=9, quads=3)
+SIZES = SceneStats(W=4, H=4, n=3, F=9, primitives=3)
 
 
 def counted(body: str, **storage: Stored) -> str:

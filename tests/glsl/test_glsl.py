@@ -9,10 +9,10 @@ from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.errors import ShaderError
 from mfr_bench.gpu.device import compile_message
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
-from mfr_bench.methods.spec import Buffer, Method, Param, Pass, Sizes, Target
+from mfr_bench.methods.spec import Buffer, Method, Param, Pass, SceneStats, Target
 from mfr_bench.scene import generate
 
-SIZES = Sizes(W=8, H=6, n=3, F=144, quads=3)
+SIZES = SceneStats(W=8, H=6, n=3, F=144, primitives=3)
 
 FILES = {
     "main.frag": '// A test.\n#include "one.glsl"\nvoid main() { one(); }\n',

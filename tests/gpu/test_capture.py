@@ -14,8 +14,8 @@ from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Promise
 from mfr_bench.oracle import composite as oracle
-from mfr_bench.oracle.composite import composite, fragment_counts, sizes_of
-from mfr_bench.plan import Cell, expected_sizes, judge
+from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
+from mfr_bench.plan import Cell, expected_stats, judge
 from mfr_bench.scene import Strips, generate
 
 FLAT = [SceneConfig(size=(97, 71), depth_complexity=9, layout="mixed", mean_depth=5, seed=4),
@@ -55,7 +55,7 @@ def lists(scene):
 @pytest.mark.parametrize("config", FLAT)
 def test_a_capture_of_flat_quads_is_the_analytic_lists_bit_for_bit(device, on, config):
     stage = on(config)
-    scene, found = stage.quads.scene, capture(device, stage.quads, stage.canvas)
+    scene, found = stage.scene_buffer.scene, capture(device, stage.scene_buffer, stage.canvas)
     assert (found.counts == fragment_counts(scene)).all()
     expected = [fragment for pixel in lists(scene) for fragment in pixel]
     assert found.depth.tolist() == [depth for depth, _ in expected]
@@ -68,18 +68,18 @@ def test_a_capture_of_flat_quads_is_the_analytic_lists_bit_for_bit(device, on, c
                                      Promise(3, "opaque")], ids=str)
 def test_both_oracles_give_one_image_of_flat_quads(device, on, config, promise):
     stage = on(config)
-    found = capture(device, stage.quads, stage.canvas)
-    expected = composite(stage.quads.scene, promise.layers, promise.criterion)
+    found = capture(device, stage.scene_buffer, stage.canvas)
+    expected = composite(stage.scene_buffer.scene, promise.layers, promise.criterion)
     np.testing.assert_allclose(found.composite(promise.layers, promise.criterion), expected, rtol=0, atol=1e-12)
 
 
 def test_a_capture_in_pieces_is_the_capture(device, on, monkeypatch):
     stage = on(SceneConfig(kind="hairball", size=(64, 48), depth_complexity=20, mean_depth=8))
-    whole = capture(device, stage.quads, stage.canvas)
+    whole = capture(device, stage.scene_buffer, stage.canvas)
     image = whole.composite(4)
     monkeypatch.setattr(capturing, "CHUNK_BYTES", 8 * 1000)
     monkeypatch.setattr(oracle.in_chunks, "__defaults__", (700,))
-    pieces = capture(device, stage.quads, stage.canvas)
+    pieces = capture(device, stage.scene_buffer, stage.canvas)
     assert len(list(oracle.in_chunks(whole.counts.ravel(), 1000))) > 10
     for name in ("counts", "depth", "primitive", "tied"):
         np.testing.assert_array_equal(getattr(pieces, name), getattr(whole, name))
@@ -97,7 +97,7 @@ def test_a_fragment_more_or_less_than_counted_is_an_error(device, on, monkeypatc
 
     monkeypatch.setattr(capturing, "count", miscounted)
     with pytest.raises(DeviceError, match="the device draws one scene in two ways"):
-        capture(device, stage.quads, stage.canvas)
+        capture(device, stage.scene_buffer, stage.canvas)
 
 
 def test_fragments_of_equal_depth_are_told(device):
@@ -107,7 +107,7 @@ def test_fragments_of_equal_depth_are_told(device):
     scene = Strips((8, 4), np.stack([corners, corners, whole]).astype(np.float32),
                    np.full((3, 4), 100, dtype=np.uint8), 1.0, 1)
     with shown(device, scene) as stage:
-        found = capture(device, stage.quads, stage.canvas)
+        found = capture(device, stage.scene_buffer, stage.canvas)
         assert found.counts.tolist() == [[3] * 4 + [1] * 4] * 4
         assert found.tied.tolist() == [[True] * 4 + [False] * 4] * 4
         assert found.primitive[:3].tolist() == [2, 0, 1]  # equal depths in order of submission
@@ -117,7 +117,7 @@ def test_fragments_of_equal_depth_are_told(device):
 def test_a_truth_is_of_the_scene_that_it_was_made_for(on):
     config = SceneConfig(kind="temple", size=(64, 48), depth_complexity=6)
     stage = on(config)
-    stage.quads.replace(generate(replace(config, seed=9)))
+    stage.scene_buffer.replace(generate(replace(config, seed=9)))
     with pytest.raises(ValueError, match="another scene is on the device"):
         stage.truth.image(Promise())
 
@@ -126,30 +126,30 @@ def test_a_truth_is_of_the_scene_that_it_was_made_for(on):
 def test_a_stand_in_has_its_maximum_and_about_its_mean(on, kind, layers, mean):
     if kind == "temple" and mean == 100:
         layers = 160
-    sizes = on(SceneConfig(kind=kind, size=(256, 256), depth_complexity=layers, mean_depth=mean)).sizes
-    covered = sum(sizes.histogram[1:])
-    assert sizes.n == layers
-    assert pytest.approx(mean, rel=0.06) == sizes.F / covered
-    expected = expected_sizes(SceneConfig(kind=kind, size=(256, 256), depth_complexity=layers, mean_depth=mean))
-    assert pytest.approx(sizes.F, rel=0.15) == expected.F
+    stats = on(SceneConfig(kind=kind, size=(256, 256), depth_complexity=layers, mean_depth=mean)).stats
+    covered = sum(stats.histogram[1:])
+    assert stats.n == layers
+    assert pytest.approx(mean, rel=0.06) == stats.F / covered
+    expected = expected_stats(SceneConfig(kind=kind, size=(256, 256), depth_complexity=layers, mean_depth=mean))
+    assert pytest.approx(stats.F, rel=0.15) == expected.F
     assert pytest.approx(covered, rel=0.1) == sum(expected.histogram[1:])
-    assert sizes.quads <= 1.01 * expected.quads <= 3 * sizes.quads
+    assert stats.primitives <= 1.01 * expected.primitives <= 3 * stats.primitives
 
 
 @pytest.mark.parametrize("kind", ["hairball", "needles", "temple"])
 def test_stand_ins_go_from_sparse_to_dense(on, kind):
     """Covered pixels follow the density, and the maximum stays."""
-    sizes = [on(SceneConfig(kind=kind, size=(256, 256), depth_complexity=20, mean_depth=8, pixel_density=density)).sizes
+    stats = [on(SceneConfig(kind=kind, size=(256, 256), depth_complexity=20, mean_depth=8, pixel_density=density)).stats
              for density in (0.1, 0.3, 0.9)]
-    covered = [sum(s.histogram[1:]) for s in sizes]
-    assert [s.n for s in sizes] == [20] * 3
+    covered = [sum(s.histogram[1:]) for s in stats]
+    assert [s.n for s in stats] == [20] * 3
     assert covered[1] / covered[0] == pytest.approx(3, rel=0.15)
     assert covered[2] / covered[1] == pytest.approx(3, rel=0.15)
 
 
 def test_an_animation_changes_how_deep_pixels_are(on):
     config = SceneConfig(kind="hairball", size=(96, 96), depth_complexity=60, mean_depth=15, animate=True)
-    means = [sizes.F / sum(sizes.histogram[1:]) for sizes in (on(config, frame).sizes for frame in (0, 2, 4))]
+    means = [stats.F / sum(stats.histogram[1:]) for stats in (on(config, frame).stats for frame in (0, 2, 4))]
     assert means[0] < means[1] < means[2]
 
 
@@ -159,11 +159,11 @@ def test_methods_that_need_flat_primitives_say_so(device, on, given):
     config = SceneConfig(size=(64, 48), depth_complexity=6, **given)
     params = catalog()["peel-srab"].complete({})
     cell = Cell("e", "peel-srab", "l", params, config, None, {})
-    assert judge(cell, catalog(), on(config).sizes, device.limits) == (
+    assert judge(cell, catalog(), on(config).stats, device.limits) == (
         "unsupported", "needs flat primitives that meet no pixel but at its edges")
     flat = replace(cell, scene=SceneConfig(size=(64, 48), depth_complexity=6), measure=_Budget)
-    assert judge(flat, catalog(), on(flat.scene).sizes, None) is None
-    assert judge(replace(cell, measure=_Budget, params=params | {"multisampling": "off"}), catalog(), on(config).sizes,
+    assert judge(flat, catalog(), on(flat.scene).stats, None) is None
+    assert judge(replace(cell, measure=_Budget, params=params | {"multisampling": "off"}), catalog(), on(config).stats,
                  None) is None
 
 
@@ -175,7 +175,7 @@ def test_probes_see_every_fragment_where_tiles_are_covered(device, on):
     """The image is drawn over whole tiles right after; llvmpipe drops what came before unless it is waited for."""
     config = SceneConfig(size=(200, 150), depth_complexity=3)
     stage = on(config)
-    frame = Frame(device, catalog()["ab-array"].variant({}), stage.sizes, stage.quads, stage.canvas)
+    frame = Frame(device, catalog()["ab-array"].variant({}), stage.stats, stage.scene_buffer, stage.canvas)
     frame.draw_fitting()
-    assert frame.probe() == {"held_fragments": sizes_of(generate(config)).F}
+    assert frame.probe() == {"held_fragments": stats_of(generate(config)).F}
     frame.release()

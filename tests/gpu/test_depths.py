@@ -6,7 +6,7 @@ import pytest
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.methods import catalog
-from mfr_bench.oracle.composite import sizes_of
+from mfr_bench.oracle.composite import stats_of
 from mfr_bench.scene import generate
 from mfr_bench.scene.stress import ODD_DEPTHS
 
@@ -14,13 +14,13 @@ from mfr_bench.scene.stress import ODD_DEPTHS
 def arrived(device, config: SceneConfig) -> np.ndarray:
     """float32 depths of every fragment of pixel 0, ascending, as the shaders get them."""
     scene = generate(config)
-    sizes = sizes_of(scene)
-    quads, canvas = SceneBuffer(device, scene), Canvas(device, (sizes.W, sizes.H))
-    frame = Frame(device, catalog()["ab-array"].variant({}), sizes, quads, canvas)
+    stats = stats_of(scene)
+    quads, canvas = SceneBuffer(device, scene), Canvas(device, (stats.W, stats.H))
+    frame = Frame(device, catalog()["ab-array"].variant({}), stats, quads, canvas)
     frame.draw()
     count = frame.words("counter")
     assert (count == count[0]).all()
-    depths = frame.words("nodes").reshape(-1, sizes.P, 2)[:count[0], 0, 0].view(np.float32)
+    depths = frame.words("nodes").reshape(-1, stats.P, 2)[:count[0], 0, 0].view(np.float32)
     for thing in (frame, canvas, quads):
         thing.release()
     return np.sort(depths)

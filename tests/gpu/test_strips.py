@@ -52,7 +52,7 @@ def assert_made_of_its_corners(device, config):
     scene = generate(config)
     width, height = scene.viewport
     with shown(device, scene) as on:
-        found = capture(device, on.quads, on.canvas)
+        found = capture(device, on.scene_buffer, on.canvas)
     pixel = np.repeat(np.arange(width * height), found.counts.ravel())
     depth_of = {(int(p), int(i)): float(d) for p, i, d in zip(pixel, found.primitive, found.depth.view(np.float32),
                                                              strict=True)}

@@ -10,7 +10,7 @@ import pytest
 
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.methods import catalog
-from mfr_bench.oracle.composite import sizes_of
+from mfr_bench.oracle.composite import stats_of
 from mfr_bench.scene import Scene
 
 SIZE = (7, 5)  # pixels of a stack's viewport
@@ -47,9 +47,9 @@ def drawn(device, method: str, scene: Scene, frames: int = 1, **params) -> Itera
     missing = set(variant.needs) - device.features
     if missing:
         pytest.skip(f"this device lacks {', '.join(missing)}")
-    sizes = sizes_of(scene)
-    quads, canvas = SceneBuffer(device, scene), Canvas(device, (sizes.W, sizes.H))
-    frame = Frame(device, variant, sizes, quads, canvas)
+    stats = stats_of(scene)
+    quads, canvas = SceneBuffer(device, scene), Canvas(device, (stats.W, stats.H))
+    frame = Frame(device, variant, stats, quads, canvas)
     try:
         for _ in range(frames):
             frame.draw_fitting()

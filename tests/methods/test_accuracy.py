@@ -22,10 +22,10 @@ AT_4096 = generate(SceneConfig(size=(2, 1), depth_complexity=4096, alpha=(0.03, 
 def error_of(device, method, scene, **params):
     """Largest channel error against the method's promise, and its bound."""
     with drawn(device, method, scene, **params) as frame:
-        promise = frame.variant.promise(frame.sizes)
+        promise = frame.variant.promise(frame.stats)
         error = np.abs(frame.image() - composite(scene, promise.layers, promise.criterion)).max()
         assert frame.lost_fragments() == 0
-        return error, frame.variant.error_bound(frame.sizes)
+        return error, frame.variant.error_bound(frame.stats)
 
 
 @pytest.mark.parametrize("method", EXACT)
@@ -44,9 +44,9 @@ def test_4096_layers(device, method, params):
 
 
 def test_what_is_approximate_has_no_bound():
-    sizes = None
-    assert catalog()["ab-array"].variant({"accumulate": "float16"}).error_bound(sizes) is None
-    assert catalog()["kb"].variant({}).error_bound(sizes) is None
+    stats = None
+    assert catalog()["ab-array"].variant({"accumulate": "float16"}).error_bound(stats) is None
+    assert catalog()["kb"].variant({}).error_bound(stats) is None
 
 
 @pytest.mark.parametrize(("accumulate", "least", "most"), [("float32", 0, 3e-7), ("compensated", 0, 1e-7),

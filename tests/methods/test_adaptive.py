@@ -15,12 +15,12 @@ from mfr_bench.methods import catalog
 from mfr_bench.methods.adaptive import DENSE, DIRECT, PLANES, RANGES, plan
 from mfr_bench.methods.shared.bands import bands
 from mfr_bench.methods.spec import Known, Plan
-from mfr_bench.oracle.composite import composite, sizes_of
+from mfr_bench.oracle.composite import composite, stats_of
 from mfr_bench.oracle.quality import EXACT_ERROR
-from mfr_bench.plan import Cell, expected_sizes, judge
+from mfr_bench.plan import Cell, expected_stats, judge
 from mfr_bench.scene import generate
 
-from ..contract.cases import SCENES, SLANTED, Drawn, sizes_in
+from ..contract.cases import SCENES, SLANTED, Drawn, stats_in
 from .drawing import assert_shows, chosen, drawn, over, stack
 
 FEW = SceneConfig(size=(64, 64), depth_complexity=6, seed=3)
@@ -63,9 +63,9 @@ def test_a_large_max_error_cuts_deep_frames():
     SceneConfig(size=(64, 64), depth_complexity=1, pixel_density=0.3, seed=3),
 ])
 def test_memory_is_that_of_the_s_buffer_and_a_twentieth(config):
-    sizes = sizes_of(generate(config))
-    memory = sum(catalog()["adaptive"].variant({}).memory_bytes(sizes).values())
-    assert memory <= 1.05 * 4 * (2 * sizes.F + 2 * sizes.P) + 64
+    stats = stats_of(generate(config))
+    memory = sum(catalog()["adaptive"].variant({}).memory_bytes(stats).values())
+    assert memory <= 1.05 * 4 * (2 * stats.F + 2 * stats.P) + 64
 
 
 @pytest.mark.parametrize("payload", ["rgba8", "rgba16f"])
@@ -82,7 +82,7 @@ def test_a_scene_that_thins_out_is_right_in_its_first_frame_and_has_ranges_in_th
     thin = chosen(full, list(range(6)))
     thin.rect[1:, 2] = thin.rect[1:, 0] + 1
     quads, canvas = SceneBuffer(device, full), Canvas(device, (64, 64))
-    frame = Frame(device, catalog()["adaptive"].variant({}), sizes_of(full), quads, canvas)
+    frame = Frame(device, catalog()["adaptive"].variant({}), stats_of(full), quads, canvas)
     try:
         frame.draw_fitting()
         assert frame._plan.path == PLANES
@@ -186,7 +186,7 @@ def test_what_the_cut_discards_is_within_the_bound(device, config, max_error):
         assert np.abs(frame.image() - composite(scene)).max() <= max_error + 1e-5
         held = frame.probe()["held_fragments"]
     faint = config.alpha[1] < 0.1
-    assert (held == sizes_of(scene).F) == faint
+    assert (held == stats_of(scene).F) == faint
 
 
 def test_every_frame_cuts_at_the_first_quarter_that_is_opaque_enough(device):
@@ -214,7 +214,7 @@ def test_a_wrong_line_of_the_cut_is_seen(device, plant, shader, right, wrong):
 def test_the_default_error_is_a_third_of_what_exact_images_may_differ_by():
     variant = catalog()["adaptive"].variant({})
     assert variant.guarantee == "exact all"
-    assert variant.error_bound(sizes_of(generate(FEW))) < 1e-4 / 2
+    assert variant.error_bound(stats_of(generate(FEW))) < 1e-4 / 2
 
 
 # A budget of memory
@@ -225,60 +225,60 @@ BANDED = {name: SCENES[name] for name in ("sorted", "tiles", "rejecting", "scatt
     "deep rows": DEEP_ROWS, "hairball": SLANTED["hairball"], "crossing": SLANTED["crossing"]}
 
 
-def budgeted(sizes, room: int, **params):
+def budgeted(stats, room: int, **params):
     """The method with just the memory that leaves room for so many fragments."""
     some = catalog()["adaptive"].variant({"memory_mb": 1.0, **params})
-    budget = sum(some.memory_bytes(sizes, room).values())
+    budget = sum(some.memory_bytes(stats, room).values())
     return catalog()["adaptive"].variant({**some.params, "memory_mb": budget / 2**20})
 
 
-def least_room(sizes) -> int:
-    return min(sizes.F, 32 * sizes.n)
+def least_room(stats) -> int:
+    return min(stats.F, 32 * stats.n)
 
 
 @pytest.mark.parametrize("name", BANDED)
 @pytest.mark.parametrize("share", [1.0, 0.51, 0.0])
 def test_no_budget_loses_a_fragment(device, name, share):
     """In one band, in few, and in as many as the smallest budget asks for."""
-    sizes = sizes_in(device, BANDED[name])
-    room = max(least_room(sizes), int(share * sizes.F))
-    variant = budgeted(sizes, room)
-    assert variant.room(sizes) == room
+    stats = stats_in(device, BANDED[name])
+    room = max(least_room(stats), int(share * stats.F))
+    variant = budgeted(stats, room)
+    assert variant.room(stats) == room
     drawn = Drawn(device, variant, BANDED[name], frames=2, probing=True)
     assert drawn.lost == 0 and drawn.error <= EXACT_ERROR
-    assert drawn.probed["held_fragments"] == sizes.F
+    assert drawn.probed["held_fragments"] == stats.F
     assert drawn.allocated == drawn.declared
     assert sum(drawn.allocated.values()) <= variant.budget_bytes
-    needed = -(-sizes.F // room)
-    assert variant.plan(sizes).banded or share == 1.0
-    if variant.plan(sizes).banded:
-        assert needed <= drawn.passes - 1 <= 2 * needed + 2 * sizes.H * (share == 0.0)
+    needed = -(-stats.F // room)
+    assert variant.plan(stats).banded or share == 1.0
+    if variant.plan(stats).banded:
+        assert needed <= drawn.passes - 1 <= 2 * needed + 2 * stats.H * (share == 0.0)
 
 
 @pytest.mark.parametrize("payload", ["rgba16f", "two_channel"])
 def test_a_wider_payload_counts_against_the_budget(device, payload):
-    sizes = sizes_in(device, BANDED["tiles"])
-    variant = budgeted(sizes, sizes.F // 3, payload=payload)
+    stats = stats_in(device, BANDED["tiles"])
+    variant = budgeted(stats, stats.F // 3, payload=payload)
     drawn = Drawn(device, variant, BANDED["tiles"])
     assert drawn.lost == 0 and drawn.error <= EXACT_ERROR and drawn.passes > 3
     assert sum(drawn.allocated.values()) == sum(drawn.declared.values()) <= variant.budget_bytes
 
 
 def test_bands_give_the_same_image_in_every_frame(device):
-    sizes = sizes_in(device, BANDED["scattered"])
-    drawn = Drawn(device, budgeted(sizes, sizes.F // 4), BANDED["scattered"], frames=50)
+    stats = stats_in(device, BANDED["scattered"])
+    drawn = Drawn(device, budgeted(stats, stats.F // 4), BANDED["scattered"], frames=50)
     assert drawn.distinct_images == 1 and drawn.lost == 0 and drawn.passes > 4
 
 
 def test_bands_do_the_work_of_one_once(device):
     """Each fragment is rasterized and stored in one band, each pixel of the viewport cleared and resolved in one."""
     scene = generate(replace(FULL, depth_complexity=20))
-    sizes = sizes_of(scene)
-    with drawn(device, "adaptive", scene, **budgeted(sizes, sizes.F // 4).params) as frame:
+    stats = stats_of(scene)
+    with drawn(device, "adaptive", scene, **budgeted(stats, stats.F // 4).params) as frame:
         work = work_of(frame)
-    assert work["store"]["rasterized"] == work["store"]["passed"] == work["store"]["stored"] == sizes.F
-    assert work["resolve"]["loaded"] == sizes.F
-    assert work["allocate"]["cleared"] == sizes.P
+    assert work["store"]["rasterized"] == work["store"]["passed"] == work["store"]["stored"] == stats.F
+    assert work["resolve"]["loaded"] == stats.F
+    assert work["allocate"]["cleared"] == stats.P
 
 
 @pytest.mark.parametrize("wrong", [
@@ -286,8 +286,8 @@ def test_bands_do_the_work_of_one_once(device):
     lambda b, room: (b[0], b[1], b[2], b[3] + 1) if b[1] == 0 else b])
 def test_a_band_that_is_off_by_one_row_is_seen(device, monkeypatch, wrong):
     """A row that no band has is missing in the image; one too many in a full band finds no room."""
-    sizes = sizes_in(device, FULL)
-    variant = budgeted(sizes, 16 * 64 * 6)
+    stats = stats_in(device, FULL)
+    variant = budgeted(stats, 16 * 64 * 6)
     assert not seen(Drawn(device, variant, FULL))
     monkeypatch.setattr(frames, "bands", lambda *given: (wrong(b, given[2]) for b in bands(*given)))
     assert seen(Drawn(device, variant, FULL))
@@ -298,8 +298,8 @@ def seen(drawn: Drawn) -> bool:
 
 
 def test_a_budget_without_room_for_a_segment_ends_with_its_number(device):
-    sizes = sizes_of(generate(DEEP_ROWS))
-    variant = budgeted(sizes, 32 * 40 - 1)
+    stats = stats_of(generate(DEEP_ROWS))
+    variant = budgeted(stats, 32 * 40 - 1)
     with (pytest.raises(CapacityError, match=r"1280 fragments of 32 pixels in row 0 do not fit: .* 1279"),
           drawn(device, "adaptive", generate(DEEP_ROWS), **variant.params)):
         pass
@@ -313,7 +313,7 @@ def test_the_smallest_budget_is_judged_before_a_frame_is_drawn():
     def judged(memory_mb):
         params = catalog()["adaptive"].complete({"memory_mb": memory_mb})
         cell = Cell("test", "adaptive", "adaptive", params, config, Measure(), {})
-        return judge(cell, catalog(), expected_sizes(config), None)
+        return judge(cell, catalog(), expected_stats(config), None)
 
     assert judged(least / 2**20) is None
     assert judged((least - 8) / 2**20)[0] == "over_budget"
@@ -324,8 +324,8 @@ def test_the_smallest_budget_is_judged_before_a_frame_is_drawn():
 def test_bands_of_what_the_cut_leaves_are_within_the_bound(device, max_error):
     config = SceneConfig(size=(64, 48), depth_complexity=40, alpha=(0.1, 0.9), layout="random", seed=6)
     scene = generate(config)
-    sizes = sizes_of(scene)
-    variant = budgeted(sizes, max(least_room(sizes), sizes.F // 8), max_error=max_error)
+    stats = stats_of(scene)
+    variant = budgeted(stats, max(least_room(stats), stats.F // 8), max_error=max_error)
     with drawn(device, "adaptive", scene, **variant.params) as frame:
         assert frame._plan.cut and frame._plan.banded and frame.lost_fragments() == 0
         assert frame.geometry_passes > 3
@@ -338,10 +338,10 @@ def test_a_budget_stays_kept_when_the_scene_changes(device):
     full = generate(FEW)
     thin = chosen(full, list(range(6)))
     thin.rect[1:, 2] = thin.rect[1:, 0] + 1
-    sizes = sizes_of(full)
-    variant = budgeted(sizes, sizes.F // 3)
+    stats = stats_of(full)
+    variant = budgeted(stats, stats.F // 3)
     quads, canvas = SceneBuffer(device, thin), Canvas(device, (64, 64))
-    frame = Frame(device, variant, sizes, quads, canvas)
+    frame = Frame(device, variant, stats, quads, canvas)
     try:
         for scene in (thin, full, thin, full):
             quads.replace(scene)
@@ -358,7 +358,7 @@ def test_a_budget_stays_kept_when_the_scene_changes(device):
 def test_no_budget_is_the_default_and_can_be_written():
     adaptive = catalog()["adaptive"]
     assert adaptive.variant({"memory_mb": 0}) == adaptive.variant({})
-    assert "sums" not in adaptive.variant({}).memory_bytes(sizes_of(generate(FEW)))
+    assert "sums" not in adaptive.variant({}).memory_bytes(stats_of(generate(FEW)))
     with pytest.raises(ValueError, match="allowed: 0 or a number between 0 and 1048576"):
         adaptive.variant({"memory_mb": -1.0})
 

@@ -5,7 +5,7 @@ import pytest
 
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
-from mfr_bench.oracle.composite import composite, sizes_of
+from mfr_bench.oracle.composite import composite, stats_of
 from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.scene import generate
 
@@ -38,7 +38,7 @@ def test_dual_peeling_cut_short_lacks_the_middle(device, layers):
         assert frame.variant.guarantee == "approximate"
         nearest, furthest = composite(DEEP, passes), composite(DEEP, passes, "furthest")
         both = nearest + (1 - nearest[..., 3:]) * furthest
-        deeper = sizes_of(DEEP).n > 2 * passes
+        deeper = stats_of(DEEP).n > 2 * passes
         assert deeper
         full = np.abs(frame.image() - composite(DEEP)).max()
         assert full > EXACT_ERROR

@@ -16,7 +16,7 @@ DEPTHS = np.random.default_rng(7).permutation(np.linspace(0.1, 0.9, 20))
 
 
 def error(frame, layers=K):
-    return float(np.abs(frame.image() - composite(frame.quads.scene, layers)).max())
+    return float(np.abs(frame.image() - composite(frame.scene_buffer.scene, layers)).max())
 
 
 @pytest.mark.parametrize("method", ["kb", "kb-multi", "kb-mha"])
@@ -32,7 +32,7 @@ def test_exact_where_fragments_come_one_by_one(device, method, k, depths):
 @pytest.mark.parametrize("method", ["kb", "kb-mha"])
 def test_memory_is_the_papers(device, method):
     with drawn(device, method, stack(DEPTHS), k=K) as frame:
-        assert sum(frame.memory_bytes.values()) == frame.variant.model_bytes(frame.sizes)
+        assert sum(frame.memory_bytes.values()) == frame.variant.model_bytes(frame.stats)
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def rounds(frame, count, damage=None):
     for i in range(count):
         missing.append(frame._run(loop.passes[0], i, None))
         if damage:
-            slots = frame.words("nodes").reshape(K, frame.sizes.P, 2).copy()
+            slots = frame.words("nodes").reshape(K, frame.stats.P, 2).copy()
             damage(slots)
             frame._buffers["nodes"][0].write(slots.tobytes())
         frame._run(loop.passes[1], i, None)

@@ -8,11 +8,11 @@ import pytest
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.gpu.single import shown
-from mfr_bench.gpu.truth import Truth, true_sizes
+from mfr_bench.gpu.truth import Truth, true_stats
 from mfr_bench.gpu.work import entered_map
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Promise
-from mfr_bench.oracle.composite import composite, fragment_counts, sizes_of
+from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
 from mfr_bench.oracle.quality import conformance
 from mfr_bench.scene import generate
 
@@ -126,7 +126,7 @@ def test_peeling_takes_as_many_passes_as_the_depth_asks(device, layers, k, passe
 def test_peeling_stops_where_a_frame_is_shallower_than_its_sizes(device):
     scene = stack([0.25, 0.5, 0.75], COLOURS[:3])
     quads, canvas = SceneBuffer(device, scene), Canvas(device, SIZE)
-    frame = Frame(device, catalog()["peel-kplus"].variant({"k": 2}), replace(sizes_of(scene), n=50), quads, canvas)
+    frame = Frame(device, catalog()["peel-kplus"].variant({"k": 2}), replace(stats_of(scene), n=50), quads, canvas)
     frame.draw_fitting()
     assert frame.geometry_passes == 2
     assert_shows(frame, COLOURS[:3])
@@ -137,20 +137,20 @@ def test_peeling_stops_where_a_frame_is_shallower_than_its_sizes(device):
 @pytest.mark.parametrize(("memory_mb", "hit_ratio"), [(200.0, 0.95), (200.0, 0.5), (0.02, 0.95), (0.001, 0.95)])
 def test_the_host_chooses_what_the_histogram_asks_for(device, memory_mb, hit_ratio):
     """Histogram, k, memory and image all agree with what the CPU knows of the scene."""
-    sizes = sizes_of(MIXED)
+    stats = stats_of(MIXED)
     with drawn(device, "kplus-sb-dynamic", MIXED, frames=2, memory_mb=memory_mb, hit_ratio=hit_ratio) as frame:
         histogram = frame.words("histogram")
-        np.testing.assert_array_equal(histogram[:sizes.n], sizes.histogram[1:])
-        assert not histogram[sizes.n:].any()
-        promise = frame.variant.promise(sizes)
-        assert frame.memory_bytes == frame.variant.memory_bytes(sizes)
-        assert frame.memory_bytes["nodes"] == 8 * sizes.bounded(promise.layers)
+        np.testing.assert_array_equal(histogram[:stats.n], stats.histogram[1:])
+        assert not histogram[stats.n:].any()
+        promise = frame.variant.promise(stats)
+        assert frame.memory_bytes == frame.variant.memory_bytes(stats)
+        assert frame.memory_bytes["nodes"] == 8 * stats.bounded(promise.layers)
         assert frame.lost_fragments() == 0
         assert np.abs(frame.image() - composite(MIXED, promise.layers)).max() < 1e-4
-    kept = sizes.bounded(promise.layers)
-    assert promise.layers == 1 or 8 * kept + 12 * sizes.P <= memory_mb * 2**20
+    kept = stats.bounded(promise.layers)
+    assert promise.layers == 1 or 8 * kept + 12 * stats.P <= memory_mb * 2**20
     if memory_mb == 200:
-        assert kept >= hit_ratio * sizes.F > sizes.bounded(promise.layers - 1)
+        assert kept >= hit_ratio * stats.F > stats.bounded(promise.layers - 1)
 
 
 def chosen_directly(counts: np.ndarray, memory_mb: float, hit_ratio: float) -> int:
@@ -173,16 +173,16 @@ def test_k_follows_the_frames_of_an_animation(device, memory_mb, hit_ratio):
     chosen = []
     with shown(device, generate(config)) as on:
         variant = catalog()["kplus-sb-dynamic"].variant({"memory_mb": memory_mb, "hit_ratio": hit_ratio})
-        frame = Frame(device, variant, on.sizes, on.quads, on.canvas)
+        frame = Frame(device, variant, on.stats, on.scene_buffer, on.canvas)
         for scene in (generate(config, i) for i in range(5)):
-            on.quads.replace(scene)
+            on.scene_buffer.replace(scene)
             frame.show(scene)
             frame.draw()
-            truth = Truth(device, on.quads, on.canvas)
-            sizes = true_sizes(device, on.quads, on.canvas)
+            truth = Truth(device, on.scene_buffer, on.canvas)
+            stats = true_stats(device, on.scene_buffer, on.canvas)
             k = chosen_directly(truth.counts, memory_mb, hit_ratio)
-            assert frame.chosen_k == k == variant.decision(sizes).k
-            np.testing.assert_array_equal(frame.words("histogram")[:sizes.n], np.bincount(truth.counts.ravel())[1:])
+            assert frame.chosen_k == k == variant.decision(stats).k
+            np.testing.assert_array_equal(frame.words("histogram")[:stats.n], np.bincount(truth.counts.ravel())[1:])
             error = conformance(frame.image(), truth.image(Promise(k)), truth.tied)
             assert error["max_abs_error"] < 1e-4
             chosen.append(k)

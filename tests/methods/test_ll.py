@@ -20,7 +20,7 @@ def listed(frame, pixel: int) -> list[int]:
     while following[node] != EMPTY:
         found.append(int(depths[node]))
         node = following[node]
-    assert node == frame.sizes.P + pixel
+    assert node == frame.stats.P + pixel
     assert depths[node] == EMPTY
     return found
 
@@ -41,8 +41,8 @@ def test_lists_are_in_order_and_hold_the_nearest(device, k):
 
 def test_words_per_pixel_are_the_papers(device):
     with drawn(device, "kb-ll", SCENE) as frame:
-        cells = frame.variant.capacity(frame.sizes)
-        assert sum(frame.memory_bytes.values()) == 4 * (3 * cells + 6 * frame.sizes.P + 1)
+        cells = frame.variant.capacity(frame.stats)
+        assert sum(frame.memory_bytes.values()) == 4 * (3 * cells + 6 * frame.stats.P + 1)
 
 
 @pytest.mark.parametrize("k", [1, 2, 3, 8])

@@ -10,8 +10,8 @@ from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Grown, Variant
-from mfr_bench.oracle.composite import composite, fragment_counts, sizes_of
-from mfr_bench.plan import Cell, expected_sizes, judge
+from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
+from mfr_bench.plan import Cell, expected_stats, judge
 from mfr_bench.scene import generate
 
 from .drawing import assert_shows, drawn, stack
@@ -32,8 +32,8 @@ def assert_exact(frame, scene):
 def test_exact_at_every_load(device, method, atomic64, load_factor):
     with drawn(device, method, SCENE, frames=2, load_factor=load_factor, atomic64=atomic64) as frame:
         assert_exact(frame, SCENE)
-        assert frame.words("cell_counter")[0] == sizes_of(SCENE).F
-        assert frame.memory_bytes == frame.variant.memory_bytes(sizes_of(SCENE))
+        assert frame.words("cell_counter")[0] == stats_of(SCENE).F
+        assert frame.memory_bytes == frame.variant.memory_bytes(stats_of(SCENE))
 
 
 @METHODS
@@ -49,16 +49,16 @@ def test_interrupts_a_crowded_table_and_doubles_it(device, method):
     declared = catalog()[method]
     small = replace(declared, capacity=Grown(start="P", counter="cell_counter"))
     variant = Variant(small, small.complete({"atomic64": "emulated"}))
-    sizes = sizes_of(SCENE)
-    quads, canvas = SceneBuffer(device, SCENE), Canvas(device, (sizes.W, sizes.H))
-    frame = Frame(device, variant, sizes, quads, canvas)
+    stats = stats_of(SCENE)
+    quads, canvas = SceneBuffer(device, SCENE), Canvas(device, (stats.W, stats.H))
+    frame = Frame(device, variant, stats, quads, canvas)
     assert not frame.draw()
-    assert frame.words("cell_counter")[0] > sizes.P
+    assert frame.words("cell_counter")[0] > stats.P
     frame.draw_fitting()
     assert_exact(frame, SCENE)
     cells = frame.memory_bytes["cells"] // 4
-    assert cells in (sizes.P * 2**i for i in range(12))
-    assert sizes.F <= 10 / 16 * cells < 2 * sizes.F
+    assert cells in (stats.P * 2**i for i in range(12))
+    assert stats.F <= 10 / 16 * cells < 2 * stats.F
     for thing in (frame, canvas, quads):
         thing.release()
 
@@ -107,7 +107,7 @@ def test_ages_count_from_one_to_the_oldest(device, method):
         ages, cells = frame.words("ages"), frame.words("cells")
         records = frame.words("records").reshape(-1, 2)
     named = cells[cells > 0] - 1
-    assert len(np.unique(named)) == len(named) == sizes_of(SCENE).F
+    assert len(np.unique(named)) == len(named) == stats_of(SCENE).F
     at = np.flatnonzero(cells)
     age = records[cells[at] - 1, 1] >> 24
     assert age.min() == 1
@@ -129,7 +129,7 @@ def test_offsets_are_drawn_from_the_seed(device):
 def test_too_deep_a_pixel_is_refused_before_it_is_drawn(method):
     cell = Cell("test", method, method, catalog()[method].complete({}), SceneConfig(size=(8, 8), depth_complexity=300),
                 Measure(), {})
-    status, reason = judge(cell, catalog(), expected_sizes(cell.scene), None)
+    status, reason = judge(cell, catalog(), expected_stats(cell.scene), None)
     assert status == "over_budget"
     assert "300 fragments" in reason
 
@@ -147,7 +147,7 @@ def test_ranges_follow_from_the_counters(device, method, size):
 def test_fixed_ranges_need_one_geometry_pass_and_no_sum(device):
     with drawn(device, "ab-precalc-fixed", SCENE) as frame:
         assert frame.geometry_passes == 1
-        sizes = sizes_of(SCENE)
-        np.testing.assert_array_equal(frame.words("address"), sizes.n * np.arange(sizes.P))
-        assert sum(frame.memory_bytes.values()) == frame.variant.model_bytes(sizes)
+        stats = stats_of(SCENE)
+        np.testing.assert_array_equal(frame.words("address"), stats.n * np.arange(stats.P))
+        assert sum(frame.memory_bytes.values()) == frame.variant.model_bytes(stats)
         assert_exact(frame, SCENE)

@@ -6,8 +6,8 @@ import pytest
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
 from mfr_bench.methods.shared import BMA, CLASS_BOUNDS, LPLUS, SORT
-from mfr_bench.methods.spec import Sizes
-from mfr_bench.oracle.composite import composite, sizes_of
+from mfr_bench.methods.spec import SceneStats
+from mfr_bench.oracle.composite import composite, stats_of
 from mfr_bench.scene import Scene, generate
 
 from .drawing import SIZE, drawn, stack
@@ -34,7 +34,7 @@ def image_of(device, method: str, scene: Scene, **params) -> np.ndarray:
 
 
 def discarded_share(frame) -> float:
-    return 1 - frame.probe()["arrived_fragments"] / frame.sizes.F
+    return 1 - frame.probe()["arrived_fragments"] / frame.stats.F
 
 
 @pytest.mark.parametrize("bma", BMA.choices)
@@ -100,9 +100,9 @@ def test_only_the_classes_that_a_frame_can_have_are_drawn():
     variant = catalog()["ab-array"].variant({"bma": "on"})
     classes = [p for p in variant.passes if "CLASS" in p.defines]
     for n, drawn_classes in ((1, 1), (8, 1), (9, 2), (32, 3), (33, 4), (1024, 8), (5000, 8)):
-        sizes = Sizes(W=1, H=1, n=n, F=n, quads=n)
-        assert sum(variant.runs(p, sizes) for p in classes) == drawn_classes
-    deepest = {p.defines["CLASS"]: variant.value(p.defines["LOCAL"], Sizes(W=1, H=1, n=100, F=100, quads=100))
+        stats = SceneStats(W=1, H=1, n=n, F=n, primitives=n)
+        assert sum(variant.runs(p, stats) for p in classes) == drawn_classes
+    deepest = {p.defines["CLASS"]: variant.value(p.defines["LOCAL"], SceneStats(W=1, H=1, n=100, F=100, primitives=100))
                for p in classes}
     assert [deepest[i] for i in range(5)] == [8, 16, 32, 64, 100]
 
@@ -117,12 +117,12 @@ def test_half_floats_keep_8_bit_colours(device, method):
 
 @pytest.mark.parametrize("method", ["ab-array", "ab-ll", "ab-sb", "kplus-array"])
 def test_a_wide_payload_is_a_word_more_per_fragment(method):
-    sizes = sizes_of(MIXED)
+    stats = stats_of(MIXED)
     plain, wide = (catalog()[method].variant({"payload": p, "k": 8}) for p in ("rgba8", "rgba16f"))
     nodes = "cells" if method == "ab-ll" else "nodes"
-    assert 2 * wide.memory_bytes(sizes)[nodes] == 3 * plain.memory_bytes(sizes)[nodes]
-    stored = {"ab-array": sizes.n * sizes.P, "kplus-array": 8 * sizes.P}.get(method, sizes.F)
-    assert wide.model_bytes(sizes) - plain.model_bytes(sizes) == 4 * stored
+    assert 2 * wide.memory_bytes(stats)[nodes] == 3 * plain.memory_bytes(stats)[nodes]
+    stored = {"ab-array": stats.n * stats.P, "kplus-array": 8 * stats.P}.get(method, stats.F)
+    assert wide.model_bytes(stats) - plain.model_bytes(stats) == 4 * stored
 
 
 @pytest.mark.parametrize("method", ["ab-array", "ab-ll", "lin-pre", "ab-sb", "kplus-array", "kb-mdt32"])
@@ -138,7 +138,7 @@ def test_occupancy_discards_only_what_is_beyond_the_k_nearest(device, method, in
     with drawn(device, method, MIXED, k=4, occupancy=intervals) as frame:
         np.testing.assert_allclose(frame.image(), composite(MIXED, 4), rtol=0, atol=1e-5)
         share = discarded_share(frame)
-        kept = sizes_of(MIXED).bounded(4) / sizes_of(MIXED).F
+        kept = stats_of(MIXED).bounded(4) / stats_of(MIXED).F
         assert 0.5 * (1 - kept) < share <= 1 - kept
         assert frame.lost_fragments() == 0
 
@@ -199,10 +199,10 @@ def test_occupancy_changes_no_image(device, method, k, intervals):
     with drawing as frame:
         np.testing.assert_allclose(frame.image(), composite(LAYERED, k), rtol=0, atol=1e-5)
         assert frame.lost_fragments() == 0
-        counted, kept = frame.probe(), sizes_of(LAYERED).bounded(k)
-        assert counted["held_fragments"] == kept <= counted["arrived_fragments"] <= sizes_of(LAYERED).F
+        counted, kept = frame.probe(), stats_of(LAYERED).bounded(k)
+        assert counted["held_fragments"] == kept <= counted["arrived_fragments"] <= stats_of(LAYERED).F
         if k < 16:
-            assert counted["arrived_fragments"] < sizes_of(LAYERED).F
+            assert counted["arrived_fragments"] < stats_of(LAYERED).F
 
 
 @pytest.mark.parametrize("depths", [[0.5], [0.0], [1.0], [0.0, 1.0], [0.25, 0.25 + 2**-23, 0.25 + 2**-22]],
@@ -212,7 +212,7 @@ def test_occupancy_keeps_depth_ranges_of_zero_and_their_bounds(device, method, d
     _, drawing = occupied_frame(device, method, stack(depths), k=len(depths), occupancy=32)
     with drawing as frame:
         assert discarded_share(frame) == 0
-        np.testing.assert_allclose(frame.image(), composite(frame.quads.scene), rtol=0, atol=1e-5)
+        np.testing.assert_allclose(frame.image(), composite(frame.scene_buffer.scene), rtol=0, atol=1e-5)
 
 
 @pytest.mark.parametrize("multisampling", ["on", "off"])
@@ -230,5 +230,5 @@ def test_a_culled_count_makes_room_for_no_more_than_is_stored(device, f_p):
     scene = generate(SceneConfig(size=(33, 21), depth_complexity=40, fragment_probability=f_p, seed=3))
     with drawn(device, "kb-ab-sb", scene, frames=2, k=4, occupancy=64) as frame:
         arrived = frame.probe()["arrived_fragments"]
-        assert frame.memory_bytes["nodes"] == 8 * arrived < 8 * sizes_of(scene).F
+        assert frame.memory_bytes["nodes"] == 8 * arrived < 8 * stats_of(scene).F
         np.testing.assert_allclose(frame.image(), composite(scene, 4), rtol=0, atol=1e-5)

@@ -8,7 +8,7 @@ import pytest
 
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
-from mfr_bench.gpu.truth import true_sizes
+from mfr_bench.gpu.truth import true_stats
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
 from mfr_bench.oracle.quality import EXACT_ERROR
@@ -42,12 +42,12 @@ def moving(device, method, frames=(0, 1), **more):
     scenes = [generate(replace(BASE, layout="random", quad_size=(19, 17), pixel_density=1.0, seed=20 + i))
               for i in frames]
     quads, canvas = SceneBuffer(device, scenes[0]), Canvas(device, BASE.size)
-    sizes = []
+    stats = []
     for scene in scenes:
         quads.replace(scene)
-        sizes.append(true_sizes(device, quads, canvas))
+        stats.append(true_stats(device, quads, canvas))
     quads.replace(scenes[0])
-    largest = replace(sizes[0], n=max(s.n for s in sizes), F=max(s.F for s in sizes))
+    largest = replace(stats[0], n=max(s.n for s in stats), F=max(s.F for s in stats))
     kept = [Frame(device, variant_of(method, reuse, **more), largest, quads, canvas) for reuse in ("on", "off")]
     try:
         yield scenes, quads, *kept
@@ -89,7 +89,7 @@ def test_frames_after_the_first_do_not_count(device, method):
         assert "count" not in work_of(frame)
         assert "count" in work_of(counting)
         frame.show(scenes[1])
-        frame.quads.replace(scenes[1])
+        frame.scene_buffer.replace(scenes[1])
         frame.draw()
         assert frame.geometry_passes == 2
 

@@ -6,7 +6,7 @@ import pytest
 from mfr_bench.config import Measure
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import SAMPLE_FEATURES, Sizes
+from mfr_bench.methods.spec import SAMPLE_FEATURES, SceneStats
 from mfr_bench.oracle.composite import composite
 from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.plan import Cell, Limits, judge
@@ -14,7 +14,7 @@ from mfr_bench.plan import Cell, Limits, judge
 from .drawing import chosen, drawn, stack
 
 COUNTS = tuple(SAMPLE_FEATURES.values())
-SIZES = Sizes(W=10, H=6, n=30, F=900, quads=30, histogram=(0,) * 30 + (60,))
+SIZES = SceneStats(W=10, H=6, n=30, F=900, primitives=30, histogram=(0,) * 30 + (60,))
 
 
 def depths(count):
@@ -23,7 +23,7 @@ def depths(count):
 
 def draw(device, method, scene, **params):
     with drawn(device, method, scene, **params) as frame:
-        assert frame.memory_bytes == frame.variant.memory_bytes(frame.sizes)
+        assert frame.memory_bytes == frame.variant.memory_bytes(frame.stats)
         assert frame.lost_fragments() == 0
         return frame.image(), frame.geometry_passes
 

@@ -12,14 +12,14 @@ from mfr_bench.methods.spec import (
     Method,
     Param,
     Pass,
-    Sizes,
+    SceneStats,
     Target,
     doubled,
     evaluate,
     when,
 )
 
-SIZES = Sizes(W=8, H=6, n=4, F=96, quads=4, histogram=(16, 16, 8, 0, 16 // 2))
+SIZES = SceneStats(W=8, H=6, n=4, F=96, primitives=4, histogram=(16, 16, 8, 0, 16 // 2))
 
 
 def declared(**more):
@@ -47,7 +47,7 @@ def test_a_formula_that_names_anything_else_fails(formula):
 
 def test_bounded_is_what_k_per_pixel_leave():
     assert [SIZES.bounded(k) for k in (1, 2, 3, 4, 99)] == [32, 48, 56, 64, 64]
-    assert Sizes(W=1, H=1, n=1, F=0, quads=0, histogram=(1,)).bounded(4) == 0
+    assert SceneStats(W=1, H=1, n=1, F=0, primitives=0, histogram=(1,)).bounded(4) == 0
 
 
 @given(st.integers(1, 10**6), st.integers(0, 10**9))
@@ -159,7 +159,7 @@ def test_a_growing_buffer_doubles_from_its_start_until_the_frame_fits():
     assert variant.start_capacity(SIZES) == 12
     assert variant.capacity(SIZES) == 96
     assert variant.memory_bytes(SIZES) == {"nodes": 4 * 96}
-    few = Sizes(W=8, H=6, n=1, F=5, quads=1)
+    few = SceneStats(W=8, H=6, n=1, F=5, primitives=1)
     assert variant.capacity(few) == 12
 
 
@@ -170,6 +170,6 @@ def test_a_counted_buffer_holds_exactly_the_frame():
 
 
 def test_an_empty_buffer_still_holds_one_element():
-    empty = Sizes(W=8, H=6, n=1, F=0, quads=0)
+    empty = SceneStats(W=8, H=6, n=1, F=0, primitives=0)
     variant = declared(capacity=Counted(), buffers=(Buffer("nodes", "2*capacity", type="uvec2"),)).variant({})
     assert variant.memory_bytes(empty) == {"nodes": 8}

@@ -9,7 +9,7 @@ import pytest
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu import frame as frames
 from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
-from mfr_bench.gpu.truth import true_sizes
+from mfr_bench.gpu.truth import true_stats
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import IMAGE, TILE_COMMAND, TILE_LIST
@@ -105,8 +105,8 @@ def animated(device, *chosen):
     """The scenes of an animation with their buffer, and a frame of each variant."""
     scenes = animation()
     quads, canvas = SceneBuffer(device, scenes[0]), Canvas(device, BASE.size)
-    sizes = true_sizes(device, quads, canvas)
-    kept = [Frame(device, variant, sizes, quads, canvas) for variant in chosen]
+    stats = true_stats(device, quads, canvas)
+    kept = [Frame(device, variant, stats, quads, canvas) for variant in chosen]
     try:
         yield scenes, *kept
     finally:
@@ -131,8 +131,8 @@ def spoil(frame) -> None:
 
 def shown(frame, scene) -> np.ndarray:
     """The image of the scene, once everything was spoilt."""
-    if frame.quads.scene is not scene:
-        frame.quads.replace(scene)
+    if frame.scene_buffer.scene is not scene:
+        frame.scene_buffer.replace(scene)
     frame.show(scene)
     spoil(frame)
     frame.draw_fitting()
@@ -191,11 +191,11 @@ def listed(frame) -> list[int]:
 @pytest.mark.parametrize("name", SCENES)
 def test_the_list_holds_each_tile_with_fragments_once(device, name):
     on = stage(device, SCENES[name])
-    frame = Frame(device, in_few(catalog()["ab-precalc"], touched="tiles"), on.sizes, on.quads, on.canvas)
+    frame = Frame(device, in_few(catalog()["ab-precalc"], touched="tiles"), on.stats, on.scene_buffer, on.canvas)
     try:
         frame.draw_fitting()
         counts = np.flatnonzero(frame.words("counter"))
-        tiles = {int(p % on.sizes.W // 16 + -(-on.sizes.W // 16) * (p // on.sizes.W // 16)) for p in counts}
+        tiles = {int(p % on.stats.W // 16 + -(-on.stats.W // 16) * (p // on.stats.W // 16)) for p in counts}
         assert listed(frame) == sorted(tiles)
         assert frame.words(TILE_COMMAND).tolist() == [len(tiles), 1, 0, 0, len(tiles), 1, 1, 0]
     finally:
@@ -223,12 +223,12 @@ def test_a_list_that_looks_beside_the_region_is_seen(device, plant):
 def test_only_listed_tiles_are_resolved(device):
     """The pixels that the resolve's draw passes are those of the tiles with fragments, within the region."""
     on = stage(device, SCENES["block 0.05"])
-    frame = Frame(device, in_few(catalog()["ab-array"], touched="tiles"), on.sizes, on.quads, on.canvas)
+    frame = Frame(device, in_few(catalog()["ab-array"], touched="tiles"), on.stats, on.scene_buffer, on.canvas)
     try:
         frame.draw_fitting()
         *_, columns, rows = frame.region
         work = work_of(frame)
-        assert 0 < work["resolve"]["passed"] <= min(columns * rows, 256 * len(listed(frame))) < on.sizes.P / 2
+        assert 0 < work["resolve"]["passed"] <= min(columns * rows, 256 * len(listed(frame))) < on.stats.P / 2
         assert work["clear"]["passed"] == columns * rows
     finally:
         frame.release()
@@ -238,11 +238,11 @@ def test_only_listed_tiles_are_resolved(device):
 def test_what_is_cleared_of_the_image_is_counted(device, touched):
     """It is what the resolve leaves out, or with tiles all of it."""
     on = stage(device, SCENES["block 0.05"])
-    frame = Frame(device, in_few(catalog()["ab-array"], touched=touched), on.sizes, on.quads, on.canvas)
+    frame = Frame(device, in_few(catalog()["ab-array"], touched=touched), on.stats, on.scene_buffer, on.canvas)
     try:
         frame.draw_fitting()
         *_, columns, rows = frame.region
-        cleared = on.sizes.P - (columns * rows if touched == "bounds" else 0)
+        cleared = on.stats.P - (columns * rows if touched == "bounds" else 0)
         assert work_of(frame)["resolve"]["cleared"] == cleared
     finally:
         frame.release()

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.hashing import hash3
-from mfr_bench.oracle.composite import composite, fragment_counts, sizes_of
+from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
 from mfr_bench.scene import Scene, generate
 
 from ..scenes import configs, placed
@@ -78,18 +78,18 @@ def test_counts_are_the_fragments_of_each_pixel(scene):
     width, height = scene.viewport
     counts = np.array([[len(fragments(scene, x, y)) for x in range(width)] for y in range(height)])
     np.testing.assert_array_equal(fragment_counts(scene), counts)
-    sizes = sizes_of(scene)
-    assert (sizes.W, sizes.H, sizes.F, sizes.quads) == (width, height, counts.sum(), len(scene))
-    assert sizes.n == max(1, counts.max())
-    assert sizes.histogram == tuple(np.bincount(counts.ravel()))
-    assert sizes.rejects == (scene.fragment_probability < 1 or scene.least > 0)
-    assert [sizes.bounded(k) for k in (1, 2, 99)] == [np.minimum(counts, k).sum() for k in (1, 2, 99)]
+    stats = stats_of(scene)
+    assert (stats.W, stats.H, stats.F, stats.primitives) == (width, height, counts.sum(), len(scene))
+    assert stats.n == max(1, counts.max())
+    assert stats.histogram == tuple(np.bincount(counts.ravel()))
+    assert stats.rejects == (scene.fragment_probability < 1 or scene.least > 0)
+    assert [stats.bounded(k) for k in (1, 2, 99)] == [np.minimum(counts, k).sum() for k in (1, 2, 99)]
 
 
 @given(configs(size=(23, 17)))
 def test_as_many_layers_as_there_are_fragments_are_all_of_them(config):
     scene = generate(config)
-    np.testing.assert_array_equal(composite(scene, sizes_of(scene).n), composite(scene))
+    np.testing.assert_array_equal(composite(scene, stats_of(scene).n), composite(scene))
 
 
 @given(placed(), st.randoms(use_true_random=False))
@@ -105,8 +105,8 @@ def test_an_empty_scene_is_transparent_black(probability):
     scene = generate(SceneConfig(size=(9, 7), depth_complexity=0, fragment_probability=probability))
     assert composite(scene).shape == (7, 9, 4)
     assert not composite(scene).any()
-    sizes = sizes_of(scene)
-    assert (sizes.n, sizes.F, sizes.histogram) == (1, 0, (63,))
+    stats = stats_of(scene)
+    assert (stats.n, stats.F, stats.histogram) == (1, 0, (63,))
 
 
 def test_row_0_is_at_the_bottom_and_colours_are_premultiplied():

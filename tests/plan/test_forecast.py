@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from mfr_bench.config.model import Measure, Scene
-from mfr_bench.plan import Cell, expected_sizes
+from mfr_bench.plan import Cell, expected_stats
 from mfr_bench.plan.forecast import (
     ALIKE,
     CALIBRATED,
@@ -31,7 +31,7 @@ def cell(method="a", scene=SCENE, measure=MEASURE, **params):
 
 
 def record(method="a", time_ms=5.0, scene=SCENE, **parts):
-    fragments = expected_sizes(scene).F
+    fragments = expected_stats(scene).F
     return planted.cell(method, time_ms=time_ms, scene=scene.as_dict(), values={"fragments": fragments}, **parts)
 
 
@@ -47,7 +47,7 @@ def test_the_sampling_rules_bound_a_cells_frames(time_ms, cv, seconds):
 
 def test_a_measured_cell_foretells_itself_whatever_its_shaders_were():
     forecast = Forecast([record(time_ms=5.0, glsl_hash="old")], FREE)
-    frame = forecast.frame(cell(), expected_sizes(SCENE))
+    frame = forecast.frame(cell(), expected_stats(SCENE))
     assert (frame.time_ms, frame.source) == (pytest.approx(5.0), MEASURED)
     assert 0 < frame.cv < 0.02
 
@@ -55,7 +55,7 @@ def test_a_measured_cell_foretells_itself_whatever_its_shaders_were():
 def test_another_scene_is_in_proportion_to_the_nearest_fragments():
     small, large = replace(SCENE, depth_complexity=8), replace(SCENE, depth_complexity=64)
     forecast = Forecast([record(time_ms=1.0, scene=small), record(time_ms=5.0)], FREE)
-    frame = forecast.frame(cell(scene=large), expected_sizes(large))
+    frame = forecast.frame(cell(scene=large), expected_stats(large))
     assert (frame.time_ms, frame.source) == (pytest.approx(10.0, rel=1e-3), ALIKE)
 
 
@@ -63,7 +63,7 @@ def test_a_method_that_was_never_measured_is_calibrated():
     rates = calibrated({"timer": "wall", "wall_ms": [1.0, 2.0, 4.0], "gpu_ms": [9.0, 9.0, 9.0]})
     assert rates.round_ns == pytest.approx(4e6 / 64 / 512**2)
     slow = replace(rates, round_ns=10 * rates.round_ns)
-    frames = [Forecast([record("b")], r).frame(cell(), expected_sizes(SCENE)) for r in (rates, slow)]
+    frames = [Forecast([record("b")], r).frame(cell(), expected_stats(SCENE)) for r in (rates, slow)]
     assert frames[0].source == CALIBRATED
     assert frames[1].time_ms == pytest.approx(10 * frames[0].time_ms)
     assert calibrated({}) == Rates()

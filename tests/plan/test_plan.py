@@ -10,7 +10,7 @@ from mfr_bench import plan
 from mfr_bench.config import Experiment, Measure, MethodEntry, Scene
 from mfr_bench.errors import UsageError
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Sizes
+from mfr_bench.methods.spec import SceneStats
 from mfr_bench.oracle.composite import fragment_counts
 from mfr_bench.scene import generate
 
@@ -140,7 +140,7 @@ LIMITS = plan.Limits(features=frozenset(), max_block_bytes=128 * MIB, max_textur
 def decide(method, scene=SCENE, limits=LIMITS, budget=3072.0, **params):
     found = cells(MethodEntry(method, method, params), scene=scene, measure=Measure(memory_budget_mb=budget))
     [cell] = [c for c in found if c.method == method]
-    return plan.judge(cell, CATALOG, plan.expected_sizes(scene), limits)
+    return plan.judge(cell, CATALOG, plan.expected_stats(scene), limits)
 
 
 def test_a_cell_that_fits_is_measured():
@@ -230,55 +230,55 @@ SCENES = st.builds(Scene, size=st.tuples(st.integers(1, 150), st.integers(1, 150
 @settings(deadline=None, max_examples=80)
 @given(scene=SCENES)
 def test_expected_sizes_are_exact_without_rejected_fragments(scene):
-    sizes, counts = plan.expected_sizes(scene), fragment_counts(generate(scene))
-    assert counts.sum() == sizes.F
-    assert sizes.n == max(1, counts.max())
-    assert sizes.quads == len(generate(scene))
+    stats, counts = plan.expected_stats(scene), fragment_counts(generate(scene))
+    assert counts.sum() == stats.F
+    assert stats.n == max(1, counts.max())
+    assert stats.primitives == len(generate(scene))
     if scene.depth_complexity:
         covered = int((counts > 0).sum())
-        assert sizes.histogram == (counts.size - covered, *(0,) * (scene.depth_complexity - 1), covered)
+        assert stats.histogram == (counts.size - covered, *(0,) * (scene.depth_complexity - 1), covered)
 
 
 @settings(deadline=None, max_examples=40)
 @given(scene=SCENES, probability=st.floats(0.05, 1), layout=st.sampled_from(["block", "tiles", "random"]))
 def test_expected_histograms_hold_every_pixel(scene, probability, layout):
     scene = replace(scene, fragment_probability=probability, layout=layout)
-    sizes = plan.expected_sizes(scene)
-    assert sum(sizes.histogram) == sizes.P
-    assert min(sizes.histogram) >= 0
-    assert sizes.bounded(sizes.n) == sizes.F
-    assert sizes.quads == len(generate(scene))
+    stats = plan.expected_stats(scene)
+    assert sum(stats.histogram) == stats.P
+    assert min(stats.histogram) >= 0
+    assert stats.bounded(stats.n) == stats.F
+    assert stats.primitives == len(generate(scene))
 
 
 @pytest.mark.parametrize("probability", [1.0, 0.25])
 def test_expected_sizes_of_pixels_that_draw_their_number_of_fragments(probability):
     scene = Scene(size=(200, 160), pixel_density=0.6, depth_complexity=40, least_depth=0.1,
                   fragment_probability=probability)
-    sizes, counts = plan.expected_sizes(scene), fragment_counts(generate(scene))
-    assert sizes.rejects and sum(sizes.histogram) == sizes.P
-    assert pytest.approx(counts.sum(), rel=0.02) == sizes.F
-    assert sizes.n == pytest.approx(counts.max(), rel=0.2)
+    stats, counts = plan.expected_stats(scene), fragment_counts(generate(scene))
+    assert stats.rejects and sum(stats.histogram) == stats.P
+    assert pytest.approx(counts.sum(), rel=0.02) == stats.F
+    assert stats.n == pytest.approx(counts.max(), rel=0.2)
 
 
 @pytest.mark.parametrize(("layout", "probability"), [("block", 0.3), ("tiles", 0.7), ("random", 1.0), ("random", 0.5)])
 def test_expected_sizes_are_near_where_chance_decides(layout, probability):
     scene = Scene(size=(200, 160), pixel_density=0.6, depth_complexity=40, layout=layout,
                   fragment_probability=probability)
-    sizes, counts = plan.expected_sizes(scene), fragment_counts(generate(scene))
-    assert pytest.approx(counts.sum(), rel=0.06) == sizes.F
-    assert sizes.n == pytest.approx(counts.max(), rel=0.2)
+    stats, counts = plan.expected_stats(scene), fragment_counts(generate(scene))
+    assert pytest.approx(counts.sum(), rel=0.06) == stats.F
+    assert stats.n == pytest.approx(counts.max(), rel=0.2)
 
 
 def test_a_local_array_that_the_driver_cannot_compile_is_refused():
     """By the fragments that the resolve of a variant holds at once, not by those of the scene."""
-    sizes = Sizes(W=2, H=1, n=2000, F=4000, quads=2000, histogram=(0,) * 2000 + (2,))
+    stats = SceneStats(W=2, H=1, n=2000, F=4000, primitives=2000, histogram=(0,) * 2000 + (2,))
     methods = catalog()
     lengths = {"ab-array": 2000, "peel-f2b": 0, "lin-pre": 0, "kb-ab-array": 8, "peel-kplus": 8}
-    assert {i: methods[i].variant({}).local_array(sizes) for i in lengths} == lengths
-    assert methods["ab-array"].variant({"sort": "lplus"}).local_array(sizes) == 32
+    assert {i: methods[i].variant({}).local_array(stats) for i in lengths} == lengths
+    assert methods["ab-array"].variant({"sort": "lplus"}).local_array(stats) == 32
     limits = plan.Limits(frozenset(), 2**30, 16384, max_local_array=1024)
     cell = plan.Cell("e", "ab-array", "AB", methods["ab-array"].variant({}).params, SCENE, Measure(), {})
-    status, reason = plan.judge(cell, methods, sizes, limits)
+    status, reason = plan.judge(cell, methods, stats, limits)
     assert status == "over_budget"
     assert "local array of 2000 fragments" in reason
-    assert plan.judge(cell, methods, replace(sizes, n=1024), limits) is None
+    assert plan.judge(cell, methods, replace(stats, n=1024), limits) is None

@@ -9,7 +9,7 @@ import pytest
 from mfr_bench import resources
 from mfr_bench.errors import MfrError, StoreError
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Sizes, evaluate
+from mfr_bench.methods.spec import SceneStats, evaluate
 from mfr_bench.report import reference
 from mfr_bench.report.reference import find, printed
 
@@ -21,8 +21,8 @@ MEMORY = find(paper="sbuffer2012", quantity="memory")
 
 def by_formula(row) -> float:
     """MiB that the row's bytes per pixel give for its viewport, n and fragments."""
-    sizes = Sizes(row.width, row.height, row.n, row.fragments, quads=0)
-    return sizes.P * evaluate(row.formula, sizes, {}) / MIB
+    stats = SceneStats(row.width, row.height, row.n, row.fragments, primitives=0)
+    return stats.P * evaluate(row.formula, stats, {}) / MIB
 
 
 def test_every_paper_is_there_and_every_row_is_its_file_s():

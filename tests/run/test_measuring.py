@@ -14,7 +14,7 @@ from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu import truth
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.methods import catalog
-from mfr_bench.plan import Cell, expected_sizes
+from mfr_bench.plan import Cell, expected_stats
 from mfr_bench.run import measuring, scene_work
 from mfr_bench.run.cell import Bench, failure
 from mfr_bench.run.events import Finished, Group, Sampled, Share
@@ -192,10 +192,10 @@ def test_a_cell_that_fails_costs_itself_alone(run, monkeypatch, error, when):
 def test_fragments_that_fit_no_buffer_are_an_overflow_with_their_number(run, device, monkeypatch):
     """As if more came than was planned for: the list starts with half of the room that they need."""
     variant = catalog()["ab-ll"].variant({})
-    sizes = expected_sizes(SCENE)
-    start, end = variant.start_capacity(sizes), variant.capacity(sizes)
-    assert start < sizes.F <= end
-    largest = max(variant.block_bytes(buffer, sizes, end) for buffer in variant.buffers)
+    stats = expected_stats(SCENE)
+    start, end = variant.start_capacity(stats), variant.capacity(stats)
+    assert start < stats.F <= end
+    largest = max(variant.block_bytes(buffer, stats, end) for buffer in variant.buffers)
     monkeypatch.setattr(measuring, "judge", lambda *arguments: None)
     monkeypatch.setattr(device, "limits", replace(device.limits, max_block_bytes=largest - 1))
     rows, made = run([cell(), cell("ab-ll")])

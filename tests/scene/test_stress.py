@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mfr_bench.config.model import Scene as SceneConfig
-from mfr_bench.oracle.composite import composite, fragment_counts, sizes_of
+from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
 from mfr_bench.scene import generate
 
 BASE = {"size": (9, 6), "depth_complexity": 8, "seed": 3}
@@ -43,7 +43,7 @@ def test_alphas_fall_or_rise_with_depth():
                                            ("infinity", False), ("minus_infinity", False), ("nan", False)])
 def test_what_gl_clips_gives_no_fragments(odd, seen):
     made = generate(SceneConfig(**BASE, odd_depth=odd))
-    assert sizes_of(made).n == 7 + seen
+    assert stats_of(made).n == 7 + seen
     assert (fragment_counts(made) == 7 + seen).all()
 
 

@@ -6,7 +6,7 @@ none is read; the image is cleared there. Clears by the driver alone stay whole,
 
 A listed tile is drawn as a point: along the edge that the two triangles of a square share, pixels are shaded twice. On
 llvmpipe the resolve of squares of 16, 32 and 64 pixels takes 1.6, 1.3 and 1.2 to 1.3 times that of one triangle over a
-full viewport, of points of any of these sizes 1.1, in which the list and the image's clear are counted.
+full viewport, of points of any of these stats 1.1, in which the list and the image's clear are counted.
 
 A method takes it where each pixel of a full-screen pass works for itself: passes that go over the storage of all
 pixels, such as a prefix sum, and what they read, stay outside `touching`.

@@ -3,7 +3,7 @@
 A declaration is data. It knows nothing of GL objects, YAML, files or plots; `gpu.executor` runs it,
 and the catalog, the tables and the tests read it.
 
-Formulas are strings over the names of `Sizes` and the method's own parameters, e.g. ``"2*k*P"``, so
+Formulas are strings over the names of `SceneStats` and the method's own parameters, e.g. ``"2*k*P"``, so
 that one text is evaluated for allocation, compared with the paper's, and printed.
 """
 
@@ -30,14 +30,14 @@ SAMPLE_STENCIL = "sample_stencil"  # the feature of testing each sample's stenci
 
 
 @dataclass(frozen=True)
-class Sizes:
+class SceneStats:
     """What a frame needs to know of its scene. Counts are of fragments unless said otherwise."""
 
     W: int  # viewport width, pixels
     H: int  # viewport height, pixels
     n: int  # most fragments in any pixel, at least 1
     F: int  # fragments of the frame
-    quads: int  # rectangles submitted
+    primitives: int  # submitted
     rejects: bool = False  # some fragments are not generated (f_p < 1, or pixels that draw their number)
     histogram: tuple[int, ...] = ()  # histogram[i] = pixels with i fragments
     geometry: str = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
@@ -59,7 +59,7 @@ class Sizes:
     @property
     def most_layers(self) -> int:
         """Most fragments that a pixel can have by the geometry alone: a strip of two triangles may cover it twice."""
-        return self.layers if self.layers is not None else self.quads * (1 if self.geometry == "quad" else 2)
+        return self.layers if self.layers is not None else self.primitives * (1 if self.geometry == "quad" else 2)
 
     def bounded(self, k: int) -> int:
         """Fragments left when each pixel keeps at most `k`: the sum of min(f, k) over the pixels."""
@@ -73,7 +73,7 @@ class Sizes:
         return {"W": self.W, "H": self.H, "P": self.P, "n": self.n, "F": self.F, "f": self.F / self.P}
 
 
-# What a parameter may ask of a scene: facts of Sizes, in words.
+# What a parameter may ask of a scene: facts of SceneStats, in words.
 SCENE_FACTS: Mapping[str, str] = {"flat": "flat primitives that meet no pixel but at its edges"}
 
 
@@ -90,13 +90,13 @@ def _compiled(formula: str):
     return compile(formula, f"<formula {formula}>", "eval")
 
 
-def evaluate(formula: str, sizes: Sizes, params: Params) -> float:
+def evaluate(formula: str, stats: SceneStats, params: Params) -> float:
     """Value of a resource formula for one frame. Raises NameError for a name it does not know."""
     functions = {"ceil": math.ceil, "floor": math.floor, "log2": math.log2, "min": min, "max": max, "doubled": doubled,
-                 "bounded": sizes.bounded, "paged": sizes.paged}
-    scope = {"__builtins__": {}} | functions | sizes.names() | dict(params)
+                 "bounded": stats.bounded, "paged": stats.paged}
+    scope = {"__builtins__": {}} | functions | stats.names() | dict(params)
     if "k" in params:
-        scope["f_k"] = sizes.bounded(int(params["k"])) / sizes.P
+        scope["f_k"] = stats.bounded(int(params["k"])) / stats.P
     return eval(_compiled(formula), scope)
 
 
@@ -210,7 +210,7 @@ SPARE_CELLS = ("the counter, one word per frame, and the spare cells of a capaci
 class Counted:
     """Capacity known inside the frame: what the pass that `counts` has counted by an occlusion query, or `totals`.
 
-    `elements` is the same as a formula of the scene's sizes.
+    `elements` is the same as a formula of the scene's stats.
     """
 
     elements: str = "F"
@@ -253,11 +253,11 @@ class Known:
     filled: bool = False  # every primitive has one fragment in each pixel of the rectangle
 
     @classmethod
-    def of(cls, sizes: Sizes, fragments: int | None, room: int | None) -> Known:
+    def of(cls, stats: SceneStats, fragments: int | None, room: int | None) -> Known:
         """Of a scene of these sizes, from what its geometry tells."""
-        area = sizes.P if sizes.area is None else sizes.area
-        filled = sizes.flat and not sizes.rejects and sizes.reach == sizes.quads * area
-        return cls(sizes.most_layers, area, sizes.P, fragments, room, sizes.reach, filled)
+        area = stats.P if stats.area is None else stats.area
+        filled = stats.flat and not stats.rejects and stats.reach == stats.primitives * area
+        return cls(stats.most_layers, area, stats.P, fragments, room, stats.reach, filled)
 
 
 @dataclass(frozen=True)
@@ -515,7 +515,7 @@ class Method:
     @property
     def k_saves_passes(self) -> bool:
         """Whether a loop runs less often the more fragments each round of it keeps."""
-        deep = Sizes(W=1, H=1, n=1024, F=1024, quads=1024)
+        deep = SceneStats(W=1, H=1, n=1024, F=1024, primitives=1024)
         few, many = (self.complete({}) | {"k": k} for k in (1, deep.n))
         return any(evaluate(step.times, deep, many) < evaluate(step.times, deep, few)
                    for step in self.steps if isinstance(step, Loop))
@@ -574,14 +574,14 @@ class Variant:
     def passes(self) -> tuple[Pass, ...]:
         return tuple(p for step in self.steps for p in (step.passes if isinstance(step, Loop) else (step,)))
 
-    def value(self, formula: str, sizes: Sizes) -> int:
+    def value(self, formula: str, stats: SceneStats) -> int:
         """A formula of a pass: it may also use `keep`, the method's `local`."""
-        keep = max(1, int(evaluate(self.method.local, sizes, self.scope)))
-        return int(evaluate(formula, sizes, self.scope | {"keep": keep}))
+        keep = max(1, int(evaluate(self.method.local, stats, self.scope)))
+        return int(evaluate(formula, stats, self.scope | {"keep": keep}))
 
-    def runs(self, step: Pass, sizes: Sizes) -> bool:
+    def runs(self, step: Pass, stats: SceneStats) -> bool:
         """Whether a frame of these sizes needs the pass."""
-        return step.needed is None or bool(self.value(step.needed, sizes))
+        return step.needed is None or bool(self.value(step.needed, stats))
 
     @property
     def pass_names(self) -> tuple[str, ...]:
@@ -618,29 +618,29 @@ class Variant:
         cut = promised == "exact all" and self.layers is not None
         return "approximate" if self.weaknesses else "exact k nearest" if cut else promised
 
-    def exact_in(self, sizes: Sizes) -> bool:
+    def exact_in(self, stats: SceneStats) -> bool:
         """Whether the image of a scene of these sizes has to be the promised one."""
         if self.guarantee.startswith("exact"):
             return True
         condition = None if self.weaknesses else self.method.exact_where
-        return condition is not None and bool(evaluate(condition, sizes, self.scope))
+        return condition is not None and bool(evaluate(condition, stats, self.scope))
 
-    def kept(self, sizes: Sizes) -> int:
+    def kept(self, stats: SceneStats) -> int:
         """Fragments that the image is made of when the method does what it promises."""
-        layers = self.promise(sizes).layers
-        return sizes.bounded(layers) if layers else sizes.F
+        layers = self.promise(stats).layers
+        return stats.bounded(layers) if layers else stats.F
 
     @property
     def layers(self) -> int | None:
         """Most fragments per pixel that the parameters let reach the image; None means all."""
         if self.method.cut:
-            return int(evaluate(self.method.cut, Sizes(W=1, H=1, n=1, F=1, quads=1), self.scope)) or None
+            return int(evaluate(self.method.cut, SceneStats(W=1, H=1, n=1, F=1, primitives=1), self.scope)) or None
         bounded = self.method.guarantee not in ("exact all", "none") and not self.method.mixes
         return int(self.scope["k"]) if bounded and "k" in self.scope else None
 
-    def promise(self, sizes: Sizes) -> Promise:
+    def promise(self, stats: SceneStats) -> Promise:
         """The image that the method aims at in a scene, by which conformance is judged."""
-        decision = self.decision(sizes)
+        decision = self.decision(stats)
         return Promise(decision.k if decision else self.layers, str(self.scope.get("criterion", "nearest")),
                        self.two_channel)
 
@@ -649,56 +649,56 @@ class Variant:
         """Whether fragments are stored with colours of two channels."""
         return self.scope.get("payload") == "two_channel"
 
-    def decision(self, sizes: Sizes) -> Choice | None:
+    def decision(self, stats: SceneStats) -> Choice | None:
         """What the host will choose in a scene, or None where nothing is chosen."""
         decided = self.method.capacity
         if not isinstance(decided, Decided):
             return None
-        return decided.rule(sizes.histogram[1:], sizes.F, sizes.P, self.scope)
+        return decided.rule(stats.histogram[1:], stats.F, stats.P, self.scope)
 
-    def local_array(self, sizes: Sizes) -> int:
+    def local_array(self, stats: SceneStats) -> int:
         """Fragments in the longest local array of any shader that a frame runs."""
-        return max((self.value(str(p.defines["LOCAL"]), sizes) for p in self.passes
-                    if "LOCAL" in p.defines and self.runs(p, sizes)), default=0)
+        return max((self.value(str(p.defines["LOCAL"]), stats) for p in self.passes
+                    if "LOCAL" in p.defines and self.runs(p, stats)), default=0)
 
-    def error_bound(self, sizes: Sizes) -> float | None:
+    def error_bound(self, stats: SceneStats) -> float | None:
         """Largest channel error by float32 rounding (docs/accuracy.md) and by what the method leaves out.
 
         None where no image is promised.
         """
         if not self.guarantee.startswith("exact"):
             return None
-        layers = min(sizes.n, self.promise(sizes).layers or sizes.n)
+        layers = min(stats.n, self.promise(stats).layers or stats.n)
         left_out = float(self.scope[self.method.leaves_out]) if self.method.leaves_out else 0.0
         steps = 5 * layers if self.method.merges else layers / 2 + 2 * min(layers, ALPHA_STEPS)
         return (steps + LEAF_ROUNDINGS) * UNIT_ROUNDOFF + left_out
 
-    def _values(self, sizes: Sizes) -> Params:
+    def _values(self, stats: SceneStats) -> Params:
         """What resource formulas see: the parameters, and the k that the host chooses."""
-        decision = self.decision(sizes)
+        decision = self.decision(stats)
         return self.scope | {"k": decision.k} if decision else self.scope
 
     @property
     def all_params(self) -> tuple[Param, ...]:
         return self.method.fixed + self.method.params
 
-    def capacity(self, sizes: Sizes) -> int:
+    def capacity(self, stats: SceneStats) -> int:
         """Elements that the variable buffers have room for once the frame fits."""
         if isinstance(self.method.capacity, Grown):
-            wanted = int(evaluate(self.method.capacity.wanted, sizes, self.scope))
-            return doubled(self.start_capacity(sizes), wanted)
+            wanted = int(evaluate(self.method.capacity.wanted, stats, self.scope))
+            return doubled(self.start_capacity(stats), wanted)
         if isinstance(self.method.capacity, Counted):
-            return int(evaluate(self.method.capacity.elements, sizes, self.scope))
+            return int(evaluate(self.method.capacity.elements, stats, self.scope))
         if isinstance(self.method.capacity, Planned):
-            plan = self.plan(sizes)
-            counted = sizes.F if plan.known.room is None else max(0, min(sizes.F, plan.known.room))
+            plan = self.plan(stats)
+            counted = stats.F if plan.known.room is None else max(0, min(stats.F, plan.known.room))
             return counted if plan.capacity is None else plan.capacity
-        decision = self.decision(sizes)
-        return decision.capacity if decision else sizes.F
+        decision = self.decision(stats)
+        return decision.capacity if decision else stats.F
 
-    def plan(self, sizes: Sizes) -> Plan:
+    def plan(self, stats: SceneStats) -> Plan:
         """The plan of a frame whose scene was shown before, of a planned method."""
-        return self.method.capacity.rule(Known.of(sizes, sizes.F, self.room(sizes)), self.scope)
+        return self.method.capacity.rule(Known.of(stats, stats.F, self.room(stats)), self.scope)
 
     @property
     def budget_bytes(self) -> int:
@@ -707,30 +707,30 @@ class Variant:
         named = isinstance(planned, Planned) and planned.budget
         return int(float(self.scope[planned.budget]) * 2**20) if named else 0
 
-    def room(self, sizes: Sizes) -> int | None:
+    def room(self, stats: SceneStats) -> int | None:
         """Elements that the budget allows beside what every frame takes, below 1 where that is too much already."""
         if not self.budget_bytes:
             return None
-        one, two = (sum(self.memory_bytes(sizes, elements).values()) for elements in (1, 2))
+        one, two = (sum(self.memory_bytes(stats, elements).values()) for elements in (1, 2))
         return (self.budget_bytes - one) // (two - one) + 1
 
-    def least_bytes(self, sizes: Sizes) -> int:
+    def least_bytes(self, stats: SceneStats) -> int:
         """Bytes of the smallest budget by which the method can draw any scene of these sizes; 0 where it has none."""
         if not self.budget_bytes:
             return 0
-        least = max(1, int(evaluate(self.method.capacity.least, sizes, self.scope)))
-        return sum(self.memory_bytes(sizes, least).values())
+        least = max(1, int(evaluate(self.method.capacity.least, stats, self.scope)))
+        return sum(self.memory_bytes(stats, least).values())
 
-    def start_capacity(self, sizes: Sizes) -> int:
+    def start_capacity(self, stats: SceneStats) -> int:
         """Elements allocated before anything is known of the frame; 0 where the frame counts them first."""
         if isinstance(self.method.capacity, Grown):
-            return max(1, int(evaluate(self.method.capacity.start, sizes, self.scope)))
+            return max(1, int(evaluate(self.method.capacity.start, stats, self.scope)))
         return 0
 
-    def block_bytes(self, buffer: Buffer, sizes: Sizes, capacity: int | None = None) -> int:
+    def block_bytes(self, buffer: Buffer, stats: SceneStats, capacity: int | None = None) -> int:
         """Bytes of one copy of a buffer; an empty one still holds one element."""
-        room = self.capacity(sizes) if capacity is None else capacity
-        words = int(evaluate(buffer.words, sizes, {**self._values(sizes), "capacity": room}))
+        room = self.capacity(stats) if capacity is None else capacity
+        words = int(evaluate(buffer.words, stats, {**self._values(stats), "capacity": room}))
         elements = max(1, words // buffer.element_words)
         return 4 * (max(words, buffer.element_words) + elements * self._extra_words(buffer))
 
@@ -743,14 +743,14 @@ class Variant:
         """Words of each element beyond those that the buffer's formula counts."""
         return self.payload_words - 1 if buffer.type in ("FRAGMENT", "PAYLOAD") else 0
 
-    def memory_bytes(self, sizes: Sizes, capacity: int | None = None) -> dict[str, int]:
+    def memory_bytes(self, stats: SceneStats, capacity: int | None = None) -> dict[str, int]:
         """Bytes of each resource, by name, with as much capacity as the frame needs or as is given.
 
         The image that all methods share is not counted.
         """
-        buffers = {b.name: b.copies * self.block_bytes(b, sizes, capacity) for b in self.buffers}
-        targets = {t.name: int(4 * FORMAT_WORDS[t.format]) * t.copies * sizes.P * self.samples(t, sizes)
-                   * self.layer_count(t, sizes) for t in self.targets}
+        buffers = {b.name: b.copies * self.block_bytes(b, stats, capacity) for b in self.buffers}
+        targets = {t.name: int(4 * FORMAT_WORDS[t.format]) * t.copies * stats.P * self.samples(t, stats)
+                   * self.layer_count(t, stats) for t in self.targets}
         return buffers | targets
 
     @property
@@ -759,17 +759,17 @@ class Variant:
         cut = self.method.leaves_out and self.guarantee == "approximate" and isinstance(self.method.capacity, Planned)
         return bool(cut or (self.scope.get("occupancy") and isinstance(self.method.capacity, (Grown, Counted))))
 
-    def samples(self, target: Target, sizes: Sizes) -> int:
+    def samples(self, target: Target, stats: SceneStats) -> int:
         """Samples of a target's pixel."""
-        return self.value(target.samples, sizes) if target.samples else 1
+        return self.value(target.samples, stats) if target.samples else 1
 
-    def layer_count(self, target: Target, sizes: Sizes) -> int:
+    def layer_count(self, target: Target, stats: SceneStats) -> int:
         """Layers of a target."""
-        return self.value(target.layers, sizes) if target.layers else 1
+        return self.value(target.layers, stats) if target.layers else 1
 
-    def model_bytes(self, sizes: Sizes) -> int:
+    def model_bytes(self, stats: SceneStats) -> int:
         """Bytes by the paper's words per pixel, and by the words of a wider payload."""
-        values = self._values(sizes)
-        stored = {**values, "capacity": sizes.F}
-        wider = sum(evaluate(b.words, sizes, stored) / b.element_words * self._extra_words(b) for b in self.buffers)
-        return round(4 * (sizes.P * evaluate(self.method.words, sizes, values) + wider))
+        values = self._values(stats)
+        stored = {**values, "capacity": stats.F}
+        wider = sum(evaluate(b.words, stats, stored) / b.element_words * self._extra_words(b) for b in self.buffers)
+        return round(4 * (stats.P * evaluate(self.method.words, stats, values) + wider))
