@@ -220,9 +220,9 @@ def test_printed_numbers_stand_beside_the_measured_ones(tmp_path):
                   values={"memory_bytes": 2**18}), cell("kb", "KB", 3.0, scene={"size": [80, 60]})]
     lines = printed_lines(tmp_path, cells, paper="sbuffer2012", figure="§4", prints=["memory"])
     sb = next(line for line in lines if line.startswith("memory · S-buffer · 640×480"))
-    assert sb.split()[-7:] == ["6.99", "MiB", "0.250", "at", "80×60", "GTX", "480"]
+    assert sb.split()[-7:] == ["6.99", "MB", "0.250", "at", "80×60", "GTX", "480"]
     slip = next(line for line in lines if line.startswith("memory · Linked Lists · 1600×1200"))
-    assert "51.7 MiB (slip: 54.5 follows)" in slip and " – " in slip
+    assert "51.7 MB (slip: 54.5 follows)" in slip and " – " in slip
 
 
 def test_a_formula_is_printed_as_such_and_variants_have_nothing_beside_them(tmp_path):
