@@ -94,6 +94,11 @@ def speedup(times: float) -> Bound:
     return Bound(f"at least {times / NEAR:.3g} (two thirds of {times:g})", low=times / NEAR)
 
 
+def margin(share: float) -> Bound:
+    """More than the other by a share that the text does not print."""
+    return Bound(f"at least {1 + share:g} (the limit is ours)", low=1 + share)
+
+
 def gain(percent: float) -> Bound:
     """A small gain or cost that a paper prints: from half of it to twice as much."""
     low, high = 1 + percent / 200, 1 + percent / 50

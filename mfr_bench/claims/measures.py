@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ..report.data import Point, time_ratio
+from ..report.data import DERIVED, Point, time_ratio
 from ..stats import Interval, ratio_interval
 from .evidence import NOTHING
 
@@ -14,11 +14,12 @@ MB = 2**20
 
 @dataclass(frozen=True)
 class Measure:
-    """A quantity of a cell: samples of a time in ms, a factor that is counted, or the product of both."""
+    """A quantity of a cell: samples of a time in ms, a factor that is counted, or the product or quotient of both."""
 
     words: str
     samples: Callable[[Point], Sequence[float]] | None = None
     factor: Callable[[Point], float | None] | None = None
+    divides: bool = False  # the time is divided by the factor
 
     @property
     def exact(self) -> bool:
@@ -29,9 +30,9 @@ class Measure:
         scale = 1.0
         if self.factor:
             above, below = self.factor(over), self.factor(under)
-            if above is None or not below:
+            if not above or not below:
                 return NOTHING
-            scale = above / below
+            scale = below / above if self.divides else above / below
         if not self.samples:
             return scale, scale, scale
         low, value, high = (time_ratio(over.cell, under.cell, confidence) if self.samples is frame_ms
@@ -50,13 +51,15 @@ def pass_ms(point: Point, *names: str) -> Sequence[float]:
 
 
 def column(name: str) -> Callable[[Point], float | None]:
-    return lambda point: point.cell["values"].get(name)
+    """A value of the cell, or one that follows from its values."""
+    return lambda point: point.measure(name)[1] if name in DERIVED else point.cell["values"].get(name)
 
 
 TIME = Measure("time", samples=frame_ms)
 # Fig. 8 of kplus_2015 says ms per MB; read as a cost, as the fps per MB of kplus_2014 has it: dividing by the memory
 # would reward a method for using more.
 COST = Measure("ms × MB", samples=frame_ms, factor=column("memory_bytes"))
+PRINTED_COST = Measure("ms / MB", samples=frame_ms, factor=column("memory_bytes"), divides=True)
 MEMORY = Measure("memory", factor=column("memory_bytes"))
 
 

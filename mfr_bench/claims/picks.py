@@ -30,6 +30,9 @@ def if_any(wanted: Any) -> Condition:
 ANY = Condition("any", lambda value, _: True, optional=True)  # stated by both sides, it may differ between them
 
 
+UNSET = Condition("unset", lambda value, _: value is None, optional=True)
+
+
 def from_(low: float) -> Condition:
     return Condition(f"from {low:g}", lambda value, _: is_number(value) and value >= low)
 

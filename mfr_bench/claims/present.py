@@ -10,7 +10,8 @@ from collections.abc import Iterable, Sequence
 from ..store import csv_text
 from .verdict import VERDICTS, Verdict
 
-COLUMNS = ("device", "id", "verdict", "reason", "source", "claim", "paper", "measured", "rule", "remark", "experiments")
+COLUMNS = ("device", "id", "verdict", "reason", "decided_by", "source", "claim", "paper", "measured", "rule", "remark",
+           "experiments")
 LABEL = 9  # columns of the labels of the text form
 
 
@@ -57,6 +58,10 @@ def _lines(verdict: Verdict) -> Iterable[tuple[str, str]]:
     yield "paper", claim.paper
     if verdict.reason:
         yield "why", verdict.reason
+    if claim.reading:
+        yield "read", claim.reading
+    if verdict.decided_by:
+        yield "but", verdict.decided_by
     for rule, finding in zip(claim.rules, verdict.findings or [None] * len(claim.rules), strict=True):
         yield "rule", rule.text
         if finding:

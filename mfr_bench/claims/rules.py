@@ -7,26 +7,28 @@ methods of which every one must be found there.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 from ..methods.spec import SceneStats, evaluate
 from ..report.data import Point, plain, short
 from ..stats import Interval, median_interval
 from .evidence import (
+    LESS,
     MORE,
     NOTHING,
     Bound,
     BoundByMaker,
     Comparison,
     Outcome,
+    at_least,
     at_most,
     bound_on,
     decided,
     refusal,
 )
 from .measures import TIME, Measure, column, frame_ms, pass_ms
-from .picks import Pick, Where, at, coordinates, fixed_by, is_number, pairs, words
+from .picks import Pick, Where, at, coordinates, fixed_by, is_number, meets, pairs, words
 from .runs import Run
 
 
@@ -183,7 +185,8 @@ def _ends(items: Sequence, coordinate: Callable) -> tuple | None:
 class Straight:
     """Time on a straight line over a power of a coordinate: inner points against the chord between the ends.
 
-    A constant cost per frame does not matter. The coordinate must span a factor of `span`, or any curve is straight.
+    A constant cost per frame does not matter, but that the largest takes `grows` times as long as the smallest does.
+    The coordinate must span a factor of `span`, or any curve is straight.
     """
 
     cells: Pick
@@ -192,16 +195,25 @@ class Straight:
     tolerance: float = 0.1
     span: float = 3.0
     same: tuple[str, ...] = ()
+    grows: float = 1.0
+    below: bool = False  # a curve that grows ever faster: its inner points lie below the chord
+    cut: Where = field(default_factory=dict)  # which inner points are compared, all where empty
 
     @property
     def bound(self) -> Bound:
+        if self.below:
+            return LESS
         return Bound(f"within {100 * self.tolerance:g} % of 1", 1 - self.tolerance, 1 + self.tolerance)
 
     @property
     def text(self) -> str:
         axis = short(self.along) + ("²" if self.power == 2 else "")
-        return (f"time, {self.cells.text} / the straight line over {axis} from the smallest to the largest "
-                f"{short(self.along)}: {self.bound.words}")
+        return (f"time, {self.cells.text}{_there(self.cut)} / the straight line over {axis} from the smallest to the "
+                f"largest {short(self.along)}: {self.bound.words}{self._grows_words}")
+
+    @property
+    def _grows_words(self) -> str:
+        return f", and the largest takes at least {self.grows:g} times the smallest" if self.grows > 1 else ""
 
     @property
     def needs(self) -> str:
@@ -222,8 +234,11 @@ class Straight:
         if ends is None or at(ends[1], self.along) < self.span * at(ends[0], self.along):
             return
         limits = [at(end, self.along) for end in ends]
+        if self.grows > 1:
+            yield _compared(run, f"{ends[1].method}, largest / smallest", (ends[1], ends[0]),
+                            lambda: TIME.ratio(ends[1], ends[0]), at_least(self.grows))
         for point in points:
-            if limits[0] < at(point, self.along) < limits[1]:
+            if limits[0] < at(point, self.along) < limits[1] and meets(point, self.cut):
                 yield _compared(run, f"{point.method} / line", (point, *ends),
                                 lambda point=point: self._against_chord(point, *ends), self.bound)
 
@@ -342,6 +357,30 @@ class Memory:
             return NOTHING
         expected = self.bytes_each * stats.P * evaluate(formula, stats, known if "k" in formula else {})
         return (row["memory_bytes"] / expected,) * 3 if expected else NOTHING
+
+
+@dataclass(frozen=True)
+class Hindered:
+    """A rule that the setting here works against: where it holds, it holds all the more; else nothing is said."""
+
+    rule: Rule
+    why: str
+
+    @property
+    def text(self) -> str:
+        return f"{self.rule.text}; only told where it holds, since {self.why}"
+
+    @property
+    def needs(self) -> str:
+        return self.rule.needs
+
+    @property
+    def each(self) -> tuple[str, ...]:
+        return self.rule.each
+
+    def compare(self, run: Run) -> list[Comparison]:
+        return [replace(c, outcome=Outcome.UNCLEAR, reason=self.why) if c.outcome is Outcome.FAILS else c
+                for c in self.rule.compare(run)]
 
 
 @dataclass(frozen=True)

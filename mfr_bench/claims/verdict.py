@@ -17,12 +17,22 @@ ALWAYS_SHOWN = ("size", "depth_complexity", "k")  # where the deciding compariso
 
 
 @dataclass(frozen=True)
+class Reading:
+    """Another way to read a sentence, in words, and the rules by which it is tested then."""
+
+    words: str
+    rules: tuple[Rule, ...]
+
+
+@dataclass(frozen=True)
 class Claim:
     """One sentence that a paper states, and how it is tested.
 
-    It holds where every rule does, and fails where one does. `experiments` are the configs of which any one can
-    show it. `hardware` says what a software driver lacks of that to which the paper attributes the finding;
-    `gpu_timer` marks what is too short to be timed between two finishes. `remark` is what differs from the paper.
+    It holds where every rule does, and fails where one does. `experiments` are the configs of which any one can show
+    it. `reading` says how `rules` read what the text leaves open, `otherwise` holds its other readings: they are
+    judged beside it, and a verdict tells where they differ. `hardware` says what a software driver lacks of that to
+    which the paper attributes the finding; `gpu_timer` marks what is too short to be timed between two finishes.
+    `remark` is what differs from the paper.
     """
 
     id: str
@@ -34,6 +44,8 @@ class Claim:
     hardware: str = ""
     gpu_timer: bool = False
     remark: str = ""
+    reading: str = ""
+    otherwise: tuple[Reading, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -112,14 +124,24 @@ class Verdict:
     verdict: str
     reason: str  # why it is not testable, else empty
     findings: tuple[Finding, ...]
+    others: tuple[tuple[Reading, str, tuple[Finding, ...]], ...] = ()  # each other reading, its verdict and findings
+
+    @property
+    def decided_by(self) -> str:
+        """How the sentence was read, where another reading has another verdict."""
+        apart = [f"'{reading.words}': {verdict}" for reading, verdict, _ in self.others if verdict != self.verdict]
+        return f"the reading decides: '{self.claim.reading}', but by {'; by '.join(apart)}" if apart else ""
 
     def record(self) -> dict[str, Any]:
         """The verdict as JSON knows it."""
         claim = self.claim
         return {"device": self.device, "id": claim.id, "source": claim.source, "claim": claim.sentence,
                 "paper": claim.paper, "experiments": list(claim.experiments), "verdict": self.verdict,
-                "reason": self.reason or None, "remark": claim.remark or None,
-                "rules": [self._rule_record(rule) for rule in claim.rules]}
+                "reason": self.reason or None, "remark": claim.remark or None, "reading": claim.reading or None,
+                "decided_by": self.decided_by or None,
+                "rules": [self._rule_record(rule) for rule in claim.rules],
+                "otherwise": [{"reading": reading.words, "verdict": verdict, "measured": [f.text for f in findings]}
+                              for reading, verdict, findings in self.others]}
 
     def _rule_record(self, rule: Rule) -> dict[str, Any]:
         """A rule with what was found of it; nothing but the rule where its experiment was not measured."""
@@ -149,9 +171,17 @@ def judge(claim: Claim, device: str, runs: Sequence[Run]) -> Verdict:
     mine = [run for run in runs if run.experiment in claim.experiments]
     if not any(run.points for run in mine):
         return Verdict(claim, device, NOT_TESTABLE, f"not measured: {' or '.join(claim.experiments)}", ())
-    findings = tuple(Finding(rule, tuple(c for run in mine for c in rule.compare(run))) for rule in claim.rules)
+    findings = _findings(claim.rules, mine)
     verdict, reason = _verdict(claim, mine, findings)
-    return Verdict(claim, device, verdict, reason, findings)
+    others = []
+    for reading in claim.otherwise:
+        found = _findings(reading.rules, mine)
+        others.append((reading, _verdict(claim, mine, found)[0], found))
+    return Verdict(claim, device, verdict, reason, findings, tuple(others))
+
+
+def _findings(rules: Sequence[Rule], runs: Sequence[Run]) -> tuple[Finding, ...]:
+    return tuple(Finding(rule, tuple(c for run in runs for c in rule.compare(run))) for rule in rules)
 
 
 def _verdict(claim: Claim, runs: Sequence[Run], findings: Sequence[Finding]) -> tuple[str, str]:

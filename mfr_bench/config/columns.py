@@ -11,7 +11,7 @@ MEASURED = ("fragments", "covered_pixels", "max_fragments", "samples", "time_ms"
             "culled_share", "luminance_error", "hue_error", "geometry_passes",
             # derived when a figure is drawn: report.data.MEASURES
             "fps", "floor_ratio", "memory_mib", "memory_model_mib", "ms_per_mib", "ms_times_mib", "fps_per_mib",
-            "words_per_pixel")
+            "words_per_pixel", "culled_of_unkept")
 PER_PASS = ("time_ms", "share")
 ERRORS = ("rmse", "flip", "max_error_all", "wrong_pixels_all")  # against all fragments
 COSTS = ("time_ms", "memory_bytes", "memory_mib")

@@ -54,6 +54,9 @@ INSERT = Param("insert", "cas32", "sorted insertion by 32-bit compare-and-swap o
                choices=("cas32", "max64"))
 ALLOCATION = Param("allocation", "counter", "cells one by one from a shared counter, or in pages of 4 of a pixel",
                    choices=("counter", "paged"))
+MAXIMUM = Param("maximum", "atomic", "how the depth bounds are found: by the device's atomic minimum and maximum, or "
+                "by a compare-and-swap in a loop, which emulates them (gpupro5_ch1 §1.6)",
+                choices=("atomic", "compare_and_swap"))
 BUCKETS = Param("buckets", 4, "lists per pixel, by equal ranges of its depths", low=2, high=32)
 ONE_BY_ONE, ONE_LIST = ALLOCATION.at("counter"), BUCKETS.at(1)
 
@@ -117,7 +120,7 @@ METHODS = [
         source="Vasilakis and Fudos 2013; kplus_2015 §2",
         summary="several linked lists per pixel by depth range, after a pass for the depth bounds; smaller sorts",
         guarantee="exact all", words="3*f + buckets + 2", beside=SPARE_CELLS, ties="kept, in no fixed order",
-        params=(BUCKETS, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD), fixed=(ONE_BY_ONE,), capacity=GROWN,
+        params=(BUCKETS, MAXIMUM, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD), fixed=(ONE_BY_ONE,), capacity=GROWN,
         buffers=(COUNTER, Buffer("nearest", "P", clear="EMPTY"), Buffer("furthest", "P", clear="0u"), NEXT, CELLS),
         steps=touching(clear("next", "nearest", "furthest", shared=("cell_counter",)),
                        Pass("bounds", "geometry", "methods/list/bounds.frag", writes=("nearest", "furthest")),

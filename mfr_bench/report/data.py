@@ -34,6 +34,7 @@ MEASURES = {
     "words_per_pixel": "32-bit words per pixel",
     "share": "share of the passes' time",
     "culled_share": "share of the fragments that is discarded",
+    "culled_of_unkept": "share of the fragments not kept that is discarded",
     "hue_error": "mean error of hue (degrees)",
     "luminance_error": "largest error of luminance",
     "rmse": "root mean square error",
@@ -41,6 +42,7 @@ MEASURES = {
 MEASURES = {c.name: f"{c.name} ({c.unit})" if c.unit else c.name
             for c in COLUMNS if c.type in ("int", "float")} | MEASURES
 BY_MEMORY = {"ms_per_mib": ("time_ms", -1), "ms_times_mib": ("time_ms", 1), "fps_per_mib": ("fps", -1)}
+DERIVED = ("culled_of_unkept",)  # of a cell's values, where they are there
 IN_MIB = {"memory_bytes": "memory_mib", "memory_model_bytes": "memory_model_mib"}  # bytes are drawn as MiB
 
 
@@ -130,26 +132,35 @@ class Point:
 
     def measure(self, name: str) -> Interval:
         """A measure (see MEASURES) between the ends of its interval, which are None where it has none."""
-        if name == "time_ms":
-            return self.time_ms
-        if name == "floor_ratio":
-            return self.floor_ratio
+        if name in ("time_ms", "floor_ratio"):
+            return getattr(self, name)
         if name == "fps":
             low, middle, high = self.time_ms
             return tuple(1000 / t if t else None for t in (high, middle, low))
-        if name in ("memory_mib", "memory_model_mib"):
-            value = self.row[name.replace("mib", "bytes")]
-            return None, None if value is None else value / MIB, None
-        if name == "words_per_pixel":
-            value = self.row["memory_bytes"]
-            return None, None if value is None else value / 4 / (self.row["width"] * self.row["height"]), None
         if name in BY_MEMORY:
             of, power = BY_MEMORY[name]
             memory = self.row["memory_bytes"]
             return tuple(v * (memory / MIB) ** power if v is not None and memory else None for v in self.measure(of))
+        return None, self._counted(name), None
+
+    def _counted(self, name: str) -> float | None:
+        """A measure that is counted, not timed."""
+        if name in ("memory_mib", "memory_model_mib"):
+            value = self.row[name.replace("mib", "bytes")]
+            return None if value is None else value / MIB
+        if name == "words_per_pixel":
+            value = self.row["memory_bytes"]
+            return None if value is None else value / 4 / (self.row["width"] * self.row["height"])
+        if name == "culled_of_unkept":
+            return self._culled_of_unkept()
         if name == "share":
-            return None, 1.0 if self.passes_ms else None, None
-        return None, self.row[name], None
+            return 1.0 if self.passes_ms else None
+        return self.row[name]
+
+    def _culled_of_unkept(self) -> float | None:
+        """Fragments that never ask for the lock, of those that the image is not made of."""
+        culled, kept = self.row["culled_share"], self.row["hit_ratio"]
+        return None if culled is None or kept is None or kept >= 1 else culled / (1 - kept)
 
     @property
     def exact(self) -> bool | None:

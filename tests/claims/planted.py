@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from mfr_bench.report.reference import find
+
 from ..report import planted
 
 GPU = {"renderer": "NVIDIA H200/PCIe/SSE2", "vendor": "NVIDIA Corporation", "version": "4.6.0 NVIDIA 550",
@@ -25,8 +27,9 @@ def refused(method, params=None, status="over_budget", reason="needs 5128.0 MiB,
 
 
 def counters(good):
-    times = {1: 9.0, 8: 6.0, 30: 5.0, 64: 5.1, 1024: 7.0 if good else 4.0}
-    return [cell("ab-sb", ms, {"counters": s, "mapping": "inverse"}) for s, ms in times.items()]
+    """Flat where it does not hold: more counters change nothing."""
+    times = {1: 9.0, 8: 6.0, 30: 5.0, 64: 5.1, 1024: 7.0}
+    return [cell("ab-sb", ms if good else 5.0, {"counters": s, "mapping": "inverse"}) for s, ms in times.items()]
 
 
 def two_counters(good):
@@ -53,18 +56,20 @@ def inverse(good):
 
 
 def referencing(good):
-    return [cell("ab-sb", params={"counters": 30, "mapping": "inverse"}, passes={"count": 1.0, "referencing": 0.4}),
-            cell("ab-precalc-fixed", passes={"scan": 0.04}),
-            cell("ab-precalc", params={"scan": "compute"}, passes={"scan": 2.4 if good else 0.5}),
-            cell("ab-ll", passes={"store": 10.0})]
+    """The paper's own twelve times bear it out."""
+    times = {(row.method, row.width): row.value for row in find(paper="sbuffer2012", quantity="referencing_time")}
+    passes = {"ab-sb": "referencing", "ab-precalc-fixed": "scan", "ab-precalc": "scan", "ab-ll": "store"}
+    params = {"ab-sb": {"counters": 30, "mapping": "inverse"}, "ab-precalc": {"scan": "compute"}}
+    return [cell(m, params=params.get(m), passes={passes[m]: ms if good or m != "ab-precalc" else ms / 4},
+                 size=size) for size in SIZES for m in passes for ms in (times[m, size[0]],)]
 
 
-def memory_2012(good):
-    fragments = P * N // 2
+def memory_2012(good, lists=12):
+    fragments = P * 3 // 2
     needed = {  # method -> bytes per pixel, bytes per fragment, parameters
         "ab-array": (8 * N + 4, 0, {}), "ab-precalc-fixed": (8 * N + 8, 0, {}), "kb": (64, 0, {"k": 8}),
-        "peel-srab": (80, 0, {"samples": 8}), "ab-precalc": (8, 8, {"scan": "compute"}),
-        "ab-sb": (8 if good else 900, 8, {"counters": 30}), "ab-ll": (4, 12, {}),
+        "peel-srab": (288, 0, {"samples": 8}), "ab-precalc": (8, 8, {"scan": "compute"}),
+        "ab-sb": (8 if good else 900, 8, {"counters": 30}), "ab-ll": (4, lists, {}),
     }
     return [cell(m, params=params, values={"fragments": fragments, "memory_bytes": pixel * P + each * fragments})
             for m, (pixel, each, params) in needed.items()]
@@ -72,7 +77,7 @@ def memory_2012(good):
 
 def lists_slowest(good):
     return [cell("ab-ll", 9.0 if good else 5.5), cell("ab-sb", 5.0, {"counters": 30}),
-            cell("ab-precalc", 6.0, {"scan": "compute"}), cell("ab-lbuffer", 8.0)]
+            cell("ab-precalc", 6.0, {"scan": "compute"}), cell("ab-sb", 8.0, {"counters": 1})]
 
 
 def at_ks(times, **more):
@@ -82,13 +87,15 @@ def at_ks(times, **more):
 
 
 LOCKED = {"sync": "spin", "culling": "on"}
+UNCULLED = LOCKED | {"culling": "off"}
 
 
 def bounded(good):
     return at_ks([("kplus-array", LOCKED, lambda k: 1 + 0.1 * k), ("kplus-heap", LOCKED, lambda k: 2 + 0.05 * k),
-                  ("kplus-array", LOCKED | {"culling": "off"}, lambda k: 9.0 + k),
-                  ("kb-ps", LOCKED, lambda k: 2 + 0.2 * k), ("kb-mdt64", {"atomic64": "native"}, lambda k: 1 + 0.5 * k),
-                  ("kb-mdt32", {"culling": "on"}, lambda k: (2 if good else 0.3) + 0.2 * k)])
+                  ("kplus-array", UNCULLED, lambda k: 9.0 + k),
+                  ("kb-ps", UNCULLED, lambda k: 2 + 0.2 * k),
+                  ("kb-mdt64", {"atomic64": "native"}, lambda k: 1 + 0.5 * k),
+                  ("kb-mdt32", {"culling": "off"}, lambda k: (2 if good else 0.3) + 0.2 * k)])
 
 
 def heap(good):
@@ -97,45 +104,58 @@ def heap(good):
 
 
 def heap_64(good):
-    return at_ks([("kplus-heap", LOCKED, lambda _: 2.0), ("kb-ps", LOCKED, lambda _: 7.0),
-                  ("kb-mdt32", {"culling": "on"}, lambda _: 8.0 if good else 2.2)])
+    """The rivals with K⁺B's culling test decide nothing."""
+    return at_ks([("kplus-heap", LOCKED, lambda _: 2.0), ("kb-ps", UNCULLED, lambda _: 7.0),
+                  ("kb-ps", LOCKED, lambda _: 1.0), ("kb-mdt32", {"culling": "on"}, lambda _: 1.0),
+                  ("kb-mdt32", {"culling": "off"}, lambda _: 8.0 if good else 2.2)])
 
 
 def mdt_64(good):
-    return at_ks([("kb-mdt32", {"culling": "on"}, lambda k: 1 + 0.1 * k),
-                  ("kb-mdt64", {"atomic64": "native"}, lambda k: 0.5 + (0.2 if good else 0.1) * k)])
+    """At k = 8 either may be faster."""
+    return at_ks([("kb-mdt32", {"culling": "off"}, lambda k: 1 + 0.1 * k),
+                  ("kb-mdt64", {"atomic64": "native"}, lambda k: 0.5 + (0.12 if good else 0.1) * k)])
 
 
-def culling(good):
+def culling(good, rival=4.0):
     return at_ks([("kplus-array", LOCKED, lambda k: 1 + 0.1 * k),
-                  ("kplus-array", LOCKED | {"culling": "off"},
-                   lambda k: (1 + 0.1 * k) * (3 - k / 64 if good else 2 + k / 64))])
+                  ("kplus-array", UNCULLED, lambda k: (1 + 0.1 * k) * (3 - k / 64 if good else 2 + k / 64)),
+                  ("kb-ps", LOCKED, lambda k: rival + 0.1 * k),
+                  ("kb-mdt32", {"culling": "on"}, lambda k: 5 + 0.2 * k)])
 
 
-def cost(good):
-    sparse = {"pixel_density": 0.25, "fragment_probability": 0.25, "depth_complexity": 80}
-    others = ("kplus-array", "kplus-heap", "kb-mdt32", "kb-ab-array", "kb-ab-ll", "kb-ab-sb", "kb-ll")
-    dense = {"pixel_density": 0.75, "fragment_probability": 0.75, "depth_complexity": 640}
-    cells = [cell("kplus-sb", 6.0, {"k": 8}, values={"memory_bytes": 1000}, **sparse)]
-    cells += [cell(m, 5.0, {"k": 8}, values={"memory_bytes": 4000}, **sparse) for m in others]
-    cells += [refused(m, {"k": 64}, **dense) for m in ("kb-ab-array", "kb-ll")]
-    return [*cells, refused("kb-ab-sb", {"k": 64}, **dense) if good else cell("kb-ab-sb", 5.0, {"k": 64}, **dense)]
+def cost(good, dense_ms=6.0):
+    """ms and bytes of K⁺B-AB_SB, of bounded methods and of memory-aware ones."""
+    sparse, dense = ({"pixel_density": share, "fragment_probability": share, "least_depth": 0.1, "depth_complexity": n}
+                     for share, n in ((0.25, 80), (0.75, 80)))
+    bounded = {"kplus-array": LOCKED, "kplus-heap": LOCKED, "kb-mdt32": {"culling": "off"}}
+    aware = ("kb-ab-array", "kb-ab-ll", "kb-ab-sb", "kb-ll")
+    groups = [("kplus-sb", LOCKED | {"sort": "lplus"}, (6.0 if good else 30.0, 1000), (dense_ms, 3000)),
+              *((m, params, (5.0, 4000), (3.0, 4000)) for m, params in bounded.items()),
+              *((m, {"sort": "hybrid"}, (5.0, 1500), (7.0, 4000)) for m in aware)]
+    cells = [cell(m, ms, {"k": 8, **params}, values={"memory_bytes": size}, **scene)
+             for m, params, *of in groups for (ms, size), scene in zip(of, (sparse, dense), strict=True)]
+    return [*cells, refused("kb-ab-array", {"k": 64}, **dense | {"depth_complexity": 640})]
 
 
 def synchronization(good):
-    times = {("kplus-array", "spin"): 9.0, ("kb-ps", "spin"): 14.0, ("kplus-array", "interlock"): 5.0,
-             ("kb-ps", "interlock"): 10.0 if good else 5.5}
-    return [cell(m, ms, {"k": 8, "sync": sync, "culling": "on"}) for (m, sync), ms in times.items()]
+    times = {("kplus-array", "spin", "on"): 9.0, ("kb-ps", "spin", "off"): 14.0,
+             ("kplus-array", "interlock", "on"): 5.0,
+             ("kb-ps", "interlock", "off"): 10.0 if good else 5.5, ("kb-ps", "interlock", "on"): 5.0}
+    return [cell(m, ms, {"k": 8, "sync": sync, "culling": culls}) for (m, sync, culls), ms in times.items()]
 
 
-def presorted(good):
-    times = {"kb": 9.0, "kb-sr": 6.0 if good else 12.0, "kplus-array": 5.0, "kplus-heap": 5.5}
-    return [cell(m, ms, {"k": 16}, order="front_to_back", depth_complexity=128) for m, ms in times.items()]
+def presorted(good, ps=12.0):
+    times = {"kb": (9.0, {}), "kb-sr": (6.0, {}), "kplus-array": (5.0 if good else 5.8, LOCKED),
+             "kplus-heap": (5.5, LOCKED), "kb-ps": (ps, UNCULLED)}
+    return [cell(m, ms, {"k": 16, **params}, order="front_to_back", depth_complexity=128)
+            for m, (ms, params) in times.items()]
 
 
-def peeling(good):
-    cells = [cell("peel-f2b", 30.0), cell("peel-dual", 20.0)]
-    return cells + [cell("peel-kplus", 12.0 if good else 25.0, {"k": k, "sync": "spin"}) for k in (8, 32)]
+def peeling(good, shallow=12.0):
+    """Where one iteration takes all fragments, the time of it decides nothing."""
+    cells = [cell(m, ms, depth_complexity=n) for m, ms in (("peel-f2b", 30.0), ("peel-dual", 20.0)) for n in (8, 64)]
+    return cells + [cell("peel-kplus", shallow if n == 8 else 12.0 if good else 25.0, {"k": k, "sync": "spin"},
+                         depth_complexity=n) for k in (8, 32) for n in (8, 64)]
 
 
 def revised(good):
@@ -144,8 +164,9 @@ def revised(good):
 
 
 def kplus_sb(good):
-    """Both hash pixels to counters, each in its own way."""
-    return [cell("kplus-sb", 6.0 if good else 4.0, {"k": N, "hash": "tile"}), cell("ab-sb", 5.0, {"hash": "pixel"})]
+    """Both hash pixels to counters and sort, each in its own way."""
+    return [cell("kplus-sb", 6.0 if good else 4.0, {"k": N, "hash": "tile", "sort": "lplus"}),
+            cell("ab-sb", 5.0, {"hash": "pixel", "sort": "hybrid"})]
 
 
 def lplus(good):
@@ -156,15 +177,17 @@ def lplus(good):
 
 def words(good):
     kept = 8 / N
-    needed = {"kb": 16, "kb-multi": 16, "kb-sr": 24, "kb-ps": 16, "kplus-array": 18, "kplus-heap": 18, "kb-mdt32": 16,
+    needed = {"kb": 16, "kb-multi": 18, "kb-sr": 24, "kb-ps": 16, "kplus-array": 18, "kplus-heap": 18, "kb-mdt32": 16,
               "kb-mdt64": 16, "kb-mha": 16, "kb-ab-array": 2 * N + 1, "kb-ab-ll": 3 * N + 1, "kb-ll": 3 * N + 6,
               "kb-ab-sb": 2 * N + 2, "kplus-sb": 2 * 8 + 3 if good else 2 * N + 3}
-    return [cell(m, params={"k": 8}, values={"memory_bytes": 4 * w * P, "fragments": N * P, "hit_ratio": kept})
-            for m, w in needed.items()]
+    interlocked = {"kb-ps": {"sync": "interlock"}}
+    return [cell(m, params={"k": 8, **interlocked.get(m, {})},
+                 values={"memory_bytes": 4 * w * P, "fragments": N * P, "hit_ratio": kept}) for m, w in needed.items()]
 
 
-FOUR = {"lin-post": {"atomic64": "native"}, "lin-pre": {"early_culling": "off", "atomic64": "native"},
-        "open-post": {"load_factor": 0.5, "atomic64": "emulated"},
+FOUR = {"lin-post": {"packed": "on", "sort": "bubble", "atomic64": "native"},
+        "lin-pre": {"insert": "max64", "early_culling": "off", "atomic64": "emulated"},
+        "open-post": {"load_factor": 0.5, "sort": "bubble", "atomic64": "emulated"},
         "open-pre": {"early_culling": "off", "load_factor": 0.5, "atomic64": "emulated"}}
 
 
@@ -174,62 +197,67 @@ def linear(good):
             for m, params in FOUR.items() for n in (5, 20) for side in (64, 128, 192, 256)]
 
 
-def quadratic(good):
+def quadratic(good, power=2):
     cost_of = {"open-pre": 0.02 if good else 0.0001}
-    return [cell(m, 1 + cost_of.get(m, 0.001) * n**2, params, depth_complexity=n)
+    return [cell(m, 1 + cost_of.get(m, 0.001) * n**power * 64 ** (2 - power), params, depth_complexity=n)
             for m, params in FOUR.items() for n in (4, 16, 40, 64)]
 
 
 def load(good):
-    return [cell(m, 4.0 + (5.0 if value > 0.9 and good else value), FOUR[m] | {"load_factor": value})
-            for m in ("open-post", "open-pre") for value in (0.1, 0.5, 0.8, 0.95)]
+    times = {0.1: 4.0, 0.5: 4.4, 0.8: 5.0, 0.95: 9.0} if good else {0.1: 4.0, 0.5: 6.0, 0.8: 6.2, 0.95: 6.3}
+    return [cell(m, ms, FOUR[m] | {"load_factor": value})
+            for m in ("open-post", "open-pre") for value, ms in times.items()]
 
 
 def early(good):
     slope = -6 if good else 6
     return [cell(m, 9.0 if kept == "off" else 6.0 + slope * (opacity - 0.5), FOUR[m] | {"early_culling": kept},
                  alpha=[opacity, opacity])
-            for m in ("open-pre", "lin-pre") for kept in ("on", "off") for opacity in (0.1, 0.5, 0.9)]
+            for m in ("open-pre", "lin-pre") for kept in ("on", "off") for opacity in (0.1, 0.5, 1.0)]
 
 
-def four(good):
+def four(good, share=None):
+    """`share`: of the clear pass of open addressing, where it is neither."""
     times = {"lin-post": 6.0, "lin-pre": 5.0 if good else 7.0, "open-post": 9.0, "open-pre": 8.0}
     quick = "lin" if good else "open"  # to clear
-    return [cell(m, ms, FOUR[m], passes={"clear": 0.01 if m.startswith(quick) else 1.0, "build": 5.0, "render": 2.0})
-            for m, ms in times.items()]
+    clears = {m: 0.01 if m.startswith(quick) else 1.0 if share is None else 7 * share / (1 - share) for m in times}
+    return [cell(m, ms, FOUR[m], passes={"clear": clears[m], "build": 5.0, "render": 2.0}) for m, ms in times.items()]
 
 
 def local_array(good):
-    return [cell(m, params={"local_array": entries}, passes={"build": 9.0, "render": ms})
+    return [cell(m, params={"local_array": entries, "sort": "bubble"}, passes={"build": 9.0, "render": ms})
             for m in ("open-post", "lin-post") for entries, ms in ((64, 20.0), (256, 57.0 if good else 22.0))]
 
 
 def compare_and_swap(good):
-    return [cell("lin-pre", 6.5 if good else 5.1, {"insert": "cas32", "atomic64": "native"}),
-            cell("lin-pre", 5.0, {"insert": "max64", "atomic64": "native"})]
+    return [cell("ab-ll-bucket", params={"maximum": how}, passes={"bounds": ms, "store": 5.0})
+            for how, ms in (("atomic", 1.0), ("compare_and_swap", 1.3 if good else 1.02))]
 
 
-def discarded(good):
-    return [cell("kplus-array", params={"k": 8, "occupancy": 32}, values={"culled_share": 0.97 if good else 0.7}),
-            cell("kplus-array", params={"k": 8, "occupancy": 0}, values={"culled_share": 0.62})]
+def discarded(good, kplus=0.62):
+    """Shares of the 95 % of the fragments that are not kept."""
+    shares = {32: 0.97 if good else 0.7, 0: kplus}
+    return [cell("kplus-array", params={"k": 8, "occupancy": bits},
+                 values={"culled_share": 0.95 * share, "hit_ratio": 0.05})
+            for bits, share in shares.items()]
 
 
-def occupancy(good):
+def occupancy(good, intervals=(32,)):
     return [cell(m, ms, {"k": k, "occupancy": d}) for m in ("kplus-array", "kplus-heap") for k in (4, 64)
-            for d, ms in ((0, 6.5 if good else 4.5), (32, 5.0))]
+            for d, ms in ((0, 6.5 if good else 4.5), *((d, 5.0) for d in intervals))]
 
 
-def two_channel(good):
+def two_channel(good, luminance=0.002):
+    errors = {"plane": 0.01, "hues-2": 0.02, "hues-6": 8.0, "hues-12": 9.0, "any": 10.0 if good else 7.0}
     return [cell("kplus-array", params={"k": 8, "payload": "two_channel"}, colours=colours,
-                 values={"luminance_error": 0.002, "hue_error": error})
-            for colours, error in (("plane", 0.01), ("hues-6", 9.0), ("hues-12", 8.0), ("any", 7.0 if good else 0.005))]
+                 values={"luminance_error": luminance, "hue_error": error}) for colours, error in errors.items()]
 
 
 CASES = {  # claim -> an experiment that shows it, and its cells
     "sb-peak": ("sbuffer2012-fig3", counters), "sb-two": ("sbuffer2012-fig3", two_counters),
     "sb-full": ("sbuffer2012-fig3", full_coverage), "sb-optimal": ("sbuffer2012-fig4", optimal),
     "sb-inverse": ("sbuffer2012-fig4", inverse), "sb-ref": ("sbuffer2012-referencing", referencing),
-    "sb-memory": ("sbuffer2012-memory", memory_2012), "sb-ll": ("sbuffer2012-fig4", lists_slowest),
+    "sb-memory": ("sbuffer2012-memory", memory_2012), "sb-ll": ("sbuffer2012-fig3", lists_slowest),
     "k-bounded": ("kplus2015-fig6", bounded), "k-heap": ("kplus2015-fig6", heap),
     "k-heap64": ("kplus2015-fig6", heap_64), "k-mdt64": ("kplus2015-fig6", mdt_64),
     "k-culling": ("kplus2015-fig7", culling), "k-memory": ("kplus2015-fig8", cost),
@@ -239,9 +267,27 @@ CASES = {  # claim -> an experiment that shows it, and its cells
     "k-words": ("kplus2015-table1", words), "gp-linear": ("gpupro5-fig5", linear),
     "gp-quadratic": ("gpupro5-fig6", quadratic), "gp-load": ("gpupro5-fig4", load), "gp-early": ("gpupro5-fig7", early),
     "gp-prelin": ("gpupro5-fig3", four), "gp-clear": ("gpupro5-fig3", four),
-    "gp-array": ("gpupro5-local-array", local_array), "gp-cas": ("gpupro5-fig3", compare_and_swap),
+    "gp-array": ("gpupro5-local-array", local_array), "gp-cas": ("gpupro5-cas", compare_and_swap),
     "oc-discard": ("occupancy2015-fig1", discarded), "oc-gain": ("occupancy2015-fig4", occupancy),
     "tc-error": ("twochannel-fig4", two_channel),
+}
+ALSO_AGAINST = {  # what else contradicts a claim, in the way a reader means it: cells by what they show
+    "sb-peak": {"one counter is as fast": [cell("ab-sb", 6.0 if s > 30 else 5.0, {"counters": s, "mapping": "inverse"})
+                                           for s in (1, 8, 30, 64, 1024)]},
+    "sb-memory": {"lists need three times as much": memory_2012(True, lists=40)},
+    "k-culling": {"KB-PS with the test is faster": culling(True, rival=0.5)},
+    "k-memory": {"other memory-aware methods are better when dense": cost(True, dense_ms=20.0),
+                 "better than bounded methods when dense": cost(True, dense_ms=2.0)},
+    "k-sorted": {"KB-PS is faster than KB": presorted(True, ps=6.0)},
+    "gp-linear": {"more fragments take no more time": [cell(m, 5.0, params, size=[side, side], depth_complexity=5,
+                                                            values={"fragments": 5 * side**2})
+                                                       for m, params in FOUR.items() for side in (64, 128, 256)]},
+    "gp-quadratic": {"only as a line": quadratic(True, power=1),
+                     "hardly": [cell(m, 5.0 + n**2 / 5e3, params, depth_complexity=n)
+                                for m, params in FOUR.items() for n in (4, 16, 40, 64)]},
+    "gp-clear": {"open addressing does little but clear": four(True, share=0.9)},
+    "oc-discard": {"k+ culling discards as much": discarded(True, kplus=0.97)},
+    "tc-error": {"luminance is lost": two_channel(True, luminance=0.1)},
 }
 COUNTED = {"sb-memory", "k-words", "oc-discard", "tc-error"}  # tested from what is counted, not timed
 

@@ -47,6 +47,36 @@ def test_does_not_hold_where_they_contradict_it(tmp_path, claim_id):
     assert any(re.match(r"does not hold: ", f.text) for f in judged.findings)
 
 
+@pytest.mark.parametrize(("claim_id", "shown"),
+                         [(i, what) for i, sets in planted.ALSO_AGAINST.items() for what in sets])
+def test_does_not_hold_where_they_contradict_it_otherwise(tmp_path, claim_id, shown):
+    judged = verdict(tmp_path, claim_id, planted.ALSO_AGAINST[claim_id][shown])
+    assert judged.verdict == FAILS, (judged.reason, [f.text for f in judged.findings])
+
+
+def test_a_verdict_says_where_another_reading_decides_otherwise(tmp_path):
+    """Times that are linear in the depth complexity are quadratic in each pixel, at a fixed number of fragments."""
+    lines = verdict(tmp_path, "gp-quadratic", planted.quadratic(True, power=1))
+    assert lines.verdict == FAILS
+    assert lines.decided_by == (
+        "the reading decides: 'the time of a frame is quadratic in the depth complexity, as the text says', but by "
+        "'a cost of each pixel that is quadratic, which at a fixed number of fragments makes a line': holds")
+    assert lines.record()["otherwise"][0]["verdict"] == HOLDS
+
+
+def test_readings_that_agree_are_not_told_apart(tmp_path):
+    assert verdict(tmp_path, "oc-gain", planted.occupancy(True, intervals=(32, 128))).decided_by == ""
+
+
+def test_what_the_setting_works_against_is_told_only_where_it_holds(tmp_path):
+    """KB in one pass beats K⁺B at k = 16, where the slide's KB takes two."""
+    quick = [c | {"samples_ms": [s / 9 for s in c["samples_ms"]]} if c["method"] == "kb" else c
+             for c in planted.presorted(True)]
+    judged = verdict(tmp_path, "k-sorted", quick)
+    assert judged.verdict == NOT_TESTABLE
+    assert "take one pass here" in judged.reason
+
+
 @pytest.mark.parametrize("claim_id", IDS)
 def test_an_experiment_that_was_not_run_is_named(tmp_path, claim_id):
     made = planted.folder(tmp_path / "run", "smoke", cells(claim_id))

@@ -1,10 +1,31 @@
 // Linked lists by depth range, bounds: the nearest and the furthest depth of each pixel.
+// MAXIMUM_COMPARE_AND_SWAP emulates the atomic minimum and maximum, as gpupro5_ch1 §1.6 does to estimate their cost: a
+// swap that finds another value tries again with it, until its own is no better.
 // Source: Vasilakis and Fudos 2013 (AB_LL-BUN), as in kplus_2015 §2.
 #include "scene/fragment.glsl"
+#include "common/helper.glsl"
+
+#if MAXIMUM_COMPARE_AND_SWAP
+#define EMULATED(bound, better) { \
+    uint seen = bound; \
+    bool going = !IS_HELPER && depth better seen; \
+    for (uint tries = 0u; going && tries < uint(LOCK_TRIES); ++tries) { \
+        uint found = atomicCompSwap(bound, seen, depth); \
+        going = found != seen && depth better found; \
+        seen = found; \
+    } \
+    if (going) atomicAdd(lost_fragments, 1u); \
+}
+#define LOWER_TO(bound) EMULATED(bound, <)
+#define RAISE_TO(bound) EMULATED(bound, >)
+#else
+#define LOWER_TO(bound) atomicMin(bound, depth);
+#define RAISE_TO(bound) atomicMax(bound, depth);
+#endif
 
 void main() {
     if (rejected()) discard;
     uint p = pixel_index(), depth = incoming().x;
-    atomicMin(nearest[p], depth);
-    atomicMax(furthest[p], depth);
+    LOWER_TO(nearest[p])
+    RAISE_TO(furthest[p])
 }
