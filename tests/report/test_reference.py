@@ -85,8 +85,8 @@ def test_memory_of_the_a_buffer_based_k_buffers_at_k_64():
     """kplus_2015 Fig. 8 by Table 1: what needs more than 3 GB at n = 640 in every covered pixel, and what does not."""
     words = {row.method: row.formula for row in find(paper="kplus2015", quantity="words_per_pixel", condition=None)}
     def mib(method, fragments):
-        sizes = Sizes(1024, 1024, 640, round(fragments * 2**20), quads=0)
-        return round(4 * evaluate(words[method], sizes, {}))
+        stats = SceneStats(1024, 1024, 640, round(fragments * 2**20), primitives=0)
+        return round(4 * evaluate(words[method], stats, {}))
     full, drawn = 0.75 * 0.75 * 640, 0.75 * 0.75 * 352
     assert [mib(m, full) for m in ("kb-ab-sb", "kb-ab-ll", "kb-ll")] == [2888, 4324, 4344]
     assert [mib(m, drawn) for m in ("kb-ab-sb", "kb-ab-ll", "kb-ll")] == [1592, 2380, 2400]
