@@ -17,11 +17,11 @@ PACKAGE = Path(mfr_bench.__file__).parent
 # From left to right; a module imports only from its own layer and those before it. Longer names bind first.
 LAYERS = (
     "errors", "resources", "hashing", "stats", "environment",
-    "methods.spec", "methods.shared", "methods", "config", "plan", "scene", "oracle", "glsl", "gpu", "measure",
+    "methods.spec", "methods.shared", "methods", "config", "plan", "scene", "oracle", "glsl", "race", "gpu", "measure",
     "store", "report", "claims", "compare", "page", "run", "cli", "__main__",
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "methods", "config", "plan", "scene", "oracle",
-              "glsl", "store", "report", "claims", "compare", "page")
+              "glsl", "race", "store", "report", "claims", "compare", "page")
 PARENT = ("run.supervisor", "run.ledger", "run.process")  # of a run: another process has the device
 OF_THE_DEVICE = ("gpu", "run.cell", "run.measuring", "run.scene_work", "run.worker")
 GL_PACKAGES = {"moderngl", "glcontext", "OpenGL"}

@@ -273,11 +273,13 @@ def _png(image) -> bytes:
               help="The config whose first cell gives parameters and sizes.")
 @PROFILE
 @SET
+@JSON
 def shader(method_id: str, pass_name: str | None, config: str, profile: str | None,
-           overrides: tuple[str, ...]) -> None:
+           overrides: tuple[str, ...], as_json: bool) -> None:
     """Print the GLSL of METHOD as it is compiled.
 
-    Includes are expanded, and defines in place.
+    Includes are expanded, and defines in place. With --json: the passes in order, with their stages and what they
+    read and write, the buffers with their words, and the parameters.
 
     \b
     Example: mfr-bench shader kplus-array --pass store --set k=16
@@ -292,6 +294,11 @@ def shader(method_id: str, pass_name: str | None, config: str, profile: str | No
         raise UsageError(f"--pass: {method_id} has no pass {pass_name!r}; allowed: {', '.join(names)}"
                          f"{nearest(pass_name, names)}")
     stats = expected_stats(cell.scene)
+    if as_json:
+        from ..race.adapter import frame_of, record
+
+        say(json.dumps(record(frame_of(variant, stats), pass_name), indent=2))
+        return
     for step in variant.passes:
         if step.kind == "clear" or step.probes or pass_name not in (None, step.name) or not variant.runs(step, stats):
             continue

@@ -14,6 +14,7 @@ from . import (
     compare_command,
     device_commands,
     page_command,
+    race_command,
     report_commands,
     run_command,
     stress_command,
@@ -30,8 +31,9 @@ Examples:
 
 \b
 Exit status: 0 done; 1 a cell crashed, or ran out of time or memory;
-2 the command or a config is wrong; 3 an image is wrong; 4 compare found a
-regression; 5 compare --strict could not tell; 130 interrupted.
+2 the command or a config is wrong; 3 an image is wrong, or race broke a
+promise; 4 compare found a regression; 5 compare --strict could not tell;
+130 interrupted.
 
 \b
 Shell completion (or zsh_source, fish_source):
@@ -45,7 +47,7 @@ SECTIONS = {
                                compare_command.compare, claims_command.claims, report_commands.conformance,
                                page_command.report),
     "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, device_commands.scene,
-                    device_commands.render, device_commands.shader),
+                    device_commands.render, device_commands.shader, race_command.race),
 }
 WHOLE = 200  # characters of a command's line in the list, which is never cut
 

@@ -1,0 +1,194 @@
+"""The one place where a declared method meets the race machine: a variant as passes with their GLSL, and buffers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+from ..errors import UsageError
+from ..glsl import DIAGNOSTICS, Binding, Source, buffer_bindings, colour_refs, split_ref, stages, texture_bindings
+from ..methods.spec import (
+    IMAGE,
+    TILE_COMMAND,
+    TILE_LIST,
+    Buffer,
+    Counted,
+    Grown,
+    Loop,
+    Pass,
+    Planned,
+    SceneStats,
+    Target,
+    Variant,
+    evaluate,
+)
+
+DIAGNOSTICS_BUFFER = "Diagnostics"
+
+
+@dataclass(frozen=True)
+class FramePass:
+    """A pass as a frame runs it: its declaration, its stages, and what it binds."""
+
+    step: Pass
+    sources: tuple[Source, ...]
+    buffers: tuple[Binding, ...]
+    textures: tuple[Binding, ...]
+    outputs: tuple[str, ...]  # colour targets in location order
+    instances: int
+    groups: int
+
+    @property
+    def own(self) -> Source:
+        """The stage that holds the method's code: fragment or compute."""
+        return self.sources[-1]
+
+    @property
+    def concurrent(self) -> bool:
+        """Whether its invocations could meet in memory."""
+        return bool(self.step.writes) or self.step.kind == "compute"
+
+
+@dataclass(frozen=True)
+class FrameStep:
+    """What runs next: a pass by its number, in which iteration, and where to go on once its counting sees none."""
+
+    step: int
+    iteration: int = 0
+    leave: int | None = None
+
+
+@dataclass(frozen=True)
+class Frame:
+    """All that a machine needs to draw frames of one variant."""
+
+    variant: Variant
+    stats: SceneStats
+    passes: tuple[FramePass, ...]
+    steps: tuple[FrameStep, ...]
+    words: dict[str, int] = field(hash=False)  # of one copy of each buffer
+    capacity: int = 0
+    chosen_k: int = 0
+    region: tuple[int, int, int, int] = (0, 0, 0, 0)  # left, bottom, width and height of what bounds the geometry
+
+    @property
+    def buffers(self) -> tuple[Buffer, ...]:
+        return (*self.variant.buffers, Buffer(DIAGNOSTICS_BUFFER, str(len(DIAGNOSTICS)), coherent=True))
+
+    @property
+    def targets(self) -> tuple[Target, ...]:
+        return (*self.variant.targets, Target(IMAGE, "rgba32f"))
+
+    @property
+    def grown_counter(self) -> str | None:
+        """The buffer that counts what a frame asked for, where it may ask for more than there is."""
+        capacity = self.variant.method.capacity
+        return capacity.counter if isinstance(capacity, Grown) else None
+
+    @property
+    def capacity_is_counted(self) -> bool:
+        return isinstance(self.variant.method.capacity, (Counted, Planned))
+
+
+def frame_of(variant: Variant, stats: SceneStats, region: tuple[int, int, int, int] | None = None) -> Frame:
+    """The frame of a variant in a scene of these stats. Raises UsageError for what no small scene can show."""
+    if any(isinstance(step, Loop) and step.bands for step in variant.steps) and variant.budget_bytes:
+        raise UsageError(f"{variant.method.id}: the race machine draws no frame in bands; leave memory_mb at 0")
+    maker = _Maker(variant, stats)
+    capacity, decision = variant.capacity(stats), variant.decision(stats)
+    words = {b.name: variant.block_bytes(b, stats, capacity) // 4 for b in variant.buffers}
+    return Frame(variant, stats, tuple(maker.passes), tuple(maker.steps),
+                 words | {DIAGNOSTICS_BUFFER: len(DIAGNOSTICS)}, capacity, decision.k if decision else 0,
+                 region or (0, 0, stats.W, stats.H))
+
+
+class _Maker:
+    """Lays out the steps of a frame, or of two where later frames of a still scene run other passes than the first."""
+
+    def __init__(self, variant: Variant, stats: SceneStats):
+        self.variant, self.stats = variant, stats
+        self.passes: list[FramePass] = []
+        self.steps: list[FrameStep] = []
+        self.known: dict[int, int] = {}
+        planned = isinstance(variant.method.capacity, Planned)
+        self.plan = variant.plan(stats) if planned else None
+        frames = (False, True) if any(p.still is not None for p in variant.passes) else (False,)
+        for still in frames:
+            self._lay_out(still)
+
+    def _lay_out(self, still: bool) -> None:
+        for step in self.variant.steps:
+            if isinstance(step, Loop):
+                self._loop(step, still)
+            elif self._due(step, still):
+                self._add(step)
+
+    def _due(self, step: Pass, still: bool) -> bool:
+        planned = step.runs_in is None or (self.plan is not None and step.runs_in(self.plan))
+        return (planned and step.probes is None and step.still in (None, still)
+                and self.variant.runs(step, self.stats))
+
+    def _loop(self, loop: Loop, still: bool) -> None:
+        if loop.bands:
+            return
+        first = len(self.steps)
+        for iteration in range(int(evaluate(loop.times, self.stats, self.variant.scope))):
+            for step in loop.passes:
+                if self._due(step, still):
+                    self._add(step, iteration, leaves=loop.until_empty and step.counts)
+        end = len(self.steps)
+        self.steps[first:] = [s if s.leave is None else FrameStep(s.step, s.iteration, end) for s in self.steps[first:]]
+
+    def _add(self, step: Pass, iteration: int = 0, leaves: bool = False) -> None:
+        if id(step) not in self.known:
+            self.known[id(step)] = len(self.passes)
+            self.passes.append(self._made(step))
+        self.steps.append(FrameStep(self.known[id(step)], iteration, 0 if leaves else None))
+
+    def _made(self, step: Pass) -> FramePass:
+        variant, stats = self.variant, self.stats
+        sources = () if step.kind == "clear" else stages(variant, step, stats)
+        groups = int(evaluate(step.groups, stats, variant.scope)) if step.groups else 0
+        return FramePass(step, sources, tuple(buffer_bindings(variant, step)), tuple(texture_bindings(variant, step)),
+                         tuple(colour_refs(variant, step)), variant.value(step.instances, stats), groups)
+
+
+def locator(source: Source) -> Callable[[int], str]:
+    """File and line of an encoded line of a stage."""
+    def locate(line: int) -> str:
+        return source.located(f"0:{line}(1): ").partition(": ")[0].split("(")[0] if line > 0 else source.entry
+    return locate
+
+
+def record(frame: Frame, only: str | None = None) -> dict:
+    """What the machine reads of a variant, for other tools: passes in order (or those of one name), buffers, params."""
+    return {
+        "method": frame.variant.method.id, "params": frame.variant.params,
+        "passes": [_pass_record(p) for p in _in_order(frame) if only in (None, p.step.name)],
+        "buffers": [{"name": b.name, "words": frame.words[b.name], "clear": b.clear, "coherent": b.coherent,
+                     "type": b.type, "copies": b.copies} for b in frame.variant.buffers],
+    }
+
+
+def _in_order(frame: Frame) -> Iterator[FramePass]:
+    """Each pass where a frame first runs it."""
+    for number in dict.fromkeys(step.step for step in frame.steps):
+        yield frame.passes[number]
+
+
+def _pass_record(p: FramePass) -> dict:
+    return {"name": p.step.name, "kind": p.step.kind,
+            "stages": [{"entry": s.entry, "glsl": s.text, "files": list(s.files)} for s in p.sources],
+            "reads": list(p.step.reads), "writes": list(p.step.writes), "into": list(p.step.into)}
+
+
+def tile_buffers(frame: Frame) -> tuple[str | None, str | None]:
+    """The list of tiles and its commands, where resolves go by tile."""
+    names = {b.name for b in frame.buffers}
+    return (TILE_LIST if TILE_LIST in names else None, TILE_COMMAND if TILE_COMMAND in names else None)
+
+
+def base_of(ref: str) -> tuple[str, int]:
+    """A reference as a name and a role of the machine: 0 as it is, 1 current, 2 previous."""
+    name, role = split_ref(ref)
+    return name, {"": 0, "current": 1, "previous": 2}[role]

@@ -1,0 +1,108 @@
+"""Compiles a frame with the machine, and keeps what it made by the hash of all that it was made from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from ..errors import MfrError, ShaderError
+from .adapter import Frame, record
+from .tables import generate
+
+HERE = Path(__file__).parent
+MACHINE = HERE / "machine"
+FLAGS = ("-std=c++17", "-fno-exceptions", "-fno-rtti", "-w", f"-I{MACHINE}")
+COMPILERS = ("c++", "g++", "clang++")
+
+
+class NoCompilerError(MfrError):
+    """No C++ compiler was found; nothing else of the program needs one."""
+
+
+@dataclass(frozen=True)
+class Built:
+    """An executable, and what its site numbers mean: number of the pass and encoded line."""
+
+    program: Path
+    sites: tuple[tuple[int, int], ...]
+
+
+@cache
+def compiler() -> str:
+    """The system's C++ compiler: $CXX, or the first of the usual names. Raises NoCompilerError."""
+    wanted = [os.environ["CXX"]] if os.environ.get("CXX") else COMPILERS
+    found = next((path for path in map(shutil.which, wanted) if path), None)
+    if found is None:
+        raise NoCompilerError(f"race needs a C++ compiler, and there is none of {', '.join(wanted)}; "
+                              "install g++, or set CXX")
+    return found
+
+
+def cache_folder() -> Path:
+    """Where compiled machines are kept: $XDG_CACHE_HOME or ~/.cache."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "mfr-bench" / "race"
+
+
+@cache
+def _own_hash() -> str:
+    """Of the translator, the machine and the compiler: what they make changes with them."""
+    texts = [path.read_bytes() for path in (*sorted(HERE.glob("*.py")), *sorted(MACHINE.iterdir()))]
+    version = subprocess.run([compiler(), "--version"], capture_output=True, check=True).stdout
+    return hashlib.sha256(b"\0".join((*texts, version))).hexdigest()
+
+
+def build(frame: Frame) -> Built:
+    """The executable of a frame, made now or kept. Raises ShaderError for GLSL that the machine does not know."""
+    parts = _own_hash(), json.dumps(record(frame)), repr((frame.steps, frame.stats, frame.region, frame.chosen_k))
+    key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
+    program, known = cache_folder() / key, cache_folder() / f"{key}.sites.json"
+    if not (program.exists() and known.exists()):
+        _make(frame, program, known)
+    return Built(program, tuple(map(tuple, json.loads(known.read_text(encoding="utf-8")))))
+
+
+def _make(frame: Frame, program: Path, known: Path) -> None:
+    text, sites = generate(frame, compiler())
+    program.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "frame.cpp"
+        source.write_text(text, encoding="utf-8")
+        made = Path(folder) / "frame"
+        _compile(["-O1", str(source), str(_machine()), "-o", str(made)], frame)
+        _keep(known, json.dumps(sites.found).encode())
+        _keep(program, made.read_bytes(), mode=0o755)
+
+
+def _keep(path: Path, data: bytes, mode: int = 0o644) -> None:
+    """Write whole, then rename: another process may build the same."""
+    handle, name = tempfile.mkstemp(dir=path.parent)
+    with os.fdopen(handle, "wb") as file:
+        file.write(data)
+    Path(name).chmod(mode)
+    Path(name).replace(path)
+
+
+def _machine() -> Path:
+    """The machine's own object file."""
+    kept = cache_folder() / f"machine-{_own_hash()[:32]}.o"
+    if not kept.exists():
+        with tempfile.TemporaryDirectory() as folder:
+            made = Path(folder) / "machine.o"
+            _compile(["-O2", "-c", str(MACHINE / "machine.cpp"), "-o", str(made)], None)
+            _keep(kept, made.read_bytes())
+    return kept
+
+
+def _compile(arguments: list[str], frame: Frame | None) -> None:
+    done = subprocess.run([compiler(), *FLAGS, *arguments], capture_output=True, text=True, check=False)
+    if done.returncode:
+        errors = [line for line in done.stderr.splitlines() if "error:" in line] or done.stderr.splitlines() or ["?"]
+        what = f"{frame.variant.method.id}: " if frame else ""
+        raise ShaderError(f"{what}the race machine does not know this GLSL: {errors[0]}")

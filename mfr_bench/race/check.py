@@ -1,0 +1,205 @@
+"""Runs a variant's frame under many schedules, and judges what comes out."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import MfrError
+from ..methods.spec import Variant
+from ..oracle import twochannel
+from ..oracle.composite import stats_of
+from ..scene import Scene
+from .adapter import Frame, frame_of
+from .build import Built, build
+from .promise import Kind, Promised, expected, promised, tied_pixels
+
+ROUNDING = 1e-5  # of a channel: what float32 may make of the few fragments of a scene
+
+
+@dataclass(frozen=True)
+class How:
+    """How schedules are chosen, and what the machine is like.
+
+    warp: lanes of a warp in lockstep, 0 for none. late: branches with a return end where the shader does.
+    bound: with `exhaustive`, deviations from running on. dependencies: a load is no older than the load that its
+    address came from.
+    """
+
+    schedules: int = 2000
+    seed: int = 1
+    weak: bool = False
+    dependencies: bool = True
+    warp: int = 0
+    late: bool = False
+    exhaustive: bool = False
+    bound: int = 2
+    ordered: bool = False
+    helpers: bool = False
+    count_all: bool = False
+
+    @property
+    def words(self) -> list[str]:
+        flags = {"weak": self.weak, "no-dependencies": not self.dependencies, "late": self.late,
+                 "ordered": self.ordered, "all": self.count_all}
+        return ["exhaustive" if self.exhaustive else "random", *(name for name, on in flags.items() if on),
+                *(f"{name}={getattr(self, name)}" for name in ("schedules", "seed", "warp", "bound"))]
+
+
+Deviation = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True)
+class Event:
+    """One access of a trace: `before` and `after` are the word's values, or what was read."""
+
+    fiber: int
+    site: int
+    operation: str
+    buffer: str
+    word: int
+    before: int
+    after: int
+    stale: bool
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A broken promise, the choices that lead to it, and what happened then."""
+
+    what: str
+    fiber: int
+    site: int
+    value: int
+    lost: int
+    image: np.ndarray  # float64 (H, W, 4)
+    deviations: tuple[Deviation, ...]
+    events: tuple[Event, ...]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a run of schedules showed. `complete`: all schedules within the bound."""
+
+    schedules: int
+    seconds: float
+    complete: bool
+    failed: int
+    wrong: int
+    lost: int
+    failure: Failure | None = field(default=None, repr=False)
+
+
+class Checker:
+    """One variant in one scene, built, with the images that it may give."""
+
+    def __init__(self, variant: Variant, scene: Scene, helpers: bool = False):
+        self.variant, self.scene, self.helpers = variant, scene, helpers
+        self.stats = stats_of(scene)
+        self.frame: Frame = frame_of(variant, self.stats, scene.bounds)
+
+    @cached_property
+    def built(self) -> Built:
+        return build(self.frame)
+
+    @cached_property
+    def promised(self) -> Promised:
+        return promised(self.variant, self.stats)
+
+    @cached_property
+    def images(self) -> np.ndarray:
+        """float64 (count, H, W, 4): what the fragments give one after the other, in many orders.
+
+        Raises MfrError where that breaks the promise already, without any race.
+        """
+        found = self._run(["reference"], images=())
+        if found.get("failure"):
+            raise MfrError(f"{self.variant.method.id}: {found['failure']} without any race")
+        width, height = self.scene.viewport
+        images = np.array(found["images"], dtype=np.float64).reshape(-1, height, width, 4)
+        self._compare(images)
+        return images
+
+    def _compare(self, images: np.ndarray) -> None:
+        """The oracle's image is that of every order, where the promise is exact and no depths are equal."""
+        if self.promised.kind is not Kind.EXACT:
+            return
+        right = expected(self.variant, self.stats, self.scene)
+        error = float(np.abs(images - right)[:, ~tied_pixels(self.scene)].max(initial=0.0))
+        if error > ROUNDING:
+            raise MfrError(f"{self.variant.method.id}: an error of {error:.3g} without any race")
+
+    def check(self, how: How) -> Outcome:
+        """Runs the schedules until one breaks the promise."""
+        found = self._run(how.words, self._allowed(), self._bounds())
+        failure = _failure(found, self.scene.viewport)
+        return Outcome(found["schedules"], found["seconds"], found["complete"], found["failed"], found["wrong"],
+                       found["lost_frames"], failure)
+
+    def replay(self, deviations: Sequence[Deviation], how: How) -> Failure:
+        """One schedule again, by its choices."""
+        words = ["replay", *(w for w in how.words[1:])]
+        return _failure(self._run(words, self._allowed(), self._bounds(), deviations), self.scene.viewport)
+
+    def _allowed(self) -> np.ndarray:
+        """The images that are right; none where no promise is given by images."""
+        if self.promised.kind is Kind.WITHIN:
+            return self.images[:0]
+        return self.images
+
+    @property
+    def promises_nothing(self) -> bool:
+        """Whether a wrong image breaks no promise."""
+        return self.promised.kind is Kind.NONE
+
+    def _bounds(self) -> np.ndarray:
+        if self.promised.kind is not Kind.WITHIN:
+            return self.images[:0]
+        right = expected(self.variant, self.stats, self.scene)
+        return np.stack([right - self.promised.error - ROUNDING, right + self.promised.error + ROUNDING])
+
+    def _run(self, words: list[str], images: Iterable[np.ndarray], bounds: Iterable[np.ndarray] = (),
+             deviations: Sequence[Deviation] = ()) -> dict:
+        lines = [*self._scene_lines(), *_image_lines(images), *_image_lines(bounds),
+                 *(" ".join(map(str, d)) for d in deviations)]
+        command = [str(self.built.program), *words, f"scene={self.scene.seed}"]
+        done = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise MfrError(f"{self.variant.method.id}: the race machine ended with status {done.returncode}")
+        return json.loads(done.stdout)
+
+    def _scene_lines(self) -> list[str]:
+        scene = self.scene
+        base, codes = _payloads(scene, self.variant.two_channel)
+        rows = [f"{x} {y} {depth} {code} {quad} 0" for quad, ((x, y, *_), depth, code) in enumerate(
+            zip(scene.rect.tolist(), scene.depth.view(np.uint32).tolist(), codes.tolist(), strict=True))]
+        if self.helpers:
+            rows += [f"{x} {y} {scene.depth.view(np.uint32)[0]} {codes[0]} {len(scene)} 1"
+                     for x, y in sorted({(r[0], r[1]) for r in scene.rect.tolist()})]
+        return [str(len(rows)), *rows, " ".join(f"{v:.9g}" for v in base)]
+
+
+def _payloads(scene: Scene, two_channel: bool) -> tuple[list[float], np.ndarray]:
+    """The base colours, and the word of each fragment's payload."""
+    if not two_channel:
+        return [0.0] * 8, np.ascontiguousarray(scene.rgba).view("<u4")[:, 0]
+    encoding, stored = twochannel.words(scene.rgba)
+    return [*encoding.a, 0.0, *encoding.b, 0.0], np.ascontiguousarray(stored).view("<u4").reshape(-1)
+
+
+def _image_lines(images: Iterable[np.ndarray]) -> list[str]:
+    rows = [" ".join(f"{v:.9g}" for v in np.ravel(image)) for image in images]
+    return [str(len(rows)), *rows]
+
+
+def _failure(found: dict, viewport: tuple[int, int]) -> Failure | None:
+    if not found.get("failure"):
+        return None
+    image = np.array(found["image"], dtype=np.float64).reshape(viewport[1], viewport[0], 4)
+    return Failure(found["failure"], found["fiber"], found["site"], found["value"], found["lost"], image,
+                   tuple(map(tuple, found["deviations"])), tuple(Event(*e) for e in found["events"]))

@@ -1,0 +1,70 @@
+"""What a variant promises of its image in a scene, as the race machine can check it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from ..methods.spec import SceneStats, Variant
+from ..oracle import twochannel
+from ..oracle.composite import composite
+from ..scene import Scene
+
+_WITHIN = re.compile(r"up\s+to 1 - `?(\w+)`?")
+
+
+class Kind(Enum):
+    """How an image is judged."""
+
+    EXACT = "the image that it promises"
+    WITHIN = "an image within the bound that it promises"
+    IN_ORDER = "an image that some order of the fragments, one after the other, gives as well"
+    NONE = "nothing: hazards are counted"
+
+
+@dataclass(frozen=True)
+class Promised:
+    """The kind of promise, and the error that it allows of a channel beside rounding."""
+
+    kind: Kind
+    error: float = 0.0
+    counted: bool = False  # a fragment may be lost where it is counted
+
+
+def promised(variant: Variant, stats: SceneStats) -> Promised:
+    """What holds of the variant's image, whatever the schedule."""
+    method, weak = variant.method, variant.weaknesses
+    if variant.scope.get("sync") == "none":
+        return Promised(Kind.NONE)
+    bounds = [float(variant.scope[m[1]]) for text in weak if (m := _WITHIN.search(text)) and m[1] in variant.scope]
+    if weak and len(bounds) == len(weak):
+        return Promised(Kind.WITHIN, max(1.0 - bound for bound in bounds))
+    if weak or method.mixes or method.guarantee == "none":
+        return Promised(Kind.IN_ORDER)
+    if variant.exact_in(stats):
+        return Promised(Kind.EXACT)
+    if method.failure and "and counted" in method.failure:
+        return Promised(Kind.EXACT, counted=True)
+    return Promised(Kind.NONE)
+
+
+def expected(variant: Variant, stats: SceneStats, scene: Scene, everything: bool = False) -> np.ndarray:
+    """float64 (H, W, 4): the image that the variant aims at; `everything`: of all fragments."""
+    aim = variant.promise(stats)
+    payload = twochannel.straight(scene.rgba) if variant.two_channel else None
+    return composite(scene, None if everything else aim.layers, aim.criterion, payload)
+
+
+def tied_pixels(scene: Scene) -> np.ndarray:
+    """bool (H, W): pixels in which two fragments have one depth."""
+    width, height = scene.viewport
+    tied = np.zeros((height, width), dtype=bool)
+    for y in range(height):
+        for x in range(width):
+            inside = (scene.rect[:, 0] <= x) & (x < scene.rect[:, 2]) & (scene.rect[:, 1] <= y) & (y < scene.rect[:, 3])
+            depths = scene.depth[inside]
+            tied[y, x] = len(np.unique(depths)) < len(depths)
+    return tied

@@ -1,0 +1,200 @@
+"""A broken promise as text: which fragments there were, what the pixel shows, and the interleaving line by line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from ..errors import MfrError
+from ..glsl import read
+from .adapter import FramePass, locator
+from .campaign import Found, settings, written
+from .check import Checker, Event, Failure, _payloads
+from .promise import Kind, expected
+
+SAID = {
+    "wrong_image": "the image is none that the fragments may give",
+    "lost_fragments": "fragments were lost, and counted",
+    "out_of_bounds_write": "an access beyond the end of a buffer that may write",
+    "out_of_bounds_read": "a load beyond the end of a buffer",
+    "local_array_overrun": "an index beyond the end of a local array",
+    "stuck": "an invocation waits for a word that nobody will change",
+    "endless": "an invocation does not come to an end",
+    "barrier": "invocations wait at a barrier that others never reach",
+    "grown": "more was asked for than the scene has",
+}
+MATCH = 2e-5  # of a channel: an image of known fragments
+MOST_EXPLAINED = 6  # fragments of a pixel, of which all selections are tried
+WORD_NAMES = {2: "xy", 3: "xyz", 4: "xyzw"}
+
+
+@dataclass(frozen=True)
+class Step:
+    """One line of a trace."""
+
+    step: str  # name of the pass
+    fragment: str
+    place: str  # file:line
+    source: str
+    operation: str
+
+
+def selections(checker: Checker, failure: Failure) -> Iterator[tuple[int, tuple[int, ...], tuple[int, ...] | None]]:
+    """For each pixel that is wrong: its fragments, and those by which its colour comes about; None for none found."""
+    right = expected(checker.variant, checker.stats, checker.scene)
+    for x in range(right.shape[1]):
+        inside = tuple(int(i) for i in np.flatnonzero(checker.scene.rect[:, 0] == x))
+        if np.abs(right[0, x] - failure.image[0, x]).max() > MATCH and len(inside) <= MOST_EXPLAINED:
+            yield x, inside, _selection(checker, inside, failure.image[0, x])
+
+
+def _selection(checker: Checker, inside: Sequence[int], colour: np.ndarray) -> tuple[int, ...] | None:
+    nearest = sorted(inside, key=lambda i: float(checker.scene.depth[i]))
+    for size in range(len(nearest) + 1):
+        for chosen in combinations(nearest, size):
+            if np.abs(_composited(checker, chosen) - colour).max() < MATCH:
+                return chosen
+    return None
+
+
+def _composited(checker: Checker, fragments: Sequence[int]) -> np.ndarray:
+    colour = np.zeros(4)
+    for i in fragments:
+        straight = checker.scene.rgba[i] / 255.0
+        colour += (1 - colour[3]) * np.append(straight[:3] * straight[3], straight[3])
+    return colour
+
+
+def steps(checker: Checker, events: Sequence[Event]) -> list[Step]:
+    """The trace of the passes whose fragments meet in memory."""
+    describe = _Describer(checker)
+    return [made for event in events if (made := describe.step(event))]
+
+
+class _Describer:
+    def __init__(self, checker: Checker):
+        self.checker = checker
+        wider = checker.variant.payload_words - 1
+        self.elements = {b.name: b.element_words + (wider if b.type in ("FRAGMENT", "PAYLOAD") else 0)
+                         for b in checker.frame.buffers}
+        _, codes = _payloads(checker.scene, checker.variant.two_channel)
+        depths = checker.scene.depth.view(np.uint32).tolist()
+        self.known = {0xFFFFFFFF: "empty", **{d: f"depth of f{i}" for i, d in enumerate(depths)},
+                      **{int(c): f"colour of f{i}" for i, c in enumerate(codes.tolist())}}
+
+    def step(self, event: Event) -> Step | None:
+        if event.site < 0:
+            return None
+        number, line = self.checker.built.sites[event.site]
+        shown = self.checker.frame.passes[number]
+        if shown.step.kind != "geometry" or not shown.concurrent:
+            return None
+        place = locator(shown.own)(line)
+        return Step(shown.step.name, f"f{event.fiber}", place, source_line(shown, place), self._operation(event))
+
+    def _operation(self, event: Event) -> str:
+        if not event.buffer:
+            return event.operation
+        name = event.buffer if event.buffer != "diagnostics" else ("lost_fragments", "arrived_fragments",
+                                                                   "held_fragments")[event.word]
+        where = name if event.buffer == "diagnostics" else self._word(name, event.word)
+        before, after = self._value(event.before), self._value(event.after)
+        if event.operation == "load":
+            return f"load {where}: {after}" + (" (an earlier value)" if event.stale else "")
+        if event.operation in ("store", "reaches_memory"):
+            return f"{event.operation.replace('_', ' ')} {where} = {after}"
+        changed = f"{before} -> {after}" if event.before != event.after else f"{before}, unchanged"
+        return f"{event.operation} {where}: {changed}"
+
+    def _word(self, name: str, word: int) -> str:
+        words = self.elements.get(name.partition("_previous")[0], 1)
+        return f"{name}[{word}]" if words == 1 else f"{name}[{word // words}].{WORD_NAMES[words][word % words]}"
+
+    def _value(self, value: int) -> str:
+        if value in self.known:
+            return self.known[value]
+        return str(value) if value < 2**16 else f"0x{value:08x}"
+
+
+def source_line(shown: FramePass, place: str) -> str:
+    """The text of a line of a shader; empty where it is of the prelude."""
+    path, _, line = place.partition(":")
+    if not line.isdigit():
+        return ""
+    try:
+        lines = read(path).splitlines()
+    except MfrError:
+        return ""
+    return lines[int(line) - 1].strip() if 0 < int(line) <= len(lines) else ""
+
+
+def headline(found: Found) -> str:
+    """One line: what was run, and what came out."""
+    checker, variant = found.checker, found.checker.variant
+    said = " ".join(f"{name}={value}" for name, value in settings(variant).items())
+    what = f"{variant.method.id}{' ' + said if said else ''}: {found.schedules} schedules in {found.seconds:.1f} s"
+    if checker.promised.kind is Kind.NONE:
+        share = f"{found.failed / found.schedules:.1%}"
+        return f"{what}; it promises nothing, and {found.failed} of them ({share}) have a wrong pixel"
+    if found.failure is None:
+        return f"{what}; every one gives {checker.promised.kind.value}"
+    return f"{what}; broken: {SAID.get(found.failure.what, found.failure.what)}"
+
+
+def text(found: Found) -> str:
+    """The headline, and of a broken promise all that a person needs to follow it."""
+    if found.failure is None or found.checker.promises_nothing:
+        return headline(found)
+    checker, failure = found.checker, found.failure
+    return "\n".join([headline(found), "", *_fragment_lines(checker), *_pixel_lines(checker, failure), "",
+                      *_trace_lines(steps(checker, failure.events)), "",
+                      f"again: --replay {written(checker.scene.seed, failure.deviations)}"])
+
+
+def _fragment_lines(checker: Checker) -> Iterator[str]:
+    scene = checker.scene
+    for i, (rect, depth, rgba) in enumerate(zip(scene.rect, scene.depth, scene.rgba, strict=True)):
+        yield f"f{i}: pixel {rect[0]}, depth {float(depth):g}, rgba {' '.join(map(str, rgba))}"
+
+
+def _pixel_lines(checker: Checker, failure: Failure) -> Iterator[str]:
+    if failure.what == "lost_fragments":
+        yield f"lost_fragments: {failure.lost}"
+    if failure.what != "wrong_image":
+        return
+    for x, inside, shown in selections(checker, failure):
+        names = ", ".join(f"f{i}" for i in shown) if shown is not None else "no selection of its fragments"
+        yield f"pixel {x} shows {names or 'nothing'} of {', '.join(f'f{i}' for i in inside)}"
+
+
+def _trace_lines(trace: Sequence[Step]) -> Iterator[str]:
+    width = max((len(s.place) for s in trace), default=0)
+    before: Step | None = None
+    for s in trace:
+        if before is None or s.step != before.step:
+            yield f"pass {s.step}"
+        new = before is None or (s.fragment, s.place) != (before.fragment, before.place)
+        if new:
+            yield f"  {s.fragment:4}{s.place:{width}}  {s.source}"
+        yield f"      {'':{width}}    {s.operation}"
+        before = s
+
+
+def record(found: Found) -> dict[str, Any]:
+    """What `race --json` prints."""
+    checker, failure = found.checker, found.failure
+    broken = failure is not None and not checker.promises_nothing
+    return {
+        "method": checker.variant.method.id, "params": checker.variant.params, "promise": checker.promised.kind.value,
+        "schedules": found.schedules, "seconds": found.seconds, "failed": found.failed, "lost": found.lost,
+        "complete": found.complete, "broken": broken, "failure": failure.what if broken and failure else None,
+        "replay": written(checker.scene.seed, failure.deviations) if broken and failure else None,
+        "fragments": [{"pixel": int(r[0]), "depth": float(d), "rgba": [int(c) for c in rgba]}
+                      for r, d, rgba in zip(checker.scene.rect, checker.scene.depth, checker.scene.rgba, strict=True)],
+        "trace": [vars(s) for s in steps(checker, failure.events)] if broken and failure else [],
+    }
+

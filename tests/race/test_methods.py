@@ -1,0 +1,39 @@
+"""Every method of the catalog keeps its promise under every schedule that is tried."""
+
+import pytest
+
+from mfr_bench.methods import catalog
+from mfr_bench.race.campaign import run, small_variant
+from mfr_bench.race.check import How
+
+SCHEDULES = 2000
+SLOW = 200  # where a frame has hundreds of invocations
+
+
+def schedules_for(variant) -> int:
+    return SLOW if variant.params.get("scan") == "compute" else SCHEDULES
+
+
+def show(found) -> str:
+    from mfr_bench.race.report import text
+
+    return text(found)
+
+
+@pytest.mark.parametrize("method", catalog().values(), ids=lambda m: m.id)
+def test_a_method_keeps_its_promise(method):
+    variant = small_variant(method, ())
+    found = run(variant, (3, 2), How(schedules=schedules_for(variant)), scenes=2)
+    assert not found.broken or found.checker.promises_nothing, show(found)
+
+
+@pytest.mark.parametrize("method_id", ["kb", "kb-mha"])
+def test_hazards_show(method_id):
+    """A machine on which nothing ever goes wrong would prove nothing."""
+    found = run(small_variant(catalog()[method_id], ()), (4,), How(schedules=500), scenes=1)
+    assert found.checker.promises_nothing and found.failed > 50
+
+
+def test_without_a_lock_fragments_are_lost():
+    found = run(small_variant(catalog()["kplus-array"], ["sync=none"]), (4,), How(schedules=500), scenes=1)
+    assert found.checker.promises_nothing and found.failed > 50
