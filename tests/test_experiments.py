@@ -59,6 +59,13 @@ def test_the_page_is_what_the_configs_give():
         "docs/experiments.md is out of date: mfr-bench configs --markdown >docs/experiments.md")
 
 
+def test_the_page_of_differences_is_what_settings_and_claims_give():
+    shown = subprocess.run([sys.executable, "-m", "mfr_bench", "configs", "--fidelity"], capture_output=True, text=True,
+                           check=True).stdout
+    assert (ROOT / "docs" / "fidelity.md").read_text() == shown, (
+        "docs/fidelity.md is out of date: mfr-bench configs --fidelity >docs/fidelity.md")
+
+
 @pytest.mark.parametrize("path", [path for path in sorted((ROOT / "configs").rglob("*.yaml"))
                                   if not path.stem.startswith("gpupro5-")], ids=lambda path: path.stem)
 def test_what_is_emulated_says_so_in_its_name(path):

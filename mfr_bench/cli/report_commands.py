@@ -82,12 +82,14 @@ def table(folders: tuple[str, ...]) -> None:
 @click.command()
 @click.option("--papers", is_flag=True, help="Print only the names of the papers' experiments.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print docs/experiments.md.")
-def configs(papers: bool, as_markdown: bool) -> None:
+@click.option("--fidelity", is_flag=True, help="Print docs/fidelity.md: the papers' settings beside those here.")
+def configs(papers: bool, as_markdown: bool, fidelity: bool) -> None:
     """List the configs that come with the package.
 
     \b
     Examples: mfr-bench configs
               mfr-bench configs --markdown >docs/experiments.md
+              mfr-bench configs --fidelity >docs/fidelity.md
               mfr-bench run $(mfr-bench configs --papers) --profile smoke
     """
     from ..config import load, shipped
@@ -96,6 +98,9 @@ def configs(papers: bool, as_markdown: bool) -> None:
 
     if as_markdown:
         say(_experiments_page().rstrip("\n"))
+        return
+    if fidelity:
+        say(_fidelity_page().rstrip("\n"))
         return
     longest = max(map(len, shipped()))
     for name, path in shipped().items():
@@ -106,6 +111,15 @@ def configs(papers: bool, as_markdown: bool) -> None:
             continue
         source = " ".join(filter(None, (experiment.source.get("paper"), figure_of(experiment.source))))
         say(f"{name:{longest}}  {experiment.title}{f' ({source})' if source else ''}")
+
+
+def _fidelity_page() -> str:
+    from ..claims import CLAIMS
+    from ..claims.fidelity import as_markdown
+    from ..config import load, shipped
+    from ..methods import catalog
+
+    return as_markdown([load(str(path), catalog())[0] for path in shipped().values()], CLAIMS)
 
 
 def _experiments_page() -> str:

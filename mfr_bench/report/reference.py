@@ -11,6 +11,7 @@ from typing import Any
 from ..errors import StoreError
 from ..resources import reference_dir
 
+SETTINGS = "settings.csv"  # beside the files of numbers, see report.settings
 COLUMNS: Mapping[str, type] = {
     "paper": str, "figure": str, "section": str, "quantity": str, "method": str, "name": str, "width": int,
     "height": int, "pixel_density": float, "fragment_probability": float, "n": int, "k": int, "fragments": int,
@@ -53,7 +54,8 @@ class Printed:
 @lru_cache(maxsize=1)
 def printed() -> tuple[Printed, ...]:
     """Every row of every paper, in the order of the files. Raises StoreError for a file that cannot be used."""
-    return tuple(row for path in sorted(reference_dir().glob("*.csv")) for row in _rows(path))
+    files = [path for path in sorted(reference_dir().glob("*.csv")) if path.name != SETTINGS]
+    return tuple(row for path in files for row in _rows(path))
 
 
 def find(**where: Any) -> list[Printed]:
