@@ -26,5 +26,6 @@ def plant(monkeypatch):
     def planted(path: str, right: str, wrong: str) -> None:
         original = glsl.read
         assert right in original(path), f"{path} no longer says {right!r}; plant the fault elsewhere"
-        monkeypatch.setattr(glsl, "read", lambda p: original(p).replace(right, wrong) if p == path else original(p))
+        monkeypatch.setattr(glsl.includes, "read",
+                            lambda p: original(p).replace(right, wrong) if p == path else original(p))
     return planted

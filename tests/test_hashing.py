@@ -7,9 +7,11 @@ from hypothesis import strategies as st
 
 from mfr_bench import glsl
 from mfr_bench.config.model import Scene as SceneConfig
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
 from mfr_bench.hashing import WORD, hash3, mix
-from mfr_bench.methods.spec import Buffer, Method, Pass
+from mfr_bench.methods.spec import Buffer, Fitted, Method, Pass
 from mfr_bench.oracle.composite import stats_of
 from mfr_bench.scene import generate
 
@@ -72,11 +74,11 @@ def test_every_bit_of_every_counter_reaches_half_of_the_result():
 @pytest.mark.parametrize("seed", [0, 1, 2**31, WORD])
 def test_glsl_gives_the_same_bits(device, monkeypatch, seed):
     real = glsl.read
-    monkeypatch.setattr(glsl, "read", lambda path: HASH_SHADER if path == "test/hash.frag" else real(path))
+    monkeypatch.setattr(glsl.includes, "read", lambda path: HASH_SHADER if path == "test/hash.frag" else real(path))
     scene = generate(SceneConfig(size=(97, 71), depth_complexity=0, seed=seed))
     stats = stats_of(scene)
     quads, canvas = SceneBuffer(device, scene), Canvas(device, scene.viewport)
-    frame = Frame(device, PROBE.variant({}), stats, quads, canvas)
+    frame = Frame(device, Fitted(PROBE.variant({}), stats), quads, canvas)
     frame.draw()
     found = frame.words("hashes")
     for thing in (frame, canvas, quads):

@@ -286,6 +286,7 @@ def shader(method_id: str, pass_name: str | None, config: str, profile: str | No
     """
     from ..errors import UsageError, nearest
     from ..glsl import stages
+    from ..methods.spec import Fitted
     from ..plan import expected_stats
 
     cell, variant = _first_cell(config, method(method_id, "METHOD"), profile, overrides)
@@ -293,14 +294,14 @@ def shader(method_id: str, pass_name: str | None, config: str, profile: str | No
     if pass_name is not None and pass_name not in names:
         raise UsageError(f"--pass: {method_id} has no pass {pass_name!r}; allowed: {', '.join(names)}"
                          f"{nearest(pass_name, names)}")
-    stats = expected_stats(cell.scene)
+    fitted = Fitted(variant, expected_stats(cell.scene))
     if as_json:
         from ..race.adapter import frame_of, record
 
-        say(json.dumps(record(frame_of(variant, stats), pass_name), indent=2))
+        say(json.dumps(record(frame_of(fitted), pass_name), indent=2))
         return
     for step in variant.passes:
-        if step.kind == "clear" or step.probes or pass_name not in (None, step.name) or not variant.runs(step, stats):
+        if step.kind == "clear" or step.probes or pass_name not in (None, step.name) or not fitted.needed(step):
             continue
-        for stage in stages(variant, step, stats):
+        for stage in stages(fitted, step):
             say(f"// {method_id}, pass {step.name}: {stage.entry}\n{stage.text}")

@@ -8,11 +8,13 @@ import numpy as np
 
 from ..errors import DeviceError
 from ..methods.shared import clear
-from ..methods.spec import EMPTY, Buffer, Method, Pass, SceneStats
+from ..methods.spec import EMPTY, Buffer, Fitted, Method, Pass, SceneStats
 from ..oracle.composite import Fragments, in_chunks, scene_stats
 from ..scene import Geometry
 from .device import Device
-from .frame import Canvas, Frame, SceneBuffer
+from .frame import Frame
+from .scene_buffer import SceneBuffer
+from .targets import Canvas
 
 CHUNK_BYTES = 64 * 2**20  # of one storage block and read-back
 NODE_BYTES = 8
@@ -57,7 +59,7 @@ def _uncounted(scene: Geometry) -> SceneStats:
 def count(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> np.ndarray:
     """int64 (H, W): the fragments of each pixel, of the scene on the device."""
     stats = _uncounted(scene_buffer.scene)
-    frame = Frame(device, COUNT.variant({}), stats, scene_buffer, canvas)
+    frame = Frame(device, Fitted(COUNT.variant({}), stats), scene_buffer, canvas)
     try:
         frame.draw()
         return frame.words("found").astype(np.int64).reshape(stats.H, stats.W)
@@ -71,7 +73,7 @@ def _stored(device: Device, stats: SceneStats, scene_buffer: SceneBuffer, canvas
     here = counts[pixels]
     first = np.full(len(counts), EMPTY, dtype=np.uint32)
     first[pixels] = np.cumsum(here) - here
-    frame = Frame(device, STORE.variant({}), replace(stats, F=int(here.sum())), scene_buffer, canvas)
+    frame = Frame(device, Fitted(STORE.variant({}), replace(stats, F=int(here.sum()))), scene_buffer, canvas)
     try:
         frame.fill("first", first)
         frame.draw()

@@ -7,10 +7,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..methods.spec import IMAGE, Method, Pass, SceneStats
+from ..methods.spec import IMAGE, Fitted, Method, Pass, SceneStats
 from ..scene import Scene
 from .device import Device
-from .frame import Canvas, Frame, SceneBuffer
+from .frame import Frame
+from .scene_buffer import SceneBuffer
+from .targets import Canvas
 
 COPY_BYTES = 2**25  # beyond the last cache of most devices, below a storage block of every one
 SIDE = 1024  # pixels of the target that is filled
@@ -36,7 +38,8 @@ def _copied(device: Device) -> float:
 def _filled(device: Device) -> float:
     scene = Scene((SIDE, SIDE), np.zeros((0, 4), np.int32), np.zeros(0, np.float32), np.zeros((0, 4), np.uint8), 1.0, 0)
     scene_buffer, canvas = SceneBuffer(device, scene), Canvas(device, (SIDE, SIDE))
-    frame = Frame(device, FILL.variant({}), SceneStats(W=SIDE, H=SIDE, n=1, F=0, primitives=0), scene_buffer, canvas)
+    stats = SceneStats(W=SIDE, H=SIDE, n=1, F=0, primitives=0)
+    frame = Frame(device, Fitted(FILL.variant({}), stats), scene_buffer, canvas)
     try:
         return SIDE * SIDE * _per_second(device, frame.draw)
     finally:

@@ -13,15 +13,17 @@ import numpy as np
 from ..config.model import Scene as SceneConfig
 from ..errors import MfrError
 from ..methods.shared import MULTISAMPLING, SYNC, K, clear, resolve, route, routed_targets
-from ..methods.spec import IMAGE, Buffer, Method, Pass, State, Target, when
+from ..methods.spec import IMAGE, Buffer, Fitted, Method, Pass, State, Target, when
 from ..oracle.composite import composite, fragment_counts, stats_of
 from ..oracle.quality import conformance
 from ..scene import generate
 from .capture import capture
 from .device import Device
-from .frame import Canvas, Frame, SceneBuffer
+from .frame import Frame
 from .rates import rates
+from .scene_buffer import SceneBuffer
 from .single import shown
+from .targets import Canvas
 from .timers import GpuTimer, WallTimer
 
 ROUTED_SCENE = SceneConfig(size=(16, 16), depth_complexity=4)
@@ -82,7 +84,7 @@ class _Bench:
         self.canvas = Canvas(device, (self.stats.W, self.stats.H))
 
     def frame(self, method: Method, **params) -> Frame:
-        return Frame(self.device, method.variant(params), self.stats, self.scene_buffer, self.canvas)
+        return Frame(self.device, Fitted(method.variant(params), self.stats), self.scene_buffer, self.canvas)
 
     def release(self) -> None:
         self.scene_buffer.release()

@@ -7,11 +7,13 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from ..methods.spec import SceneStats, Variant
+from ..methods.spec import Fitted, SceneStats, Variant
 from ..oracle.quality import conformance
 from ..scene import Geometry
 from .device import Device
-from .frame import Canvas, Frame, SceneBuffer
+from .frame import Frame
+from .scene_buffer import SceneBuffer
+from .targets import Canvas
 from .truth import Truth, true_stats
 
 
@@ -26,7 +28,7 @@ class Shown:
 
     def render(self, variant: Variant) -> np.ndarray:
         """float32 (H, W, 4), premultiplied over transparent black, row 0 at the bottom."""
-        frame = Frame(self.device, variant, self.stats, self.scene_buffer, self.canvas)
+        frame = Frame(self.device, Fitted(variant, self.stats), self.scene_buffer, self.canvas)
         try:
             frame.draw_fitting()
             return frame.image()
@@ -37,7 +39,7 @@ class Shown:
         """Against what the variant promises; None where nothing can be compared."""
         if variant.guarantee == "none":
             return None
-        return conformance(image, self.truth.image(variant.promise(self.stats)), self.truth.tied)
+        return conformance(image, self.truth.image(Fitted(variant, self.stats).promise()), self.truth.tied)
 
 
 @contextmanager

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..methods.spec import FORMAT_WORDS
 from . import rawgl
+from .device import Device
 from .rawgl import RawGL
 
 
@@ -124,3 +125,16 @@ class Framebuffer:
 
     def release(self) -> None:
         self.gl.delete("Framebuffers", self.name)
+
+
+class Canvas:
+    """The image that every method of one viewport size resolves into: RGBA32F, premultiplied."""
+
+    def __init__(self, device: Device, size: tuple[int, int]):
+        self.texture = Texture(device.gl, "rgba32f", size)
+        self.framebuffer = Framebuffer(device.gl, [self.texture])
+
+    def release(self) -> None:
+        """Free the device memory."""
+        self.framebuffer.release()
+        self.texture.release()

@@ -12,7 +12,8 @@ from ..oracle.composite import Fragments, composite, fragment_counts, scene_stat
 from ..scene import Scene
 from .capture import capture, count
 from .device import Device
-from .frame import Canvas, SceneBuffer
+from .scene_buffer import SceneBuffer
+from .targets import Canvas
 
 
 def true_stats(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> SceneStats:

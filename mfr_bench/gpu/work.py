@@ -12,7 +12,8 @@ from ..glsl import stages
 from ..glsl.counters import MOST
 from ..methods.spec import LISTED, TILE_COMMAND, Loop, Pass
 from . import rawgl
-from .frame import Frame, PassRunner
+from .frame import Frame
+from .pass_runner import PassRunner
 
 RASTERIZED = Pass("rasterized", "geometry", "probe/rasterized.frag", region=True)
 
@@ -22,13 +23,12 @@ Work = Counter[str]
 def work_of(frame: Frame) -> dict[str, dict[str, int]]:
     """Work of each pass of a frame, by its name, summed over its draws; draws a frame.
 
-    Beside the counters of `instrument.WORK` stand `rasterized`, the fragments of a pass's geometry; `passed`, the
+    Beside the counters of `glsl.counters.WORK` stand `rasterized`, the fragments of a pass's geometry; `passed`, the
     fragments or pixels that reach its targets; and `cleared`, texels that clears set. `words_read` and `words_written`
     take in the targets: what is written to them, blended with and tested against.
     """
     rasterized = _rasterized(frame)
-    runners = {id(step): CountingRunner(frame, step, rasterized) for step in frame.variant.passes
-               if frame.runs(step) and not step.probes}
+    runners = {id(step): CountingRunner(frame, step, rasterized) for step in frame.running}
     try:
         frame.draw_by(runners)
         return _by_name(runners)
@@ -75,7 +75,7 @@ def entered_map(frame: Frame) -> np.ndarray | None:
     if any(isinstance(step, Loop) for step in frame.variant.steps):
         return None
     runners = {id(step): MapRunner(frame, step) for step in frame.variant.passes
-               if frame.variant.runs(step, frame.stats) and not step.probes}
+               if frame.fitted.needed(step) and not step.probes}
     try:
         return frame.draw_map(runners) if any(runner.maps for runner in runners.values()) else None
     finally:
@@ -89,7 +89,7 @@ class MapRunner(PassRunner):
     maps = False
 
     def _stages(self):
-        found = stages(self.frame.variant, self.step, self.frame.stats, mapped="entered")
+        found = stages(self.frame.fitted, self.step, mapped="entered")
         self.maps = any(stage.counted for stage in found)
         return found
 
@@ -103,7 +103,7 @@ class CountingRunner(PassRunner):
         self.work: Work = Counter()
 
     def _stages(self):
-        return stages(self.frame.variant, self.step, self.frame.stats, counted=True)
+        return stages(self.frame.fitted, self.step, counted=True)
 
     def run(self, iteration: int) -> None:
         self.frame.reset_work()
@@ -121,7 +121,7 @@ class CountingRunner(PassRunner):
     def _add_targets(self, passed: int) -> None:
         geometry = self.step.kind == "geometry"
         rasterized = _rasterized(self.frame) if geometry and self._band else self.rasterized
-        texels = {ref: self.frame.texture(ref, 0) for ref in self.step.into}
+        texels = {ref: self.frame.allocation.texture(ref, 0) for ref in self.step.into}
         words = {ref: texture.bytes // (4 * self.frame.stats.P) for ref, texture in texels.items()}
         colour = sum(count for ref, count in words.items() if not texels[ref].is_depth)
         depth = sum(count for ref, count in words.items() if texels[ref].is_depth)
@@ -149,5 +149,5 @@ class CountingRunner(PassRunner):
         beside = self.step.kind == "clear" and self.step.region and not self._band
         pixels = viewport - columns * rows if beside else columns * rows
         for ref in self.step.clears:
-            words = self.frame.texture(ref, 0).bytes // 4
+            words = self.frame.allocation.texture(ref, 0).bytes // 4
             self.work.update({"cleared": pixels, "words_written": words * pixels // viewport})

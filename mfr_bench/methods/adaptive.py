@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from .shared import CLEARED, HELD, PAYLOAD, PIXEL_CLASS
+from .shared import CLEARED, PAYLOAD, PIXEL_CLASS, STORED
 from .shared.bands import SEGMENT
 from .spec import (
     ADD,
@@ -80,9 +80,9 @@ def plan(known: Known, params: Params) -> Plan:
     banded = known.room is not None and cells > known.room
     cut = float(params.get("max_error", EXACT)) > EXACT and known.layers >= WORTH_CUTTING
     if known.filled and not banded:
-        return Plan(DENSE if cut else PLANES, known, cells, cut=cut)
+        return Plan(DENSE if cut else PLANES, known, cells, cut_off=cut)
     if banded or cut:
-        return Plan(RANGES, known, banded=banded, cut=cut)
+        return Plan(RANGES, known, banded=banded, cut_off=cut)
     room = 0 if known.fragments is None else known.fragments + SPARE * (known.fragments + known.pixels)
     if cells <= room:
         return Plan(DENSE, known, cells)
@@ -126,12 +126,12 @@ def _where(*conditions: Callable[[Plan], bool]) -> Callable[[Plan], bool]:
 
 
 def _cut(plan: Plan) -> bool:
-    return plan.cut
+    return plan.cut_off
 
 
 def _classed(plan: Plan) -> bool:
     """Whether pixels are told apart by their number of fragments."""
-    return plan.cut or (plan.path == RANGES and plan.known.layers > UNCLASSED)
+    return plan.cut_off or (plan.path == RANGES and plan.known.layers > UNCLASSED)
 
 
 IN_PLANES = Layout(_in(PLANES), {"DENSE": 1, "PLANES": 1})
@@ -155,7 +155,7 @@ def _ranged(plan: Plan) -> bool:
 
 def _classed_by_counter(plan: Plan) -> bool:
     """Whether they are told apart after the store, for nothing was counted before."""
-    return plan.path == DENSE and plan.cut
+    return plan.path == DENSE and plan.cut_off
 
 
 def _resolves() -> tuple[Pass, ...]:
@@ -198,12 +198,12 @@ def _before_cut(step: Pass) -> Pass:
 
 def _whole_and_cut(step: Pass) -> tuple[Pass, Pass]:
     """The pass where nothing is cut, and where something is."""
-    return replace(step, runs_in=_where(step.runs_in, lambda plan: not plan.cut)), _before_cut(step)
+    return replace(step, runs_in=_where(step.runs_in, lambda plan: not plan.cut_off)), _before_cut(step)
 
 
 COUNT = Pass("count", "geometry", "methods/adaptive/count.frag", into=("tally",), clears={"tally": CLEARED},
              defines=TALLY, state=State(blend=ADD), counts=True)
-COUNT_LATER = replace(COUNT, counts=False, tallies=True)  # there is room for whatever comes
+COUNT_LATER = replace(COUNT, counts=False, counts_for_plan=True)  # there is room for whatever comes
 ALLOCATE = Pass("allocate", "fullscreen", "methods/adaptive/allocate.frag", region=True, reads=("tally",),
                 writes=("counter", "taken"))
 CLASSIFIES = {"into": (PIXEL_CLASS.name,), "clears": {PIXEL_CLASS.name: (1.0,)}, "state": State(depth_test="always")}
@@ -217,13 +217,14 @@ STORED = (
     replace(ALLOCATE, defines={**IN_RANGES.defines, "CLASSED": 0}, runs_in=_ranged),
     replace(ALLOCATE, defines={**IN_RANGES.defines, **CLASSES, "CLASSED": 1}, runs_in=_where(_in(RANGES), _classed),
             writes=(*ALLOCATE.writes, "draws"), **CLASSIFIES),
-    replace(STORE, defines=IN_PLANES.defines, runs_in=IN_PLANES.runs_in, writes=IN_PLANES.storage, tallies=True),
-    *_whole_and_cut(replace(STORE, defines=IN_CELLS.defines, runs_in=IN_CELLS.runs_in, tallies=True)),
+    replace(STORE, defines=IN_PLANES.defines, runs_in=IN_PLANES.runs_in, writes=IN_PLANES.storage,
+            counts_for_plan=True),
+    *_whole_and_cut(replace(STORE, defines=IN_CELLS.defines, runs_in=IN_CELLS.runs_in, counts_for_plan=True)),
     *_whole_and_cut(replace(STORE, defines=IN_RANGES.defines, runs_in=IN_RANGES.runs_in)),
     Pass("resolve", "fullscreen", "methods/adaptive/classify.frag", region=True, reads=("counter",), writes=("draws",),
          defines={**IN_CELLS.defines, **CLASSES}, runs_in=_classed_by_counter, when=APPROXIMATE, **CLASSIFIES),
-    *(Pass("resolve", "fullscreen", "methods/adaptive/held.frag", region=True, reads=layout.reads,
-           defines=layout.defines, runs_in=layout.runs_in, probes=HELD) for layout in LAYOUTS),
+    *(Pass("resolve", "fullscreen", "methods/adaptive/stored.frag", region=True, reads=layout.reads,
+           defines=layout.defines, runs_in=layout.runs_in, probes=STORED) for layout in LAYOUTS),
 )
 RESOLVED = _resolves()
 
@@ -269,7 +270,7 @@ METHODS = [
             *_whole_and_cut(replace(COUNT, runs_in=lambda plan: plan.path == RANGES and plan.capacity is None)),
             replace(COUNT_LATER, runs_in=lambda plan: plan.path == RANGES and plan.capacity is not None),
             *map(_at_once, STORED),
-            Pass("blend", "geometry", "methods/adaptive/blended.frag", runs_in=_in(DIRECT), probes=HELD),
+            Pass("blend", "geometry", "methods/adaptive/blended.frag", runs_in=_in(DIRECT), probes=STORED),
             *map(_at_once, RESOLVED),
             Pass("clear", "clear", writes=("sums",), runs_in=_banded, when=BUDGETED),
             Pass("allocate", "fullscreen", "methods/adaptive/sums.frag", region=True, reads=("tally",),

@@ -127,7 +127,7 @@ MULTI_PASS = Method(
     cost="one geometry pass for every k layers, and all k+ insertions in each",
     ties="kept; across two iterations in order of payload, within one in order of the slots",
     params=(replace(K, doc="fragments peeled per pixel and iteration"), SYNC, SORT, PEELED, TOUCHED),
-    cut="ceil(layers / k) * k",
+    most_layers="ceil(layers / k) * k",
     fixed=(STRUCTURE, CRITERION, CULLING), local="k",
     buffers=(COUNTER, SEMAPHORE, NODES, Buffer("last", "2*P", type="uvec2", clear="0u"),
              Buffer("repeats", "P", clear="0u")),

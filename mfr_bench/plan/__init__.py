@@ -24,7 +24,7 @@ from ..config.layout import (
 )
 from ..config.model import Experiment, Measure, MethodEntry, Scene
 from ..errors import UsageError, nearest
-from ..methods.spec import SCENE_FACTS, Method, SceneStats, Value
+from ..methods.spec import SCENE_FACTS, Fitted, Method, SceneStats, Value
 
 FLOOR = "floor"  # measured for every scene: what the other times are compared with
 MIB = 2**20
@@ -106,6 +106,7 @@ def _cell(experiment: Experiment, method: Method, entry: MethodEntry, point: Map
 def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: Limits | None) -> Decision | None:
     """Why a cell is not measured, or None. Without limits only the budget is held against it."""
     variant = catalog[cell.method].variant(cell.params)
+    fitted = Fitted(variant, stats)
     missing = [f for f in variant.needs if limits and f not in limits.features]
     missing += [SCENE_FACTS[f] for f in variant.asks if not getattr(stats, f)]
     if missing:
@@ -113,18 +114,18 @@ def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: 
     deepest = variant.method.deepest
     if deepest and stats.n > deepest:
         return "over_budget", f"a pixel has {stats.n} fragments, the method has room for {deepest}"
-    local = variant.local_array(stats)
+    local = fitted.local_array()
     if limits and limits.max_local_array and local > limits.max_local_array:
         return "over_budget", (f"needs a local array of {local} fragments in a shader, which this driver compiles for "
                                f"minutes; allowed: {limits.max_local_array}")
     side = max(stats.W, stats.H)
     if limits and side > limits.max_texture_size:
         return "over_budget", f"needs textures of {side} pixels a side, the device allows {limits.max_texture_size}"
-    allowed, least = variant.budget_bytes, variant.least_bytes(stats)
+    allowed, least = variant.budget_bytes, fitted.least_bytes()
     if least > allowed:
         return "over_budget", (f"needs at least {_mib(least)}, {variant.method.capacity.budget} allows it "
                                f"{_mib(allowed)}")
-    memory = variant.memory_bytes(stats)
+    memory = fitted.memory_bytes()
     for buffer in variant.buffers:
         if limits and memory[buffer.name] > limits.max_block_bytes:
             return "over_budget", (f"needs {_mib(memory[buffer.name])} for {buffer.name}, the device allows "
@@ -195,7 +196,7 @@ def overview(cells: Iterable[Cell], catalog: Mapping[str, Method],
 def _row(cell: Cell, catalog: Mapping[str, Method], limits: Limits | None) -> dict[str, Any]:
     stats = expected_stats(cell.scene)
     decision = judge(cell, catalog, stats, limits)
-    memory = catalog[cell.method].variant(cell.params).memory_bytes(stats)
+    memory = Fitted(catalog[cell.method].variant(cell.params), stats).memory_bytes()
     return {"experiment": cell.experiment, "label": cell.label, "method": cell.method, "point": dict(cell.point),
             "scene": cell.scene.as_dict(), "memory_bytes": sum(memory.values()),
             "decision": ": ".join(decision) if decision else "measure"}

@@ -6,13 +6,16 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from ..errors import UsageError
-from ..glsl import DIAGNOSTICS, Binding, Source, buffer_bindings, colour_refs, split_ref, stages, texture_bindings
+from ..glsl import Source, split_ref, stages
+from ..glsl.bindings import DIAGNOSTICS, Binding, buffer_bindings, colour_refs, texture_bindings
 from ..methods.spec import (
     IMAGE,
     TILE_COMMAND,
     TILE_LIST,
     Buffer,
     Counted,
+    Fitted,
+    FrameState,
     Grown,
     Loop,
     Pass,
@@ -21,6 +24,7 @@ from ..methods.spec import (
     Target,
     Variant,
     evaluate,
+    left_out,
 )
 
 DIAGNOSTICS_BUFFER = "Diagnostics"
@@ -72,6 +76,11 @@ class Frame:
     region: tuple[int, int, int, int] = (0, 0, 0, 0)  # left, bottom, width and height of what bounds the geometry
 
     @property
+    def fitted(self) -> Fitted:
+        """The variant in its scene."""
+        return Fitted(self.variant, self.stats)
+
+    @property
     def buffers(self) -> tuple[Buffer, ...]:
         return (*self.variant.buffers, Buffer(DIAGNOSTICS_BUFFER, str(len(DIAGNOSTICS)), coherent=True))
 
@@ -90,51 +99,46 @@ class Frame:
         return isinstance(self.variant.method.capacity, (Counted, Planned))
 
 
-def frame_of(variant: Variant, stats: SceneStats, region: tuple[int, int, int, int] | None = None) -> Frame:
-    """The frame of a variant in a scene of these stats. Raises UsageError for what no small scene can show."""
+def frame_of(fitted: Fitted, region: tuple[int, int, int, int] | None = None) -> Frame:
+    """The frame of a variant in a scene. Raises UsageError for what no small scene can show."""
+    variant, stats = fitted.variant, fitted.stats
     if any(isinstance(step, Loop) and step.bands for step in variant.steps) and variant.budget_bytes:
         raise UsageError(f"{variant.method.id}: the race machine draws no frame in bands; leave memory_mb at 0")
-    maker = _Maker(variant, stats)
-    capacity, decision = variant.capacity(stats), variant.decision(stats)
-    words = {b.name: variant.block_bytes(b, stats, capacity) // 4 for b in variant.buffers}
+    maker = _Maker(fitted)
+    capacity, decision = fitted.capacity(), fitted.decision()
+    words = {b.name: fitted.block_bytes(b, capacity) // 4 for b in variant.buffers}
     return Frame(variant, stats, tuple(maker.passes), tuple(maker.steps),
                  words | {DIAGNOSTICS_BUFFER: len(DIAGNOSTICS)}, capacity, decision.k if decision else 0,
                  region or (0, 0, stats.W, stats.H))
 
 
 class _Maker:
-    """Lays out the steps of a frame, or of two where later frames of a still scene run other passes than the first."""
+    """Lays out the steps of a frame, or of two where later frames of a static scene run other passes than the first."""
 
-    def __init__(self, variant: Variant, stats: SceneStats):
-        self.variant, self.stats = variant, stats
+    def __init__(self, fitted: Fitted):
+        self.fitted = fitted
         self.passes: list[FramePass] = []
         self.steps: list[FrameStep] = []
         self.known: dict[int, int] = {}
-        planned = isinstance(variant.method.capacity, Planned)
-        self.plan = variant.plan(stats) if planned else None
-        frames = (False, True) if any(p.still is not None for p in variant.passes) else (False,)
-        for still in frames:
-            self._lay_out(still)
+        plan = fitted.plan() if isinstance(fitted.variant.method.capacity, Planned) else None
+        frames = (False, True) if any(p.static is not None for p in fitted.variant.passes) else (False,)
+        for static in frames:
+            self._lay_out(FrameState(plan, static))
 
-    def _lay_out(self, still: bool) -> None:
-        for step in self.variant.steps:
+    def _lay_out(self, frame: FrameState) -> None:
+        for step in self.fitted.variant.steps:
             if isinstance(step, Loop):
-                self._loop(step, still)
-            elif self._due(step, still):
+                self._loop(step, frame)
+            elif left_out(step, self.fitted, frame) is None:
                 self._add(step)
 
-    def _due(self, step: Pass, still: bool) -> bool:
-        planned = step.runs_in is None or (self.plan is not None and step.runs_in(self.plan))
-        return (planned and step.probes is None and step.still in (None, still)
-                and self.variant.runs(step, self.stats))
-
-    def _loop(self, loop: Loop, still: bool) -> None:
+    def _loop(self, loop: Loop, frame: FrameState) -> None:
         if loop.bands:
             return
         first = len(self.steps)
-        for iteration in range(int(evaluate(loop.times, self.stats, self.variant.scope))):
+        for iteration in range(int(evaluate(loop.times, self.fitted.stats, self.fitted.scope))):
             for step in loop.passes:
-                if self._due(step, still):
+                if left_out(step, self.fitted, frame) is None:
                     self._add(step, iteration, leaves=loop.until_empty and step.counts)
         end = len(self.steps)
         self.steps[first:] = [s if s.leave is None else FrameStep(s.step, s.iteration, end) for s in self.steps[first:]]
@@ -146,11 +150,11 @@ class _Maker:
         self.steps.append(FrameStep(self.known[id(step)], iteration, 0 if leaves else None))
 
     def _made(self, step: Pass) -> FramePass:
-        variant, stats = self.variant, self.stats
-        sources = () if step.kind == "clear" else stages(variant, step, stats)
-        groups = int(evaluate(step.groups, stats, variant.scope)) if step.groups else 0
+        fitted, variant = self.fitted, self.fitted.variant
+        sources = () if step.kind == "clear" else stages(fitted, step)
+        groups = int(evaluate(step.groups, fitted.stats, fitted.scope)) if step.groups else 0
         return FramePass(step, sources, tuple(buffer_bindings(variant, step)), tuple(texture_bindings(variant, step)),
-                         tuple(colour_refs(variant, step)), variant.value(step.instances, stats), groups)
+                         tuple(colour_refs(variant, step)), fitted.value(step.instances), groups)
 
 
 def locator(source: Source) -> Callable[[int], str]:

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import MfrError
-from ..methods.spec import Variant
+from ..methods.spec import Fitted, Variant
 from ..oracle import twochannel
 from ..oracle.composite import stats_of
 from ..scene import Scene
@@ -101,7 +101,7 @@ class Checker:
     def __init__(self, variant: Variant, scene: Scene, helpers: bool = False):
         self.variant, self.scene, self.helpers = variant, scene, helpers
         self.stats = stats_of(scene)
-        self.frame: Frame = frame_of(variant, self.stats, scene.bounds)
+        self.frame: Frame = frame_of(Fitted(variant, self.stats), scene.bounds)
 
     @cached_property
     def built(self) -> Built:

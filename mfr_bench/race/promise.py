@@ -8,7 +8,7 @@ from enum import Enum
 
 import numpy as np
 
-from ..methods.spec import SceneStats, Variant
+from ..methods.spec import Fitted, SceneStats, Variant
 from ..oracle import twochannel
 from ..oracle.composite import composite
 from ..scene import Scene
@@ -44,7 +44,7 @@ def promised(variant: Variant, stats: SceneStats) -> Promised:
         return Promised(Kind.WITHIN, max(1.0 - bound for bound in bounds))
     if weak or method.mixes or method.guarantee == "none":
         return Promised(Kind.IN_ORDER)
-    if variant.exact_in(stats):
+    if Fitted(variant, stats).exact():
         return Promised(Kind.EXACT)
     if method.failure and "and counted" in method.failure:
         return Promised(Kind.EXACT, counted=True)
@@ -53,7 +53,7 @@ def promised(variant: Variant, stats: SceneStats) -> Promised:
 
 def expected(variant: Variant, stats: SceneStats, scene: Scene, everything: bool = False) -> np.ndarray:
     """float64 (H, W, 4): the image that the variant aims at; `everything`: of all fragments."""
-    aim = variant.promise(stats)
+    aim = Fitted(variant, stats).promise()
     payload = twochannel.straight(scene.rgba) if variant.two_channel else None
     return composite(scene, None if everything else aim.layers, aim.criterion, payload)
 

@@ -7,7 +7,7 @@ import subprocess
 from collections.abc import Iterator
 
 from ..errors import ShaderError
-from ..glsl import DIAGNOSTICS
+from ..glsl.bindings import DIAGNOSTICS
 from ..methods.spec import IMAGE, State
 from .adapter import DIAGNOSTICS_BUFFER, Frame, FramePass, base_of, locator, tile_buffers
 from .cpp import translate
@@ -90,7 +90,7 @@ def _resources(frame: Frame) -> Iterator[str]:
     yield "};"
     yield "static const TargetDesc targets[] = {"
     for t in frame.targets:
-        samples, layers = frame.variant.samples(t, frame.stats), frame.variant.layer_count(t, frame.stats)
+        samples, layers = frame.fitted.samples(t), frame.fitted.layer_count(t)
         yield (f'{{"{t.name}", {FORMATS.index(t.format)}, {t.copies}, {samples}, {layers}, '
                f'{_bool(t.attaches == "depth")}, {_bool(t.format == "r32ui")}}},')
     yield "};"
@@ -132,7 +132,7 @@ def _pass_tables(frame: Frame, number: int, p: FramePass) -> Iterator[str]:
 def _output(frame: Frame, p: FramePass, ref: str) -> str:
     name, role = base_of(ref)
     target = next(t for t in frame.targets if t.name == name)
-    layers = frame.variant.layer_count(target, frame.stats)
+    layers = frame.fitted.layer_count(target)
     clear = p.step.clears.get(ref)
     values = ", ".join(f"{float(v)}f" for v in (*(clear or ()), 0, 0, 0, 0)[:4])
     location = _locations(p).get(f"out_{name}", 0)

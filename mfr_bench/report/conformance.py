@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from ..methods.shared import HELD
+from ..methods.shared import STORED
 from ..methods.spec import Method, Variant
 from . import data
 from .data import Point, Result, number
@@ -75,7 +75,7 @@ def _worst(points: Sequence[Point], column: str, worst=max, digits: int = 3) -> 
 
 def _kept(variant: Variant, points: Sequence[Point]) -> str:
     """Empty for a method that holds nothing to be counted."""
-    if not any(step.probes == HELD for step in variant.passes):
+    if not any(step.probes == STORED for step in variant.passes):
         return ""
     shares = [p.row["hit_ratio"] / p.row["promised_ratio"] for p in points
               if p.row["hit_ratio"] is not None and p.row["promised_ratio"]]

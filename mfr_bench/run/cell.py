@@ -16,7 +16,7 @@ from ..gpu.timers import Timer, repeats_for
 from ..gpu.work import entered_map, work_of
 from ..measure.sampling import Sampler
 from ..measure.split import Split
-from ..methods.spec import SceneStats, Variant
+from ..methods.spec import Fitted, Variant
 from ..oracle import quality, twochannel
 from ..stats import interleaved_ratio
 from ..store.journal import Partial
@@ -48,8 +48,8 @@ class Bench:
 class CellWork:
     """A cell that passed its first check and is being sampled. `partial`: what earlier processes took of it."""
 
-    def __init__(self, bench: Bench, scene: SceneWork, job: Job, variant: Variant, partial: Partial):
-        self.bench, self.scene, self.job, self.variant = bench, scene, job, variant
+    def __init__(self, bench: Bench, scene: SceneWork, job: Job, fitted: Fitted, partial: Partial):
+        self.bench, self.scene, self.job, self.fitted, self.variant = bench, scene, job, fitted, fitted.variant
         self.sampler = Sampler(job.cell.measure)
         self.sampler.resume(partial.samples_ms)
         self.twin: Sampler | None = None  # the same again, for the noise floor
@@ -92,7 +92,7 @@ class CellWork:
         scene.show(0)
         self._begin("compile")
         with self.bench.split.work("compile"):
-            frame = Frame(device, self.variant, scene.stats, scene.scene_buffer, scene.canvas)
+            frame = Frame(device, self.fitted, scene.scene_buffer, scene.canvas)
             try:
                 self._begin("first frame")
                 frame.draw_fitting()
@@ -166,12 +166,12 @@ class CellWork:
         status, reason = verdict(self.variant, self.conformance, self.lost, distinct or 1)
         sampler, frame = self.sampler, self.frame
         low, middle, high = sampler.interval
-        values = scene_values(self.variant, self.scene.stats) | self.conformance | self.quality | {
+        values = scene_values(self.fitted) | self.conformance | self.quality | {
             "samples": len(sampler.samples_ms), "timer": self.bench.timer.name, "time_ms": middle, "time_ms_low": low,
             "time_ms_high": high, "noisy": sampler.noisy, "stop_reason": sampler.stop_reason,
             "repeats": self.repeats, "memory_bytes": sum(frame.memory_bytes.values()),
             "lost_fragments": self.lost, "geometry_passes": frame.geometry_passes,
-            "distinct_images": distinct, "error_bound": self.variant.error_bound(self.scene.stats), **self._shares(),
+            "distinct_images": distinct, "error_bound": self.fitted.error_bound(), **self._shares(),
         }
         if self.variant.two_channel:
             values |= twochannel.errors(self.scene.scene_buffer.scene.rgba)
@@ -251,9 +251,9 @@ class CellWork:
         stats = self.scene.shown
         if not self.checked or not stats.F:
             return {"hit_ratio": None, "promised_ratio": None, "discarded_share": None}
-        counted, promised = self.frame.probe(), self.variant.kept(stats)
-        arrived = counted.get("arrived_fragments")
-        return {"hit_ratio": counted.get("held_fragments", promised) / stats.F, "promised_ratio": promised / stats.F,
+        counted, promised = self.frame.probe(), Fitted(self.variant, stats).kept()
+        arrived = counted.get("shaded_fragments")
+        return {"hit_ratio": counted.get("stored_fragments", promised) / stats.F, "promised_ratio": promised / stats.F,
                 "discarded_share": None if arrived is None else 1 - arrived / stats.F}
 
 
@@ -284,20 +284,24 @@ def failure(error: Exception) -> tuple[str, str]:
     return "crashed", " ".join((str(error) if isinstance(error, MfrError) else repr(error)).split())
 
 
-def scene_values(variant: Variant, stats: SceneStats) -> dict[str, Any]:
+def scene_values(fitted: Fitted) -> dict[str, Any]:
     """What is known of a cell without running it."""
-    decision = variant.decision(stats)
+    decision, stats = fitted.decision(), fitted.stats
     return {"fragments": stats.F, "covered_pixels": sum(stats.histogram[1:]),
-            "max_fragments": len(stats.histogram) - 1, "memory_model_bytes": variant.model_bytes(stats),
+            "max_fragments": len(stats.histogram) - 1, "memory_model_bytes": fitted.model_bytes(),
             "chosen_k": decision.k if decision else None}
 
 
 def frames(variant: Variant, scene: SceneWork) -> list[dict[str, Any]]:
     """What a cell met and chose in each frame, where frames differ or the method chooses."""
-    chosen = [variant.decision(stats) for stats in scene.frames]
-    if len(chosen) == 1 and chosen[0] is None:
+    every = [Fitted(variant, stats) for stats in scene.frames]
+    if len(every) == 1 and every[0].decision() is None:
         return []
-    return [{"frame": i, "fragments": stats.F, "covered_pixels": sum(stats.histogram[1:]),
-             "max_fragments": len(stats.histogram) - 1, "chosen_k": choice.k if choice else None,
-             "kept": variant.kept(stats), "histogram": list(stats.histogram)}
-            for i, (stats, choice) in enumerate(zip(scene.frames, chosen, strict=True))]
+    return [_frame_values(i, fitted) for i, fitted in enumerate(every)]
+
+
+def _frame_values(index: int, fitted: Fitted) -> dict[str, Any]:
+    choice, stats = fitted.decision(), fitted.stats
+    return {"frame": index, "fragments": stats.F, "covered_pixels": sum(stats.histogram[1:]),
+            "max_fragments": len(stats.histogram) - 1, "chosen_k": choice.k if choice else None,
+            "kept": fitted.kept(), "histogram": list(stats.histogram)}

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..glsl import stages
-from ..methods.spec import Method, SceneStats, Variant
+from ..methods.spec import Fitted, Method, SceneStats, Variant
 from ..plan import Cell, expected_stats
 from ..store import key
 
@@ -26,11 +26,11 @@ class Job:
 
 
 def glsl_hash(variant: Variant, geometry: str) -> str:
-    """Hash of every stage of every pass, at sizes that stand for those of any scene of this geometry."""
-    stats = replace(NOMINAL, geometry=geometry)
+    """Hash of every stage of every pass, with statistics that stand for any scene of this geometry."""
+    fitted = Fitted(variant, replace(NOMINAL, geometry=geometry))
     digest = hashlib.sha256()
     for step in variant.passes:
-        for stage in stages(variant, step, stats) if step.kind != "clear" else ():
+        for stage in stages(fitted, step) if step.kind != "clear" else ():
             digest.update(stage.text.encode())
     return digest.hexdigest()[:16]
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
 from ..measure.sampling import Sampler
-from ..methods.spec import Method, SceneStats, Variant
+from ..methods.spec import Fitted, Method, SceneStats
 from ..plan import judge
 from ..store.journal import Partial
 from .cell import Bench, CellWork, failure, scene_values
@@ -52,8 +52,8 @@ class Measuring:
         finally:
             scene.release()
 
-    def _variant(self, job: Job) -> Variant:
-        return self.catalog[job.cell.method].variant(job.cell.params)
+    def _fitted(self, job: Job, stats: SceneStats) -> Fitted:
+        return Fitted(self.catalog[job.cell.method].variant(job.cell.params), stats)
 
     def _tell(self, finished: Finished) -> None:
         self.bench.emit(finished)
@@ -63,7 +63,7 @@ class Measuring:
         """Decide without compiling or allocating anything whether the device or the budget forbids the cell."""
         decision = judge(job.cell, self.catalog, stats, self.bench.device.limits)
         if decision:
-            self.bench.emit(Finished(job.key, *decision, values=scene_values(self._variant(job), stats)))
+            self.bench.emit(Finished(job.key, *decision, values=scene_values(self._fitted(job, stats))))
         return decision is not None
 
     def _chunks(self, todo: Sequence[Job], stats: SceneStats) -> Iterator[list[Job]]:
@@ -71,7 +71,7 @@ class Measuring:
         chunk: list[Job] = []
         held = 0
         for job in todo:
-            needed = sum(self._variant(job).memory_bytes(stats).values())
+            needed = sum(self._fitted(job, stats).memory_bytes().values())
             if chunk and held + needed > self._live_bytes:
                 yield chunk
                 chunk, held = [], 0
@@ -98,11 +98,11 @@ class Measuring:
     def _prepare(self, job: Job, scene: SceneWork, running: list[CellWork]) -> None:
         """Compile, allocate, draw once and check the image; a cell that fails ends as its row."""
         self.bench.stop_if_asked()
-        variant = self._variant(job)
+        fitted = self._fitted(job, scene.stats)
         try:
-            running.append(CellWork(self.bench, scene, job, variant, self._partials.get(job.key, Partial())))
+            running.append(CellWork(self.bench, scene, job, fitted, self._partials.get(job.key, Partial())))
         except Exception as error:  # noqa: BLE001 - whatever it is, it is this cell's result
-            self._fail(job, error, scene_values(variant, scene.stats))
+            self._fail(job, error, scene_values(fitted))
 
     def _sample(self, running: list[CellWork]) -> None:
         """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done."""
@@ -135,7 +135,7 @@ class Measuring:
             step(cell)
         except Exception as error:  # noqa: BLE001 - whatever it is, it is this cell's result
             cell.done = True
-            self._fail(cell.job, error, scene_values(cell.variant, cell.scene.stats))
+            self._fail(cell.job, error, scene_values(cell.fitted))
 
     def _batch(self, cell: CellWork, sampler: Sampler) -> None:
         if sampler.wanted:

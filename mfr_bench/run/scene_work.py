@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from ..gpu.device import Device
-from ..gpu.frame import Canvas, SceneBuffer
+from ..gpu.scene_buffer import SceneBuffer
+from ..gpu.targets import Canvas
 from ..gpu.truth import Truth, true_stats
 from ..measure.split import Split
-from ..methods.spec import Promise, SceneStats, Variant
+from ..methods.spec import Fitted, Promise, SceneStats, Variant
 from ..oracle import quality
 from ..scene import Geometry, generate
 
@@ -69,7 +70,7 @@ class SceneWork:
 
     def promised(self, variant: Variant) -> np.ndarray:
         """The float64 image that the variant aims at in the scene on the device now."""
-        return self.oracle(variant.promise(self.shown))
+        return self.oracle(Fitted(variant, self.shown).promise())
 
     def oracle(self, promise: Promise) -> np.ndarray:
         """The float64 image of the promised fragments of the scene on the device now; computed once."""

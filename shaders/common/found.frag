@@ -8,5 +8,5 @@ void main() {
     FRAGMENT fragment = incoming(), held;
     bool found = false;
     for (fetch_begin(pixel_index()); !found && fetch_next(held);) found = held == fragment;
-    if (found) atomicAdd(held_fragments, 1u);
+    if (found) atomicAdd(stored_fragments, 1u);
 }

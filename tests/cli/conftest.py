@@ -110,7 +110,7 @@ def plant(monkeypatch):
     def planted(path: str, right: str, wrong: str) -> None:
         real = glsl.read
         assert right in real(path), f"{path} no longer says {right!r}; plant the fault elsewhere"
-        monkeypatch.setattr(glsl, "read", lambda p: real(p).replace(right, wrong) if p == path else real(p))
+        monkeypatch.setattr(glsl.includes, "read", lambda p: real(p).replace(right, wrong) if p == path else real(p))
     return planted
 
 

@@ -217,9 +217,9 @@ def test_without_a_driver_methods_and_plans_are_still_told(tiny, no_driver):
 
 
 BROKEN = """
-from mfr_bench import glsl
-real = glsl.read
-glsl.read = lambda p: real(p).replace("void main() {", "void main() { oops;") if "array/store" in p else real(p)
+from mfr_bench.glsl import includes
+real = includes.read
+includes.read = lambda p: real(p).replace("void main() {", "void main() { oops;") if "array/store" in p else real(p)
 """
 
 

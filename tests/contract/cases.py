@@ -8,7 +8,7 @@ from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.single import Shown
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Method, SceneStats, Value, Variant, When
+from mfr_bench.methods.spec import Fitted, Method, SceneStats, Value, Variant, When
 from mfr_bench.oracle.quality import conformance
 from mfr_bench.scene import Geometry, generate
 
@@ -110,7 +110,7 @@ class Drawn:
 
     def __init__(self, device, variant: Variant, config: SceneConfig, frames: int = 1, probing: bool = False):
         on = stage(device, config)
-        frame = Frame(device, variant, on.stats, on.scene_buffer, on.canvas)
+        frame = Frame(device, Fitted(variant, on.stats), on.scene_buffer, on.canvas)
         digests = set()
         for _ in range(frames):
             frame.draw_fitting()
@@ -118,11 +118,11 @@ class Drawn:
             digests.add(self.image.tobytes())
         self.distinct_images = len(digests)
         self.lost = frame.lost_fragments()
-        self.passes, self.kept = frame.geometry_passes, variant.kept(on.stats)
+        self.passes, self.kept = frame.geometry_passes, Fitted(variant, on.stats).kept()
         self.probed = frame.probe() if probing else {}
         self.passes_probing, self.image_probing = frame.geometry_passes, frame.image()
-        self.allocated, self.declared = frame.memory_bytes, variant.memory_bytes(on.stats)
-        promised = on.image(variant.promise(on.stats))
+        self.allocated, self.declared = frame.memory_bytes, Fitted(variant, on.stats).memory_bytes()
+        promised = on.image(Fitted(variant, on.stats).promise())
         self.error = conformance(self.image, promised, on.truth.tied)["max_abs_error"]
         self.fits = all(size <= self.declared[name] for name, size in self.allocated.items())
         frame.release()

@@ -7,7 +7,7 @@ import pytest
 from mfr_bench.config import Scene
 from mfr_bench.glsl import read, stages
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import SceneStats, evaluate
+from mfr_bench.methods.spec import Fitted, SceneStats, evaluate
 from mfr_bench.plan import expected_stats
 from mfr_bench.report.reference import find
 from mfr_bench.resources import shaders_dir
@@ -56,7 +56,7 @@ def test_says_what_a_reader_needs(method):
 def test_every_stage_of_every_variant_expands(method):
     for variant in variants(method):
         for step in variant.passes:
-            for stage in stages(variant, step, SIZES) if step.kind != "clear" else ():
+            for stage in stages(Fitted(variant, SIZES), step) if step.kind != "clear" else ():
                 assert "#include" not in stage.text, label(variant)
                 assert (shaders_dir() / stage.entry).is_file()
 
@@ -75,7 +75,7 @@ def test_atomics_touch_only_what_the_pass_declares_to_write(method):
     """Mesa lets an atomic through on a readonly buffer, and a barrier would then be missing."""
     for variant in variants(method):
         for step in variant.passes:
-            text = "".join(active(s.text) for s in stages(variant, step, SIZES)) if step.kind != "clear" else ""
+            text = "".join(active(s.text) for s in stages(Fitted(variant, SIZES), step)) if step.kind != "clear" else ""
             written = {ref.partition(".")[0] for ref in step.writes}
             assert set(re.findall(r"\batomic[A-Z]\w*\(\s*(\w+)\s*\[", text)) <= written, f"pass {step.name}"
 
@@ -83,8 +83,8 @@ def test_atomics_touch_only_what_the_pass_declares_to_write(method):
 @METHODS
 def test_memory_formulas_have_values(method):
     for variant in variants(method):
-        assert all(size > 0 for size in variant.memory_bytes(SIZES).values())
-        assert variant.model_bytes(SIZES) >= 0
+        assert all(size > 0 for size in Fitted(variant, SIZES).memory_bytes().values())
+        assert Fitted(variant, SIZES).model_bytes() >= 0
 
 
 def test_memory_grows_with_what_the_formula_names():
@@ -110,7 +110,7 @@ def test_every_shader_is_used():
         weakened = [method.variant({p.name: 0.5}) for p in method.params if p.real and p.weakens]
         for variant in (*variants(method), *weakened):
             for step in variant.passes:
-                for stage in stages(variant, step, SIZES) if step.kind != "clear" else ():
+                for stage in stages(Fitted(variant, SIZES), step) if step.kind != "clear" else ():
                     used |= set(stage.files)
     files = {str(p.relative_to(shaders_dir())) for p in shaders_dir().rglob("*.*")}
     assert {f for f in files - used if not f.startswith("probe/")} == set()
@@ -132,17 +132,17 @@ def test_every_difference_from_the_words_is_explained(method):
     shares = [p for p in method.params if p.name in shared]
     plain = [v for v in variants(method) if all(v.params[p.name] == p.default for p in shares)]
     differs = [label(v) for v in plain for k in (7, 8)
-               if sum(with_k(v, k).memory_bytes(SIZES).values()) != with_k(v, k).model_bytes(SIZES)]
+               if sum(Fitted(with_k(v, k), SIZES).memory_bytes().values()) != Fitted(with_k(v, k), SIZES).model_bytes()]
     assert bool(method.beside) or not differs
 
 
 def test_shared_options_take_the_words_that_the_page_states():
     array = catalog()["kb-ab-array"]
-    plain = sum(array.variant({}).memory_bytes(SIZES).values())
+    plain = sum(Fitted(array.variant({}), SIZES).memory_bytes().values())
     for intervals in (32, 64, 128):
-        occupied = sum(array.variant({"occupancy": intervals}).memory_bytes(SIZES).values())
+        occupied = sum(Fitted(array.variant({"occupancy": intervals}), SIZES).memory_bytes().values())
         assert occupied - plain == 4 * SIZES.P * (3 + intervals // 32)
-    assert sum(array.variant({"bma": "on"}).memory_bytes(SIZES).values()) - plain == 4 * SIZES.P
+    assert sum(Fitted(array.variant({"bma": "on"}), SIZES).memory_bytes().values()) - plain == 4 * SIZES.P
     tiles = -(-SIZES.W // 16) * -(-SIZES.H // 16)
-    assert sum(array.variant({"touched": "tiles"}).memory_bytes(SIZES).values()) - plain == 4 * (tiles + 8)
-    assert sum(array.variant({"touched": "bounds"}).memory_bytes(SIZES).values()) == plain
+    assert sum(Fitted(array.variant({"touched": "tiles"}), SIZES).memory_bytes().values()) - plain == 4 * (tiles + 8)
+    assert sum(Fitted(array.variant({"touched": "bounds"}), SIZES).memory_bytes().values()) == plain

@@ -9,6 +9,7 @@ import pytest
 from mfr_bench.config import Scene
 from mfr_bench.glsl import stages
 from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
 from mfr_bench.plan import expected_stats
 
 from .cases import every_method, variants
@@ -23,7 +24,7 @@ def texts(method):
     for variant in variants(method):
         for step in (s for s in variant.passes if s.kind != "clear"):
             for geometry in GEOMETRIES:
-                for stage in stages(variant, step, replace(SIZES, geometry=geometry)):
+                for stage in stages(Fitted(variant, replace(SIZES, geometry=geometry)), step):
                     found[stage.text] = stage.entry.rpartition(".")[2]
     return found
 

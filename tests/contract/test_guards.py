@@ -7,10 +7,13 @@ import pytest
 
 from mfr_bench import glsl
 from mfr_bench.config.model import Scene as SceneConfig
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.allocation import Allocation
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
 from mfr_bench.gpu.truth import true_stats
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Variant
+from mfr_bench.methods.spec import Fitted, SceneStats, Variant
 from mfr_bench.scene import generate
 
 from .cases import every_method, runs_here
@@ -36,30 +39,33 @@ def own_length(monkeypatch):
 
     The guard must be bound with the buffer: a driver may check bounds, and drop what is written beyond them.
     """
-    macro, read = glsl._clear_macro, glsl.read
+    macro, read = glsl.prelude._clear_macro, glsl.read
 
     def shorter(variant, step):
         text = macro(variant, step)
         for buffer in variant.buffers:
-            words = buffer.element_words + variant._extra_words(buffer)
+            words = buffer.element_words + Fitted(variant, SIZES)._extra_words(buffer)
             text = text.replace(f"uint({buffer.name}.length())", f"uint({buffer.name}.length() - {WORDS // words})")
         return text
 
-    monkeypatch.setattr(glsl, "_clear_macro", shorter)
-    monkeypatch.setattr(glsl, "read", lambda path: read(path).replace("histogram.length()",
+    monkeypatch.setattr(glsl.prelude, "_clear_macro", shorter)
+    monkeypatch.setattr(glsl.includes, "read", lambda path: read(path).replace("histogram.length()",
                                                                       f"(histogram.length() - {WORDS})"))
 
 
-class Guarded(Frame):
-    """A frame with guard words behind every buffer."""
+SIZES = SceneStats(W=1, H=1, n=1, F=1, primitives=1)
+
+
+class Guarded(Allocation):
+    """An allocation with guard words behind every buffer."""
 
     def _allocate(self):
         super()._allocate()
-        for buffer in self.variant.buffers:
+        for buffer in self._fitted.variant.buffers:
             copies = self._buffers[buffer.name]
             for at, made in enumerate(copies):
                 if not isinstance(made, _Fenced):
-                    copies[at] = _Fenced(self.device, made)
+                    copies[at] = _Fenced(self._device, made)
 
     @property
     def broken(self) -> list[str]:
@@ -107,12 +113,14 @@ def broken(device, variant, config, untold: int = 0) -> list[str]:
     quads, canvas = SceneBuffer(device, scene), Canvas(device, config.size)
     stats = true_stats(device, quads, canvas)
     stats = replace(stats, n=max(1, stats.n - untold), F=stats.F - untold * stats.P)
-    frame = Guarded(device, variant, stats, quads, canvas)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("mfr_bench.gpu.frame.Allocation", Guarded)
+        frame = Frame(device, Fitted(variant, stats), quads, canvas)
     try:
         frame.draw_fitting()
         frame.draw()
         device.finish()
-        return frame.broken
+        return frame.allocation.broken
     finally:
         for thing in (frame, canvas, quads):
             thing.release()
@@ -149,7 +157,7 @@ def test_a_tile_behind_the_list_is_seen(device, plant):
 ])
 def test_a_write_behind_a_buffer_is_seen(device, monkeypatch, method, right, wrong, buffer):
     whole = glsl.read
-    monkeypatch.setattr(glsl, "read", lambda path: whole(path).replace(right, wrong))
+    monkeypatch.setattr(glsl.includes, "read", lambda path: whole(path).replace(right, wrong))
     variant = variant_of(next(m for m in every_method() if m.id == method))
     found = {name for config in SCENES.values() for name in broken(device, variant, config)}
     found |= set(broken(device, variant, SCENES["one over"], untold=1))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from mfr_bench.methods.spec import Fitted
 from mfr_bench.oracle.quality import EXACT_ERROR
 
 from .cases import (
@@ -43,7 +44,7 @@ def check(device, variant, scenes):
         drawn = Drawn(device, variant, config)
         assert drawn.allocated == drawn.declared or (variant.stores_fewer and drawn.fits), name
         assert np.isfinite(drawn.image).all(), name
-        if variant.exact_in(stats_in(device, config)):
+        if Fitted(variant, stats_in(device, config)).exact():
             promised.append(name)
             assert drawn.lost == 0, name
             assert drawn.error <= EXACT_ERROR, name
@@ -125,7 +126,7 @@ def test_what_is_held_is_counted(device, method):
     skip_unless_it_runs(device, variant)
     for name in ALIKE:
         drawn = Drawn(device, variant, SCENES[name], probing=True)
-        assert drawn.probed.get("held_fragments", drawn.kept) == drawn.kept, name
-        assert ("held_fragments" in drawn.probed) == (method.id not in ("floor", "zbuffer") and not method.mixes)
+        assert drawn.probed.get("stored_fragments", drawn.kept) == drawn.kept, name
+        assert ("stored_fragments" in drawn.probed) == (method.id not in ("floor", "zbuffer") and not method.mixes)
         assert drawn.passes_probing == drawn.passes
         assert np.array_equal(drawn.image_probing, drawn.image)

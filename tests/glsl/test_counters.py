@@ -9,7 +9,7 @@ from mfr_bench.glsl import counters as instrument
 from mfr_bench.glsl.counters import Stored, counting
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import SceneStats
+from mfr_bench.methods.spec import Fitted, SceneStats
 from mfr_bench.resources import shaders_dir
 
 from ..methods.drawing import SIZE, drawn, stack
@@ -57,7 +57,7 @@ def test_a_line_that_counts_becomes_a_call_and_an_unknown_counter_is_an_error():
 def test_timed_programs_hold_nothing_that_counts(method):
     variant = catalog()[method].variant({})
     for step in variant.passes:
-        for stage in glsl.stages(variant, step, SIZES) if step.kind != "clear" else ():
+        for stage in glsl.stages(Fitted(variant, SIZES), step) if step.kind != "clear" else ():
             assert not re.search(r"\bCOUNT(_MOST)?\(|count_work|work\[", stage.text)
 
 
@@ -71,11 +71,11 @@ def test_every_line_that_counts_is_one():
 def test_a_complaint_names_the_line_of_the_file_although_lines_that_count_are_left_out():
     variant = catalog()["kplus-array"].variant({})
     step = next(p for p in variant.passes if p.name == "store")
-    source = glsl.stages(variant, step, SIZES)[1]
+    source = glsl.stages(Fitted(variant, SIZES), step)[1]
     number = source.files.index("common/lock.glsl")
     lines = glsl.read("common/lock.glsl").splitlines()
     at = next(i for i, line in enumerate(lines, start=1) if line.startswith("#define CRITICAL_END"))
-    shown = source.text.split(f"#line {number * glsl.LINE_STRIDE + 1}\n")[1].splitlines()
+    shown = source.text.split(f"#line {number * glsl.includes.LINE_STRIDE + 1}\n")[1].splitlines()
     place = next(i for i, line in enumerate(shown) if line.startswith("#define CRITICAL_END"))
     include = next(i for i in range(place, -1, -1) if shown[i].startswith("#line"))
     encoded = int(shown[include].split()[1]) + place - include - 1

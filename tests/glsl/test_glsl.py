@@ -8,8 +8,10 @@ from mfr_bench import glsl
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.errors import ShaderError
 from mfr_bench.gpu.device import compile_message
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
-from mfr_bench.methods.spec import Buffer, Method, Param, Pass, SceneStats, Target
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
+from mfr_bench.methods.spec import Buffer, Fitted, Method, Param, Pass, SceneStats, Target
 from mfr_bench.scene import generate
 
 SIZES = SceneStats(W=8, H=6, n=3, F=144, primitives=3)
@@ -38,7 +40,7 @@ FILES = {
 @pytest.fixture(autouse=True)
 def files(monkeypatch):
     real = glsl.read
-    monkeypatch.setattr(glsl, "read", lambda path: FILES[path] if path in FILES else real(path))
+    monkeypatch.setattr(glsl.includes, "read", lambda path: FILES[path] if path in FILES else real(path))
 
 
 def drawing(shader="bare.frag", **more):
@@ -50,7 +52,7 @@ def drawing(shader="bare.frag", **more):
 
 def text_of(method, **params):
     variant = method.variant(params)
-    return glsl.source(variant, variant.passes[0], SIZES).text
+    return glsl.source(Fitted(variant, SIZES), variant.passes[0]).text
 
 
 def defines(text):
@@ -72,7 +74,7 @@ def line_of(source, wanted):
 
 def source_of(shader):
     variant = drawing(shader, into=("image",)).variant({})
-    return glsl.source(variant, variant.passes[0], SIZES)
+    return glsl.source(Fitted(variant, SIZES), variant.passes[0])
 
 
 # --- includes ------------------------------------------------------------------------------------
@@ -138,7 +140,7 @@ def test_what_names_no_line_stays():
 def test_the_drivers_own_complaint_is_one_line(device, stages, said):
     method = drawing(stages[1], into=("image",), params=(Param("k", 5, ""),))
     variant = method.variant({})
-    sources = tuple(glsl.source(variant, variant.passes[0], SIZES, entry) for entry in
+    sources = tuple(glsl.source(Fitted(variant, SIZES), variant.passes[0], entry) for entry in
                     (stages[0] or "screen/triangle.vert", stages[1]))
     with pytest.raises(ShaderError) as caught:
         device.program(sources, "method m, pass p")
@@ -206,7 +208,7 @@ def test_clearing_gives_every_element_its_value(device):
         Buffer("heads", "2*P", clear="6u", clear_heads=True)))
     scene = generate(SceneConfig(size=(8, 6), depth_complexity=0))
     quads, canvas = SceneBuffer(device, scene), Canvas(device, scene.viewport)
-    frame = Frame(device, method.variant({}), SIZES, quads, canvas)
+    frame = Frame(device, Fitted(method.variant({}), SIZES), quads, canvas)
     frame.draw()
     found = {name: frame.words(name).tolist() for name in ("one", "three", "heads", "odd")}
     for thing in (frame, canvas, quads):
@@ -225,4 +227,4 @@ def test_lost_fragments_are_counted_only_where_a_shader_counts_them():
 def test_a_compute_pass_has_one_stage():
     for kind, entries in (("compute", ["bare.frag"]), ("geometry", ["scene/quad.vert", "bare.frag"])):
         method = drawing("bare.frag", kind=kind)
-        assert [s.entry for s in glsl.stages(method.variant({}), method.passes[0], SIZES)] == entries
+        assert [s.entry for s in glsl.stages(Fitted(method.variant({}), SIZES), method.passes[0])] == entries

@@ -12,7 +12,7 @@ from mfr_bench.gpu.capture import capture
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Promise
+from mfr_bench.methods.spec import Fitted, Promise
 from mfr_bench.oracle import composite as oracle
 from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
 from mfr_bench.plan import Cell, expected_stats, judge
@@ -175,7 +175,7 @@ def test_probes_see_every_fragment_where_tiles_are_covered(device, on):
     """The image is drawn over whole tiles right after; llvmpipe drops what came before unless it is waited for."""
     config = SceneConfig(size=(200, 150), depth_complexity=3)
     stage = on(config)
-    frame = Frame(device, catalog()["ab-array"].variant({}), stage.stats, stage.scene_buffer, stage.canvas)
+    frame = Frame(device, Fitted(catalog()["ab-array"].variant({}), stage.stats), stage.scene_buffer, stage.canvas)
     frame.draw_fitting()
-    assert frame.probe() == {"held_fragments": stats_of(generate(config)).F}
+    assert frame.probe() == {"stored_fragments": stats_of(generate(config)).F}
     frame.release()

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from mfr_bench.config.model import Scene as SceneConfig
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
 from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
 from mfr_bench.oracle.composite import stats_of
 from mfr_bench.scene import generate
 from mfr_bench.scene.stress import ODD_DEPTHS
@@ -16,7 +19,7 @@ def arrived(device, config: SceneConfig) -> np.ndarray:
     scene = generate(config)
     stats = stats_of(scene)
     quads, canvas = SceneBuffer(device, scene), Canvas(device, (stats.W, stats.H))
-    frame = Frame(device, catalog()["ab-array"].variant({}), stats, quads, canvas)
+    frame = Frame(device, Fitted(catalog()["ab-array"].variant({}), stats), quads, canvas)
     frame.draw()
     count = frame.words("counter")
     assert (count == count[0]).all()

@@ -7,9 +7,12 @@ import pytest
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.environment import processor
 from mfr_bench.gpu.device import slug
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
 from mfr_bench.gpu.timers import GpuTimer, WallTimer
 from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
 from mfr_bench.oracle.composite import stats_of
 from mfr_bench.scene import generate
 
@@ -42,7 +45,7 @@ def test_a_device_says_what_it_is(device):
 def frame(device):
     scene = generate(SceneConfig(size=(32, 24), depth_complexity=4))
     quads, canvas = SceneBuffer(device, scene), Canvas(device, (32, 24))
-    made = Frame(device, catalog()["ab-array"].variant({}), stats_of(scene), quads, canvas)
+    made = Frame(device, Fitted(catalog()["ab-array"].variant({}), stats_of(scene)), quads, canvas)
     yield made
     for thing in (made, canvas, quads):
         thing.release()
@@ -50,7 +53,7 @@ def frame(device):
 
 def test_programs_are_compiled_once(device, frame):
     compiled = len(device.programs)
-    again = Frame(device, frame.variant, frame.stats, frame.scene_buffer, frame.canvas)
+    again = Frame(device, Fitted(frame.variant, frame.stats), frame.scene_buffer, frame.canvas)
     again.release()
     assert len(device.programs) == compiled
 

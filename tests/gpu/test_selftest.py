@@ -31,7 +31,7 @@ def test_this_device_does_what_the_methods_rely_on(device):
 def test_a_device_that_does_wrong_is_found_out(device, monkeypatch, path, right, wrong, seen):
     real = glsl.read
     assert right in real(path)
-    monkeypatch.setattr(glsl, "read", lambda p: real(p).replace(right, wrong) if p == path else real(p))
+    monkeypatch.setattr(glsl.includes, "read", lambda p: real(p).replace(right, wrong) if p == path else real(p))
     findings = by_name(device)
     assert findings[seen].passed is False
     assert findings["side effects under a full draw"].passed

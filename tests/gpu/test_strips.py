@@ -88,7 +88,7 @@ def test_fragments_lie_where_the_corners_say(device, name):
 def test_a_wrong_vertex_shader_is_seen(device, monkeypatch, right, wrong):
     original = glsl.read
     assert right in original("scene/strip.vert")
-    monkeypatch.setattr(glsl, "read", lambda path: original(path).replace(right, wrong)
+    monkeypatch.setattr(glsl.includes, "read", lambda path: original(path).replace(right, wrong)
                         if path == "scene/strip.vert" else original(path))
     with pytest.raises(AssertionError):
         assert_made_of_its_corners(device, SCENES["slanted"])

@@ -8,8 +8,11 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
 from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
 from mfr_bench.oracle.composite import stats_of
 from mfr_bench.scene import Scene
 
@@ -49,7 +52,7 @@ def drawn(device, method: str, scene: Scene, frames: int = 1, **params) -> Itera
         pytest.skip(f"this device lacks {', '.join(missing)}")
     stats = stats_of(scene)
     quads, canvas = SceneBuffer(device, scene), Canvas(device, (stats.W, stats.H))
-    frame = Frame(device, variant, stats, quads, canvas)
+    frame = Frame(device, Fitted(variant, stats), quads, canvas)
     try:
         for _ in range(frames):
             frame.draw_fitting()

@@ -5,6 +5,7 @@ import pytest
 
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
 from mfr_bench.oracle.composite import composite
 from mfr_bench.scene import generate
 
@@ -22,10 +23,10 @@ AT_4096 = generate(SceneConfig(size=(2, 1), depth_complexity=4096, alpha=(0.03, 
 def error_of(device, method, scene, **params):
     """Largest channel error against the method's promise, and its bound."""
     with drawn(device, method, scene, **params) as frame:
-        promise = frame.variant.promise(frame.stats)
+        promise = Fitted(frame.variant, frame.stats).promise()
         error = np.abs(frame.image() - composite(scene, promise.layers, promise.criterion)).max()
         assert frame.lost_fragments() == 0
-        return error, frame.variant.error_bound(frame.stats)
+        return error, Fitted(frame.variant, frame.stats).error_bound()
 
 
 @pytest.mark.parametrize("method", EXACT)
@@ -45,8 +46,8 @@ def test_4096_layers(device, method, params):
 
 def test_what_is_approximate_has_no_bound():
     stats = None
-    assert catalog()["ab-array"].variant({"accumulate": "float16"}).error_bound(stats) is None
-    assert catalog()["kb"].variant({}).error_bound(stats) is None
+    assert Fitted(catalog()["ab-array"].variant({"accumulate": "float16"}), stats).error_bound() is None
+    assert Fitted(catalog()["kb"].variant({}), stats).error_bound() is None
 
 
 @pytest.mark.parametrize(("accumulate", "least", "most"), [("float32", 0, 3e-7), ("compensated", 0, 1e-7),

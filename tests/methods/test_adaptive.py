@@ -9,12 +9,14 @@ from mfr_bench.config.model import Measure
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.errors import CapacityError
 from mfr_bench.gpu import frame as frames
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
 from mfr_bench.methods.adaptive import DENSE, DIRECT, PLANES, RANGES, plan
 from mfr_bench.methods.shared.bands import bands
-from mfr_bench.methods.spec import Known, Plan
+from mfr_bench.methods.spec import Fitted, Known, Plan
 from mfr_bench.oracle.composite import composite, stats_of
 from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.plan import Cell, expected_stats, judge
@@ -49,11 +51,11 @@ def test_ranges_need_not_be_counted_first_where_the_geometry_cannot_have_many_mo
 
 def test_a_large_max_error_cuts_deep_frames():
     known = Known(64, 50, 100, 3200, reach=3200, filled=True)
-    assert plan(known, {"max_error": 0.01}) == Plan(DENSE, known, 3200, cut=True)
+    assert plan(known, {"max_error": 0.01}) == Plan(DENSE, known, 3200, cut_off=True)
     assert plan(known, {"max_error": 2.0**-20}).path == PLANES
     scattered = replace(known, filled=False)
-    assert plan(scattered, {"max_error": 0.01}) == Plan(RANGES, scattered, cut=True)
-    assert plan(replace(known, layers=39), {"max_error": 0.01}).cut is False
+    assert plan(scattered, {"max_error": 0.01}) == Plan(RANGES, scattered, cut_off=True)
+    assert plan(replace(known, layers=39), {"max_error": 0.01}).cut_off is False
 
 
 @pytest.mark.parametrize("config", [
@@ -64,7 +66,7 @@ def test_a_large_max_error_cuts_deep_frames():
 ])
 def test_memory_is_that_of_the_s_buffer_and_a_twentieth(config):
     stats = stats_of(generate(config))
-    memory = sum(catalog()["adaptive"].variant({}).memory_bytes(stats).values())
+    memory = sum(Fitted(catalog()["adaptive"].variant({}), stats).memory_bytes().values())
     assert memory <= 1.05 * 4 * (2 * stats.F + 2 * stats.P) + 64
 
 
@@ -72,7 +74,7 @@ def test_memory_is_that_of_the_s_buffer_and_a_twentieth(config):
 def test_one_layer_is_blended_as_it_comes_with_every_payload(device, payload):
     scene = generate(SceneConfig(size=(32, 24), depth_complexity=1, seed=3))
     with drawn(device, "adaptive", scene, payload=payload) as frame:
-        assert frame._plan.path == DIRECT
+        assert frame.plan.path == DIRECT
         np.testing.assert_allclose(frame.image(), composite(scene), rtol=0, atol=1e-6)
 
 
@@ -82,21 +84,21 @@ def test_a_scene_that_thins_out_is_right_in_its_first_frame_and_has_ranges_in_th
     thin = chosen(full, list(range(6)))
     thin.rect[1:, 2] = thin.rect[1:, 0] + 1
     quads, canvas = SceneBuffer(device, full), Canvas(device, (64, 64))
-    frame = Frame(device, catalog()["adaptive"].variant({}), stats_of(full), quads, canvas)
+    frame = Frame(device, Fitted(catalog()["adaptive"].variant({}), stats_of(full)), quads, canvas)
     try:
         frame.draw_fitting()
-        assert frame._plan.path == PLANES
+        assert frame.plan.path == PLANES
         quads.replace(thin)
         frame.show(thin)
         for path in (DENSE, RANGES):
             frame.draw()
-            assert frame._plan.path == path
+            assert frame.plan.path == path
             np.testing.assert_allclose(frame.image(), composite(thin), rtol=0, atol=1e-4)
         quads.replace(full)
         frame.show(full)
         for _ in range(2):
             frame.draw()
-            assert frame._plan.path == PLANES
+            assert frame.plan.path == PLANES
             np.testing.assert_allclose(frame.image(), composite(full), rtol=0, atol=1e-4)
         assert frame.lost_fragments() == 0
     finally:
@@ -182,9 +184,9 @@ def test_what_is_left_out_is_within_the_bound_and_is_said(device, max_error):
 def test_what_the_cut_discards_is_within_the_bound(device, config, max_error):
     scene = generate(config)
     with drawn(device, "adaptive", scene, max_error=max_error) as frame:
-        assert frame._plan.cut and frame.lost_fragments() == 0
+        assert frame.plan.cut_off and frame.lost_fragments() == 0
         assert np.abs(frame.image() - composite(scene)).max() <= max_error + 1e-5
-        held = frame.probe()["held_fragments"]
+        held = frame.probe()["stored_fragments"]
     faint = config.alpha[1] < 0.1
     assert (held == stats_of(scene).F) == faint
 
@@ -193,7 +195,7 @@ def test_every_frame_cuts_at_the_first_quarter_that_is_opaque_enough(device):
     """16 of 64 layers of opacity 1/2 lie in the first quarter, and let 2^-16 through."""
     scene = generate(SceneConfig(size=(32, 16), depth_complexity=64, alpha=(0.5, 0.5), seed=7))
     with drawn(device, "adaptive", scene, frames=0, max_error=1 / 512) as frame:
-        assert [frame.probe()["held_fragments"] for _ in range(3)] == [16 * 32 * 16] * 3
+        assert [frame.probe()["stored_fragments"] for _ in range(3)] == [16 * 32 * 16] * 3
 
 
 @pytest.mark.parametrize(("shader", "right", "wrong"), [
@@ -203,7 +205,7 @@ def test_a_wrong_line_of_the_cut_is_seen(device, plant, shader, right, wrong):
 
     def error() -> float:
         with drawn(device, "adaptive", scene, max_error=1 / 512) as frame:
-            assert frame._plan.path == DENSE and frame._plan.cut
+            assert frame.plan.path == DENSE and frame.plan.cut_off
             return np.abs(frame.image() - composite(scene)).max()
 
     assert error() <= 1 / 512 + 1e-5
@@ -214,7 +216,7 @@ def test_a_wrong_line_of_the_cut_is_seen(device, plant, shader, right, wrong):
 def test_the_default_error_is_a_third_of_what_exact_images_may_differ_by():
     variant = catalog()["adaptive"].variant({})
     assert variant.guarantee == "exact all"
-    assert variant.error_bound(stats_of(generate(FEW))) < 1e-4 / 2
+    assert Fitted(variant, stats_of(generate(FEW))).error_bound() < 1e-4 / 2
 
 
 # A budget of memory
@@ -228,7 +230,7 @@ BANDED = {name: SCENES[name] for name in ("sorted", "tiles", "rejecting", "scatt
 def budgeted(stats, room: int, **params):
     """The method with just the memory that leaves room for so many fragments."""
     some = catalog()["adaptive"].variant({"memory_mb": 1.0, **params})
-    budget = sum(some.memory_bytes(stats, room).values())
+    budget = sum(Fitted(some, stats).memory_bytes(room).values())
     return catalog()["adaptive"].variant({**some.params, "memory_mb": budget / 2**20})
 
 
@@ -243,15 +245,15 @@ def test_no_budget_loses_a_fragment(device, name, share):
     stats = stats_in(device, BANDED[name])
     room = max(least_room(stats), int(share * stats.F))
     variant = budgeted(stats, room)
-    assert variant.room(stats) == room
+    assert Fitted(variant, stats).room() == room
     drawn = Drawn(device, variant, BANDED[name], frames=2, probing=True)
     assert drawn.lost == 0 and drawn.error <= EXACT_ERROR
-    assert drawn.probed["held_fragments"] == stats.F
+    assert drawn.probed["stored_fragments"] == stats.F
     assert drawn.allocated == drawn.declared
     assert sum(drawn.allocated.values()) <= variant.budget_bytes
     needed = -(-stats.F // room)
-    assert variant.plan(stats).banded or share == 1.0
-    if variant.plan(stats).banded:
+    assert Fitted(variant, stats).plan().banded or share == 1.0
+    if Fitted(variant, stats).plan().banded:
         assert needed <= drawn.passes - 1 <= 2 * needed + 2 * stats.H * (share == 0.0)
 
 
@@ -327,7 +329,7 @@ def test_bands_of_what_the_cut_leaves_are_within_the_bound(device, max_error):
     stats = stats_of(scene)
     variant = budgeted(stats, max(least_room(stats), stats.F // 8), max_error=max_error)
     with drawn(device, "adaptive", scene, **variant.params) as frame:
-        assert frame._plan.cut and frame._plan.banded and frame.lost_fragments() == 0
+        assert frame.plan.cut_off and frame.plan.banded and frame.lost_fragments() == 0
         assert frame.geometry_passes > 3
         assert np.abs(frame.image() - composite(scene)).max() <= max_error + 1e-5
         assert sum(frame.memory_bytes.values()) <= variant.budget_bytes
@@ -341,7 +343,7 @@ def test_a_budget_stays_kept_when_the_scene_changes(device):
     stats = stats_of(full)
     variant = budgeted(stats, stats.F // 3)
     quads, canvas = SceneBuffer(device, thin), Canvas(device, (64, 64))
-    frame = Frame(device, variant, stats, quads, canvas)
+    frame = Frame(device, Fitted(variant, stats), quads, canvas)
     try:
         for scene in (thin, full, thin, full):
             quads.replace(scene)
@@ -358,7 +360,7 @@ def test_a_budget_stays_kept_when_the_scene_changes(device):
 def test_no_budget_is_the_default_and_can_be_written():
     adaptive = catalog()["adaptive"]
     assert adaptive.variant({"memory_mb": 0}) == adaptive.variant({})
-    assert "sums" not in adaptive.variant({}).memory_bytes(stats_of(generate(FEW)))
+    assert "sums" not in Fitted(adaptive.variant({}), stats_of(generate(FEW))).memory_bytes()
     with pytest.raises(ValueError, match="allowed: 0 or a number between 0 and 1048576"):
         adaptive.variant({"memory_mb": -1.0})
 

@@ -5,7 +5,7 @@ import pytest
 
 from mfr_bench.hashing import mix
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import EMPTY, Loop
+from mfr_bench.methods.spec import EMPTY, Fitted, Loop
 from mfr_bench.oracle.composite import composite
 from mfr_bench.oracle.quality import EXACT_ERROR
 
@@ -32,7 +32,7 @@ def test_exact_where_fragments_come_one_by_one(device, method, k, depths):
 @pytest.mark.parametrize("method", ["kb", "kb-mha"])
 def test_memory_is_the_papers(device, method):
     with drawn(device, method, stack(DEPTHS), k=K) as frame:
-        assert sum(frame.memory_bytes.values()) == frame.variant.model_bytes(frame.stats)
+        assert sum(frame.memory_bytes.values()) == Fitted(frame.variant, frame.stats).model_bytes()
 
 
 @pytest.fixture
@@ -51,7 +51,7 @@ def rounds(frame, count, damage=None):
         if damage:
             slots = frame.words("nodes").reshape(K, frame.stats.P, 2).copy()
             damage(slots)
-            frame._buffers["nodes"][0].write(slots.tobytes())
+            frame.allocation.named("nodes").write(slots.tobytes())
         frame._run(loop.passes[1], i, None)
     frame._run(frame.variant.steps[-1], 0, None)
     return missing
@@ -99,7 +99,7 @@ def test_a_torn_slot_reads_as_empty(device):
         words, colours = frame.words("depths").astype(np.uint64), frame.words("colours").copy()
         assert coded(words & 0x3FFFFFFF, colours.astype(np.uint64)).tolist() == words.tolist()
         torn = np.roll(colours, 1)
-        frame._buffers["colours"][0].write(torn.tobytes())
+        frame.allocation.named("colours").write(torn.tobytes())
         frame._run(frame.variant.steps[-1], 0, None)
         whole = coded(words & 0x3FFFFFFF, torn.astype(np.uint64)) == words
         assert not whole.all()

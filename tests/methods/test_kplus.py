@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from mfr_bench.config import Scene as SceneConfig
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
 from mfr_bench.gpu.single import shown
+from mfr_bench.gpu.targets import Canvas
 from mfr_bench.gpu.truth import Truth, true_stats
 from mfr_bench.gpu.work import entered_map
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Promise
+from mfr_bench.methods.spec import Fitted, Promise
 from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
 from mfr_bench.oracle.quality import conformance
 from mfr_bench.scene import generate
@@ -126,7 +128,8 @@ def test_peeling_takes_as_many_passes_as_the_depth_asks(device, layers, k, passe
 def test_peeling_stops_where_a_frame_is_shallower_than_its_sizes(device):
     scene = stack([0.25, 0.5, 0.75], COLOURS[:3])
     quads, canvas = SceneBuffer(device, scene), Canvas(device, SIZE)
-    frame = Frame(device, catalog()["peel-kplus"].variant({"k": 2}), replace(stats_of(scene), n=50), quads, canvas)
+    fitted = Fitted(catalog()["peel-kplus"].variant({"k": 2}), replace(stats_of(scene), n=50))
+    frame = Frame(device, fitted, quads, canvas)
     frame.draw_fitting()
     assert frame.geometry_passes == 2
     assert_shows(frame, COLOURS[:3])
@@ -142,8 +145,8 @@ def test_the_host_chooses_what_the_histogram_asks_for(device, memory_mb, hit_rat
         histogram = frame.words("histogram")
         np.testing.assert_array_equal(histogram[:stats.n], stats.histogram[1:])
         assert not histogram[stats.n:].any()
-        promise = frame.variant.promise(stats)
-        assert frame.memory_bytes == frame.variant.memory_bytes(stats)
+        promise = Fitted(frame.variant, stats).promise()
+        assert frame.memory_bytes == Fitted(frame.variant, stats).memory_bytes()
         assert frame.memory_bytes["nodes"] == 8 * stats.bounded(promise.layers)
         assert frame.lost_fragments() == 0
         assert np.abs(frame.image() - composite(MIXED, promise.layers)).max() < 1e-4
@@ -173,7 +176,7 @@ def test_k_follows_the_frames_of_an_animation(device, memory_mb, hit_ratio):
     chosen = []
     with shown(device, generate(config)) as on:
         variant = catalog()["kplus-sb-dynamic"].variant({"memory_mb": memory_mb, "hit_ratio": hit_ratio})
-        frame = Frame(device, variant, on.stats, on.scene_buffer, on.canvas)
+        frame = Frame(device, Fitted(variant, on.stats), on.scene_buffer, on.canvas)
         for scene in (generate(config, i) for i in range(5)):
             on.scene_buffer.replace(scene)
             frame.show(scene)
@@ -181,7 +184,7 @@ def test_k_follows_the_frames_of_an_animation(device, memory_mb, hit_ratio):
             truth = Truth(device, on.scene_buffer, on.canvas)
             stats = true_stats(device, on.scene_buffer, on.canvas)
             k = chosen_directly(truth.counts, memory_mb, hit_ratio)
-            assert frame.chosen_k == k == variant.decision(stats).k
+            assert frame.chosen_k == k == Fitted(variant, stats).decision().k
             np.testing.assert_array_equal(frame.words("histogram")[:stats.n], np.bincount(truth.counts.ravel())[1:])
             error = conformance(frame.image(), truth.image(Promise(k)), truth.tied)
             assert error["max_abs_error"] < 1e-4
@@ -206,7 +209,7 @@ def test_early_z_keeps_fragments_from_the_lock(device):
     scene = generate(SceneConfig(size=(33, 21), depth_complexity=40, order="back_to_front", seed=5))
     with drawn(device, "kplus-array", scene, k=4, occupancy=32) as frame:
         entered = entered_map(frame)
-        assert entered.sum() == frame.probe()["arrived_fragments"] < 0.5 * 40 * 33 * 21
+        assert entered.sum() == frame.probe()["shaded_fragments"] < 0.5 * 40 * 33 * 21
         assert entered.min() >= 4
 
 

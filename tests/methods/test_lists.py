@@ -5,7 +5,7 @@ import pytest
 
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import SceneStats
+from mfr_bench.methods.spec import Fitted, SceneStats
 from mfr_bench.oracle.composite import composite, stats_of
 from mfr_bench.scene import generate
 
@@ -54,15 +54,15 @@ def test_paged_cells_are_whole_pages_of_every_pixel():
     stats = SceneStats(W=3, H=2, n=5, F=11, primitives=5, histogram=(1, 2, 0, 0, 1, 1))
     assert stats.F == 2 * 1 + 4 + 5
     assert stats.paged(4) == 2 * 4 + 4 + 8
-    assert catalog()["ab-ll-paged"].variant({}).capacity(stats) == 24  # 6 pixels, doubled until 20 cells fit
+    assert Fitted(catalog()["ab-ll-paged"].variant({}), stats).capacity() == 24  # 6 pixels, doubled until 20 cells fit
 
 
 @pytest.mark.parametrize(("method", "params"), [*PAGED, ("ab-ll", {}), ("ab-ll-bucket", {}), *SORTED])
 def test_grows_until_the_frame_fits(device, method, params):
     with drawn(device, method, DEEP, **params) as frame:
         variant = frame.variant
-        assert frame.memory_bytes == variant.memory_bytes(stats_of(DEEP))
-        assert variant.capacity(stats_of(DEEP)) > variant.start_capacity(stats_of(DEEP))
+        assert frame.memory_bytes == Fitted(variant, stats_of(DEEP)).memory_bytes()
+        assert Fitted(variant, stats_of(DEEP)).capacity() > Fitted(variant, stats_of(DEEP)).start_capacity()
         assert_exact(frame, DEEP)
 
 
@@ -108,7 +108,7 @@ def test_early_culling_errs_by_a_twentieth_at_most(device, method, params):
     with drawn(device, method, scene, early_culling="on", **params) as frame:
         assert frame.lost_fragments() == 0
         assert np.abs(frame.image() - composite(scene)).max() <= 0.05 + 1e-4
-        assert 0 < frame.probe()["held_fragments"] < 0.6 * stats_of(scene).F
+        assert 0 < frame.probe()["stored_fragments"] < 0.6 * stats_of(scene).F
 
 
 @pytest.mark.parametrize(("method", "params"), [*SORTED, ("open-pre", {"atomic64": "emulated"})])
@@ -116,7 +116,7 @@ def test_early_culling_keeps_what_nothing_hides(device, method, params):
     scene = generate(SceneConfig(size=(33, 21), depth_complexity=12, alpha=(0.2, 0.2)))
     with drawn(device, method, scene, early_culling="on", **params) as frame:
         assert_exact(frame, scene)
-        assert frame.probe()["held_fragments"] == stats_of(scene).F
+        assert frame.probe()["stored_fragments"] == stats_of(scene).F
 
 
 @pytest.mark.parametrize("method", ["lin-pre", "open-pre"])

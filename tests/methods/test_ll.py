@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from mfr_bench.config import Scene as SceneConfig
+from mfr_bench.methods.spec import Fitted
 from mfr_bench.oracle.composite import composite, fragment_counts
 from mfr_bench.scene import generate
 
@@ -41,7 +42,7 @@ def test_lists_are_in_order_and_hold_the_nearest(device, k):
 
 def test_words_per_pixel_are_the_papers(device):
     with drawn(device, "kb-ll", SCENE) as frame:
-        cells = frame.variant.capacity(frame.stats)
+        cells = Fitted(frame.variant, frame.stats).capacity()
         assert sum(frame.memory_bytes.values()) == 4 * (3 * cells + 6 * frame.stats.P + 1)
 
 

@@ -7,9 +7,11 @@ import pytest
 
 from mfr_bench.config import Measure
 from mfr_bench.config import Scene as SceneConfig
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Grown, Variant
+from mfr_bench.methods.spec import Fitted, Grown, Variant
 from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
 from mfr_bench.plan import Cell, expected_stats, judge
 from mfr_bench.scene import generate
@@ -33,7 +35,7 @@ def test_exact_at_every_load(device, method, atomic64, load_factor):
     with drawn(device, method, SCENE, frames=2, load_factor=load_factor, atomic64=atomic64) as frame:
         assert_exact(frame, SCENE)
         assert frame.words("cell_counter")[0] == stats_of(SCENE).F
-        assert frame.memory_bytes == frame.variant.memory_bytes(stats_of(SCENE))
+        assert frame.memory_bytes == Fitted(frame.variant, stats_of(SCENE)).memory_bytes()
 
 
 @METHODS
@@ -51,7 +53,7 @@ def test_interrupts_a_crowded_table_and_doubles_it(device, method):
     variant = Variant(small, small.complete({"atomic64": "emulated"}))
     stats = stats_of(SCENE)
     quads, canvas = SceneBuffer(device, SCENE), Canvas(device, (stats.W, stats.H))
-    frame = Frame(device, variant, stats, quads, canvas)
+    frame = Frame(device, Fitted(variant, stats), quads, canvas)
     assert not frame.draw()
     assert frame.words("cell_counter")[0] > stats.P
     frame.draw_fitting()
@@ -149,5 +151,5 @@ def test_fixed_ranges_need_one_geometry_pass_and_no_sum(device):
         assert frame.geometry_passes == 1
         stats = stats_of(SCENE)
         np.testing.assert_array_equal(frame.words("address"), stats.n * np.arange(stats.P))
-        assert sum(frame.memory_bytes.values()) == frame.variant.model_bytes(stats)
+        assert sum(frame.memory_bytes.values()) == Fitted(frame.variant, stats).model_bytes()
         assert_exact(frame, SCENE)

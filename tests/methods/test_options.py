@@ -6,7 +6,7 @@ import pytest
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
 from mfr_bench.methods.shared import BMA, CLASS_BOUNDS, LPLUS, SORT
-from mfr_bench.methods.spec import SceneStats
+from mfr_bench.methods.spec import Fitted, SceneStats
 from mfr_bench.oracle.composite import composite, stats_of
 from mfr_bench.scene import Scene, generate
 
@@ -34,7 +34,7 @@ def image_of(device, method: str, scene: Scene, **params) -> np.ndarray:
 
 
 def discarded_share(frame) -> float:
-    return 1 - frame.probe()["arrived_fragments"] / frame.stats.F
+    return 1 - frame.probe()["shaded_fragments"] / frame.stats.F
 
 
 @pytest.mark.parametrize("bma", BMA.choices)
@@ -120,9 +120,9 @@ def test_a_wide_payload_is_a_word_more_per_fragment(method):
     stats = stats_of(MIXED)
     plain, wide = (catalog()[method].variant({"payload": p, "k": 8}) for p in ("rgba8", "rgba16f"))
     nodes = "cells" if method == "ab-ll" else "nodes"
-    assert 2 * wide.memory_bytes(stats)[nodes] == 3 * plain.memory_bytes(stats)[nodes]
+    assert 2 * Fitted(wide, stats).memory_bytes()[nodes] == 3 * Fitted(plain, stats).memory_bytes()[nodes]
     stored = {"ab-array": stats.n * stats.P, "kplus-array": 8 * stats.P}.get(method, stats.F)
-    assert wide.model_bytes(stats) - plain.model_bytes(stats) == 4 * stored
+    assert Fitted(wide, stats).model_bytes() - Fitted(plain, stats).model_bytes() == 4 * stored
 
 
 @pytest.mark.parametrize("method", ["ab-array", "ab-ll", "lin-pre", "ab-sb", "kplus-array", "kb-mdt32"])
@@ -162,7 +162,7 @@ def test_occupancy_reports_the_share_that_never_reaches_the_store(device):
         assert discarded_share(frame) == pytest.approx(1 - 8 / 64, abs=1 / 64)
         assert frame.geometry_passes == passes == 3
     with drawn(device, "kplus-array", stack(depths[:3], size=SIZE), k=8) as frame:
-        assert "arrived_fragments" not in frame.probe()
+        assert "shaded_fragments" not in frame.probe()
 
 
 OCCUPANCY_METHODS = [m.id for m in catalog().values() if m.param("occupancy") and "k" in m.variant({}).params]
@@ -200,9 +200,9 @@ def test_occupancy_changes_no_image(device, method, k, intervals):
         np.testing.assert_allclose(frame.image(), composite(LAYERED, k), rtol=0, atol=1e-5)
         assert frame.lost_fragments() == 0
         counted, kept = frame.probe(), stats_of(LAYERED).bounded(k)
-        assert counted["held_fragments"] == kept <= counted["arrived_fragments"] <= stats_of(LAYERED).F
+        assert counted["stored_fragments"] == kept <= counted["shaded_fragments"] <= stats_of(LAYERED).F
         if k < 16:
-            assert counted["arrived_fragments"] < stats_of(LAYERED).F
+            assert counted["shaded_fragments"] < stats_of(LAYERED).F
 
 
 @pytest.mark.parametrize("depths", [[0.5], [0.0], [1.0], [0.0, 1.0], [0.25, 0.25 + 2**-23, 0.25 + 2**-22]],
@@ -229,6 +229,6 @@ def test_routing_takes_the_first_of_those_that_occupancy_leaves(device, multisam
 def test_a_culled_count_makes_room_for_no_more_than_is_stored(device, f_p):
     scene = generate(SceneConfig(size=(33, 21), depth_complexity=40, fragment_probability=f_p, seed=3))
     with drawn(device, "kb-ab-sb", scene, frames=2, k=4, occupancy=64) as frame:
-        arrived = frame.probe()["arrived_fragments"]
+        arrived = frame.probe()["shaded_fragments"]
         assert frame.memory_bytes["nodes"] == 8 * arrived < 8 * stats_of(scene).F
         np.testing.assert_allclose(frame.image(), composite(scene, 4), rtol=0, atol=1e-5)

@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from mfr_bench.config.model import Scene as SceneConfig
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
 from mfr_bench.gpu.truth import true_stats
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
 from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.scene import generate
 
@@ -48,7 +51,7 @@ def moving(device, method, frames=(0, 1), **more):
         stats.append(true_stats(device, quads, canvas))
     quads.replace(scenes[0])
     largest = replace(stats[0], n=max(s.n for s in stats), F=max(s.F for s in stats))
-    kept = [Frame(device, variant_of(method, reuse, **more), largest, quads, canvas) for reuse in ("on", "off")]
+    kept = [Frame(device, Fitted(variant_of(method, reuse, **more), largest), quads, canvas) for reuse in ("on", "off")]
     try:
         yield scenes, quads, *kept
     finally:
@@ -73,7 +76,7 @@ def test_frames_of_a_still_scene_are_all_exact(device, method):
             assert drawn.error <= EXACT_ERROR, (more, name)
             assert drawn.lost == 0, (more, name)
             assert drawn.distinct_images == 1, (more, name)
-            assert drawn.probed["held_fragments"] == drawn.kept, (more, name)
+            assert drawn.probed["stored_fragments"] == drawn.kept, (more, name)
             assert drawn.allocated == drawn.declared or (more.get("occupancy") and drawn.fits), (more, name)
 
 
@@ -110,7 +113,7 @@ def test_a_stale_count_is_seen(device, method):
         shown(frame, quads, scenes[0])
         quads.replace(scenes[1])
         frame.show(scenes[1])
-        frame._drawn = scenes[1]
+        frame._drawn = scenes[1], frame.allocation.version
         image, lost = shown(frame, quads, scenes[1])
         right, _ = shown(counting, quads, scenes[1])
         assert lost or np.abs(image - right).max() > EXACT_ERROR
@@ -120,7 +123,7 @@ def test_a_stale_count_is_seen(device, method):
 def test_new_buffers_are_counted_anew(device, method):
     with moving(device, method) as (scenes, quads, frame, counting):
         shown(frame, quads, scenes[0])
-        frame._set_capacity(4 * frame._room)
+        frame._set_capacity(4 * frame.allocation.room)
         image, lost = shown(frame, quads, scenes[0])
         assert frame.geometry_passes == 2
         right, _ = shown(counting, quads, scenes[0])

@@ -6,7 +6,7 @@ import pytest
 from mfr_bench.config import Measure
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import SAMPLE_FEATURES, SceneStats
+from mfr_bench.methods.spec import SAMPLE_FEATURES, Fitted, SceneStats
 from mfr_bench.oracle.composite import composite
 from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.plan import Cell, Limits, judge
@@ -23,7 +23,7 @@ def depths(count):
 
 def draw(device, method, scene, **params):
     with drawn(device, method, scene, **params) as frame:
-        assert frame.memory_bytes == frame.variant.memory_bytes(frame.stats)
+        assert frame.memory_bytes == Fitted(frame.variant, frame.stats).memory_bytes()
         assert frame.lost_fragments() == 0
         return frame.image(), frame.geometry_passes
 
@@ -71,8 +71,8 @@ def test_equal_depths_are_kept_in_order_of_arrival(device, method, params):
 @pytest.mark.parametrize(("k", "samples"), [(1, 4), (3, 4), (4, 4), (5, 8), (8, 8), (16, 16), (17, 32), (32, 32)])
 def test_memory_is_three_words_a_sample(k, samples):
     variant = catalog()["kb-sr"].variant({"k": k})
-    assert sum(variant.memory_bytes(SIZES).values()) == 4 * SIZES.P * 3 * samples
-    assert (variant.model_bytes(SIZES) == 4 * SIZES.P * 3 * samples) == (k == samples)
+    assert sum(Fitted(variant, SIZES).memory_bytes().values()) == 4 * SIZES.P * 3 * samples
+    assert (Fitted(variant, SIZES).model_bytes() == 4 * SIZES.P * 3 * samples) == (k == samples)
 
 
 @pytest.mark.parametrize(("method", "params", "reason"), [

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from mfr_bench.methods.spec import (
     Buffer,
     Counted,
+    Fitted,
     Grown,
     Loop,
     Method,
@@ -136,7 +137,7 @@ def test_passes_of_one_name_are_named_once():
 def test_a_method_keeps_what_it_promises(guarantee, layers, kept):
     variant = declared(guarantee=guarantee, params=(Param("k", 2, ""),)).variant({})
     assert variant.layers == layers
-    assert variant.kept(SIZES) == kept
+    assert Fitted(variant, SIZES).kept() == kept
 
 
 # --- memory --------------------------------------------------------------------------------------
@@ -145,31 +146,31 @@ def test_a_method_keeps_what_it_promises(guarantee, layers, kept):
 def test_memory_is_counted_by_resource():
     variant = declared(buffers=(Buffer("counter", "P"), Buffer("nodes", "2*n*P", type="uvec2", copies=2)),
                        targets=(Target("colour", "rgba32f", copies=2), Target("depth", "depth32f"))).variant({})
-    assert variant.memory_bytes(SIZES) == {"counter": 4 * 48, "nodes": 2 * 4 * 2 * 4 * 48, "colour": 2 * 16 * 48,
-                                           "depth": 4 * 48}
+    assert Fitted(variant, SIZES).memory_bytes() == {
+        "counter": 4 * 48, "nodes": 2 * 4 * 2 * 4 * 48, "colour": 2 * 16 * 48, "depth": 4 * 48}
 
 
 def test_the_papers_formula_is_words_per_pixel():
-    assert declared(words="2*k + 2", params=(Param("k", 3, ""),)).variant({}).model_bytes(SIZES) == 4 * 48 * 8
-    assert declared(words="3*f + 1").variant({}).model_bytes(SIZES) == 4 * 48 * 7
+    assert Fitted(declared(words="2*k + 2", params=(Param("k", 3, ""),)).variant({}), SIZES).model_bytes() == 4 * 48 * 8
+    assert Fitted(declared(words="3*f + 1").variant({}), SIZES).model_bytes() == 4 * 48 * 7
 
 
 def test_a_growing_buffer_doubles_from_its_start_until_the_frame_fits():
     variant = declared(capacity=Grown("P // 4", "allocated"), buffers=(Buffer("nodes", "capacity"),)).variant({})
-    assert variant.start_capacity(SIZES) == 12
-    assert variant.capacity(SIZES) == 96
-    assert variant.memory_bytes(SIZES) == {"nodes": 4 * 96}
+    assert Fitted(variant, SIZES).start_capacity() == 12
+    assert Fitted(variant, SIZES).capacity() == 96
+    assert Fitted(variant, SIZES).memory_bytes() == {"nodes": 4 * 96}
     few = SceneStats(W=8, H=6, n=1, F=5, primitives=1)
-    assert variant.capacity(few) == 12
+    assert Fitted(variant, few).capacity() == 12
 
 
 def test_a_counted_buffer_holds_exactly_the_frame():
     variant = declared(capacity=Counted(), buffers=(Buffer("nodes", "2*capacity", type="uvec2"),)).variant({})
-    assert variant.start_capacity(SIZES) == 0
-    assert variant.memory_bytes(SIZES) == {"nodes": 4 * 2 * 96}
+    assert Fitted(variant, SIZES).start_capacity() == 0
+    assert Fitted(variant, SIZES).memory_bytes() == {"nodes": 4 * 2 * 96}
 
 
 def test_an_empty_buffer_still_holds_one_element():
     empty = SceneStats(W=8, H=6, n=1, F=0, primitives=0)
     variant = declared(capacity=Counted(), buffers=(Buffer("nodes", "2*capacity", type="uvec2"),)).variant({})
-    assert variant.memory_bytes(empty) == {"nodes": 8}
+    assert Fitted(variant, empty).memory_bytes() == {"nodes": 8}

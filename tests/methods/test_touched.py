@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 
 from mfr_bench.config.model import Scene as SceneConfig
-from mfr_bench.gpu import frame as frames
-from mfr_bench.gpu.frame import Canvas, Frame, SceneBuffer
+from mfr_bench.gpu import pass_runner as frames
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
 from mfr_bench.gpu.truth import true_stats
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import IMAGE, TILE_COMMAND, TILE_LIST
+from mfr_bench.methods.spec import IMAGE, TILE_COMMAND, TILE_LIST, Fitted
 from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.scene import Scene, generate
 
@@ -84,7 +86,7 @@ def test_every_resolve_by_tiles_is_exact(device, method):
             assert drawn.error <= EXACT_ERROR, where
             assert drawn.lost == 0, where
             assert drawn.allocated == drawn.declared or method.family == "open", where
-            assert all(held == drawn.kept for counter, held in drawn.probed.items() if counter == "held_fragments")
+            assert all(held == drawn.kept for counter, held in drawn.probed.items() if counter == "stored_fragments")
 
 
 def part(scene: Scene, left: int, bottom: int, right: int, top: int) -> Scene:
@@ -106,7 +108,7 @@ def animated(device, *chosen):
     scenes = animation()
     quads, canvas = SceneBuffer(device, scenes[0]), Canvas(device, BASE.size)
     stats = true_stats(device, quads, canvas)
-    kept = [Frame(device, variant, stats, quads, canvas) for variant in chosen]
+    kept = [Frame(device, Fitted(variant, stats), quads, canvas) for variant in chosen]
     try:
         yield scenes, *kept
     finally:
@@ -191,7 +193,8 @@ def listed(frame) -> list[int]:
 @pytest.mark.parametrize("name", SCENES)
 def test_the_list_holds_each_tile_with_fragments_once(device, name):
     on = stage(device, SCENES[name])
-    frame = Frame(device, in_few(catalog()["ab-precalc"], touched="tiles"), on.stats, on.scene_buffer, on.canvas)
+    fitted = Fitted(in_few(catalog()["ab-precalc"], touched="tiles"), on.stats)
+    frame = Frame(device, fitted, on.scene_buffer, on.canvas)
     try:
         frame.draw_fitting()
         counts = np.flatnonzero(frame.words("counter"))
@@ -223,7 +226,7 @@ def test_a_list_that_looks_beside_the_region_is_seen(device, plant):
 def test_only_listed_tiles_are_resolved(device):
     """The pixels that the resolve's draw passes are those of the tiles with fragments, within the region."""
     on = stage(device, SCENES["block 0.05"])
-    frame = Frame(device, in_few(catalog()["ab-array"], touched="tiles"), on.stats, on.scene_buffer, on.canvas)
+    frame = Frame(device, Fitted(in_few(catalog()["ab-array"], touched="tiles"), on.stats), on.scene_buffer, on.canvas)
     try:
         frame.draw_fitting()
         *_, columns, rows = frame.region
@@ -238,7 +241,7 @@ def test_only_listed_tiles_are_resolved(device):
 def test_what_is_cleared_of_the_image_is_counted(device, touched):
     """It is what the resolve leaves out, or with tiles all of it."""
     on = stage(device, SCENES["block 0.05"])
-    frame = Frame(device, in_few(catalog()["ab-array"], touched=touched), on.stats, on.scene_buffer, on.canvas)
+    frame = Frame(device, Fitted(in_few(catalog()["ab-array"], touched=touched), on.stats), on.scene_buffer, on.canvas)
     try:
         frame.draw_fitting()
         *_, columns, rows = frame.region

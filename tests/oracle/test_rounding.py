@@ -7,7 +7,7 @@ import pytest
 
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import SceneStats
+from mfr_bench.methods.spec import Fitted, SceneStats
 from mfr_bench.oracle import rounding as stability
 from mfr_bench.oracle.composite import composite
 from mfr_bench.scene import generate
@@ -31,7 +31,8 @@ def test_every_way_approaches_the_reference(way):
 @pytest.mark.parametrize("layers", [1, 128, 4096])
 def test_transmittance_keeps_its_bound_and_the_promise(layers, alpha):
     error = stability.errors(layers, alpha, pixels=16)["by transmittance, float32"]
-    bound = catalog()["ab-array"].variant({}).error_bound(SceneStats(W=1, H=1, n=layers, F=layers, primitives=layers))
+    stats = SceneStats(W=1, H=1, n=layers, F=layers, primitives=layers)
+    bound = Fitted(catalog()["ab-array"].variant({}), stats).error_bound()
     assert error <= min(bound, 2e-6 if layers <= 128 else 2e-5)
 
 

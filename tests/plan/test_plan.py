@@ -10,7 +10,7 @@ from mfr_bench import plan
 from mfr_bench.config import Experiment, Measure, MethodEntry, Scene
 from mfr_bench.errors import UsageError
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import SceneStats
+from mfr_bench.methods.spec import Fitted, SceneStats
 from mfr_bench.oracle.composite import fragment_counts
 from mfr_bench.scene import generate
 
@@ -274,8 +274,8 @@ def test_a_local_array_that_the_driver_cannot_compile_is_refused():
     stats = SceneStats(W=2, H=1, n=2000, F=4000, primitives=2000, histogram=(0,) * 2000 + (2,))
     methods = catalog()
     lengths = {"ab-array": 2000, "peel-f2b": 0, "lin-pre": 0, "kb-ab-array": 8, "peel-kplus": 8}
-    assert {i: methods[i].variant({}).local_array(stats) for i in lengths} == lengths
-    assert methods["ab-array"].variant({"sort": "lplus"}).local_array(stats) == 32
+    assert {i: Fitted(methods[i].variant({}), stats).local_array() for i in lengths} == lengths
+    assert Fitted(methods["ab-array"].variant({"sort": "lplus"}), stats).local_array() == 32
     limits = plan.Limits(frozenset(), 2**30, 16384, max_local_array=1024)
     cell = plan.Cell("e", "ab-array", "AB", methods["ab-array"].variant({}).params, SCENE, Measure(), {})
     status, reason = plan.judge(cell, methods, stats, limits)

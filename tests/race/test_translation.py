@@ -4,7 +4,6 @@ import pytest
 
 from mfr_bench.errors import ShaderError
 from mfr_bench.methods import catalog
-from mfr_bench.race.adapter import frame_of
 from mfr_bench.race.build import compiler
 from mfr_bench.race.check import Checker, How
 from mfr_bench.race.parser import parse
@@ -66,7 +65,7 @@ def test_lines_are_right_behind_a_branch_with_an_include():
 
 def test_every_pass_of_every_method_is_read():
     for method in catalog().values():
-        for step in frame_of(method.variant({}), Checker(method.variant({}), row_of((2,))).stats).passes:
+        for step in Checker(method.variant({}), row_of((2,))).frame.passes:
             if step.sources:
                 parse(preprocessed(step.own.text, compiler()), where)
 

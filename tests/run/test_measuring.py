@@ -14,6 +14,7 @@ from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu import truth
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
 from mfr_bench.plan import Cell, expected_stats
 from mfr_bench.run import measuring, scene_work
 from mfr_bench.run.cell import Bench, failure
@@ -193,9 +194,9 @@ def test_fragments_that_fit_no_buffer_are_an_overflow_with_their_number(run, dev
     """As if more came than was planned for: the list starts with half of the room that they need."""
     variant = catalog()["ab-ll"].variant({})
     stats = expected_stats(SCENE)
-    start, end = variant.start_capacity(stats), variant.capacity(stats)
+    start, end = Fitted(variant, stats).start_capacity(), Fitted(variant, stats).capacity()
     assert start < stats.F <= end
-    largest = max(variant.block_bytes(buffer, stats, end) for buffer in variant.buffers)
+    largest = max(Fitted(variant, stats).block_bytes(buffer, end) for buffer in variant.buffers)
     monkeypatch.setattr(measuring, "judge", lambda *arguments: None)
     monkeypatch.setattr(device, "limits", replace(device.limits, max_block_bytes=largest - 1))
     rows, made = run([cell(), cell("ab-ll")])
@@ -241,7 +242,8 @@ def test_a_fragment_lost_in_any_frame_is_wrong(run, monkeypatch):
 def test_hit_ratio_is_what_the_method_holds(run, monkeypatch):
     """Not what it should hold: a shader that forgets the last of its slots is seen."""
     read = glsl.read
-    monkeypatch.setattr(glsl, "read", lambda path: read(path).replace("uint(K) * pixels", "uint(K - 1) * pixels"))
+    monkeypatch.setattr(glsl.includes, "read",
+                        lambda path: read(path).replace("uint(K) * pixels", "uint(K - 1) * pixels"))
     rows, _ = run([cell("kb-mdt32", k=4), cell("kb", k=4)])
     assert rows["kb-mdt32", 4]["values"]["hit_ratio"] == pytest.approx(3 / 5)
     assert rows["kb", 4]["values"]["hit_ratio"] == pytest.approx(3 / 5)

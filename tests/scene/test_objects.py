@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 from mfr_bench.config.layout import shares, spread
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.capture import count
-from mfr_bench.gpu.frame import Canvas, SceneBuffer
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
 from mfr_bench.oracle.composite import fragment_counts
 from mfr_bench.scene import colours, generate, objects
 

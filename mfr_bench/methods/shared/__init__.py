@@ -114,12 +114,12 @@ def once(*steps: Pass | Loop) -> tuple[Pass | Loop, ...]:
 
 def _once(step: Pass, scope: Params, expand: Expand | None) -> tuple[Pass, ...]:
     still = False if scope.get("reuse_count") == "on" else None
-    return tuple(replace(p, still=still) for p in expanded(step, scope, expand))
+    return tuple(replace(p, static=still) for p in expanded(step, scope, expand))
 
 
 def again(name: str, shader: str, *writes: str, **more) -> Pass:
     """The pass that restores what the frame before has changed of what `once` has made."""
-    return Pass(name, "fullscreen", shader, writes=writes, still=True, when=when("reuse_count", "on"), **more)
+    return Pass(name, "fullscreen", shader, writes=writes, static=True, when=when("reuse_count", "on"), **more)
 
 
 def wide_buffers(name: str, elements: str, word: str = "0u", condition: When | None = None,
@@ -160,16 +160,16 @@ def count() -> Pass:
     return Pass("count", "geometry", "common/count.frag", writes=("counter",), counts=True)
 
 
-ARRIVED, HELD = "arrived_fragments", "held_fragments"  # what `Pass.probes` may count
+SHADED, STORED = "shaded_fragments", "stored_fragments"  # what `Pass.probes` may count
 
 
-def held(step: Pass, hazards: bool, room: str = "keep") -> Pass:
+def count_stored(step: Pass, hazards: bool, room: str = "keep") -> Pass:
     """The pass that counts what the resolve `step` finds of the fragments, at most `room` of a list.
 
     With `hazards` it asks for each generated fragment whether its pixel holds it, which tells what is doubled or torn.
     """
-    kind, shader = ("geometry", "common/found.frag") if hazards else ("fullscreen", "common/held.frag")
-    return replace(step, kind=kind, shader=shader, resolver=None, into=(), state=State(), probes=HELD, expand=None,
+    kind, shader = ("geometry", "common/found.frag") if hazards else ("fullscreen", "common/stored.frag")
+    return replace(step, kind=kind, shader=shader, resolver=None, into=(), state=State(), probes=STORED, expand=None,
                    defines={**step.defines, "HOLDS": room})
 
 
@@ -177,7 +177,7 @@ def resolve(*reads: str, select: bool = False, hazards: bool = False, defines: M
             **more) -> Pass:
     """Pass that sorts and composites what its `fetch` reads; with `select` only the k nearest.
 
-    Its parameters are RESOLVE_OPTIONS. `hazards`: as for `held`.
+    Its parameters are RESOLVE_OPTIONS. `hazards`: as for `count_stored`.
     """
     return Pass("resolve", "fullscreen", "common/resolve.frag", reads=reads, into=(IMAGE,),
                 defines={"SELECT": int(select), "LISTS": 1, **(defines or {})},
@@ -189,10 +189,10 @@ def resolve_sorted(*reads: str, resolver: str = "common/resolve_sorted.glsl", ha
     """Pass that composites fragments which its `fetch` already reads nearest first. Its parameters are STAGE and
     STOP_OPACITY.
 
-    `hazards`: as for `held`. With `mixes` the slots hold more than single fragments, which nobody counts.
+    `hazards`: as for `count_stored`. With `mixes` the slots hold more than single fragments, which nobody counts.
     """
     def expand(step: Pass, scope: Params) -> tuple[Pass, ...]:
-        return (*(() if mixes else (held(step, hazards),)), *_staged(step, scope))
+        return (*(() if mixes else (count_stored(step, hazards),)), *_staged(step, scope))
 
     return Pass("resolve", "fullscreen", "common/resolve.frag", reads=reads, into=(IMAGE,), resolver=resolver,
                 defines={"LISTS": 1}, expand=expand, **more)
@@ -231,7 +231,7 @@ def occupancy_map() -> tuple[Pass, ...]:
         Pass("occupancy", "geometry", "common/occupancy/mark.frag", reads=("bounds",), writes=("occupied",), when=on),
         Pass("occupancy", "fullscreen", "common/occupancy/cull.frag", reads=("bounds", "occupied"),
              into=(KTH_DEPTH.name,), state=State(depth_test="always"), when=on),
-        _before_kth(Pass("occupancy", "geometry", "common/occupancy/arrive.frag", probes=ARRIVED, when=on)),
+        _before_kth(Pass("occupancy", "geometry", "common/occupancy/shaded.frag", probes=SHADED, when=on)),
     )
 
 
@@ -275,7 +275,7 @@ PIXEL_CLASS = Target("pixel_class", "depth32f")  # class / 16 as depth; 1 for an
 def _resolve_passes(step: Pass, scope: Params, hazards: bool) -> tuple[Pass, ...]:
     sort = scope.get("sort", SORT.default)
     length = str(scope.get("local_array") or ("keep" if sort != "lplus" else f"min({LPLUS}, keep)"))
-    counting = held(step, hazards, "keep" if sort == "lplus" else f"min(keep, {length})")
+    counting = count_stored(step, hazards, "keep" if sort == "lplus" else f"min(keep, {length})")
     step = replace(step, resolver=RESOLVERS.get(str(sort), RESOLVER))
     if sort == "register":
         length = f"ceil({length}/{_network(length)})*{_network(length)}"

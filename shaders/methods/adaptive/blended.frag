@@ -2,5 +2,5 @@
 #include "scene/fragment.glsl"
 
 void main() {
-    if (!rejected()) atomicAdd(held_fragments, 1u);
+    if (!rejected()) atomicAdd(stored_fragments, 1u);
 }

@@ -11,5 +11,5 @@ void main() {
         for (fetch_begin(list * pixels + p); fetch_next(fragment);) ++count;
         held += min(count, uint(HOLDS));
     }
-    if (held > 0u) atomicAdd(held_fragments, held);
+    if (held > 0u) atomicAdd(stored_fragments, held);
 }

@@ -6,5 +6,5 @@ void main() {
         vec2 edge = texelFetch(edges, ivec3(gl_FragCoord.xy, bucket), 0).xy;
         if (edge.y >= 0.0 && edge.y <= 1.0) held += edge.y > -edge.x ? 2u : 1u;
     }
-    if (held > 0u) atomicAdd(held_fragments, held);
+    if (held > 0u) atomicAdd(stored_fragments, held);
 }

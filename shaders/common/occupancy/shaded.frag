@@ -2,5 +2,5 @@
 #include "scene/fragment.glsl"
 
 void main() {
-    if (!rejected()) atomicAdd(arrived_fragments, 1u);
+    if (!rejected()) atomicAdd(shaded_fragments, 1u);
 }

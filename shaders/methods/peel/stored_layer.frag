@@ -2,5 +2,5 @@
 void main() {
     ivec2 xy = ivec2(gl_FragCoord.xy);
     if (texelFetch(layer_depth, xy, 0).x < 1.0 || texelFetch(layer, xy, 0) != vec4(0.0))
-        atomicAdd(held_fragments, 1u);
+        atomicAdd(stored_fragments, 1u);
 }

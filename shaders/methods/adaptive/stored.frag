@@ -4,5 +4,5 @@
 void main() {
     find_cells(place());
     uint count = (end_cell - first_cell) / cell_step;
-    if (count > 0u) atomicAdd(held_fragments, count);
+    if (count > 0u) atomicAdd(stored_fragments, count);
 }

@@ -2,5 +2,5 @@
 // Runs outside timed frames.
 void main() {
     vec2 peeling = texelFetch(bounds, ivec2(gl_FragCoord.xy), 0).xy;
-    if (peeling.y >= 0.0) atomicAdd(held_fragments, peeling.y > -peeling.x ? 2u : 1u);
+    if (peeling.y >= 0.0) atomicAdd(stored_fragments, peeling.y > -peeling.x ? 2u : 1u);
 }

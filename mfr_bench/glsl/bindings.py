@@ -1,0 +1,69 @@
+"""Where shaders find their resources: storage blocks, texture units, uniform blocks, the counters of diagnostics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..errors import ShaderError
+from ..methods.spec import IMAGE, Pass, Variant
+
+DIAGNOSTICS_BINDING = 7  # GL guarantees eight storage blocks to a fragment shader
+DIAGNOSTICS = ("lost_fragments", "shaded_fragments", "stored_fragments")  # counters outside every method's memory
+
+# The uniform block `Frame`, one uint each, in order.
+FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k")
+FRAME_BINDING = 0
+COLOURS_BINDING = 1  # of the uniform block `Colours`: the base colours of a payload of two channels, as light
+# Fields after these, for methods that plan their frames: the rectangle that bounds the geometry, whose first pixel
+# would have the index region_first if the rectangle began at the origin.
+REGION_FIELDS = ("region_first", "region_columns", "region_pixels")
+# Fields after these, for compute passes with `region`, which no scissor bounds: its edges in pixels, right and top
+# exclusive.
+EDGE_FIELDS = ("region_left", "region_bottom", "region_right", "region_top")
+
+
+@dataclass(frozen=True)
+class Binding:
+    """Where a pass finds a resource: `ref` as declared (`name`, `name.current`, `name.previous`)."""
+
+    ref: str
+    name: str
+    index: int
+
+
+def split_ref(ref: str) -> tuple[str, str]:
+    """`depth.previous` -> ("depth", "previous"); a plain name has no role."""
+    name, _, role = ref.partition(".")
+    return name, role
+
+
+def buffer_bindings(variant: Variant, step: Pass) -> list[Binding]:
+    """The storage bindings of a pass. A pass that touches both copies of a buffer sees `name_previous` as well."""
+    names = {b.name for b in variant.buffers}
+    refs = [r for r in dict.fromkeys(step.writes + step.reads) if split_ref(r)[0] in names]
+    bindings: list[Binding] = []
+    taken: set[str] = set()
+    for index, ref in enumerate(refs):
+        base, role = split_ref(ref)
+        name = base if base not in taken else f"{base}_{role}"
+        taken.add(name)
+        bindings.append(Binding(ref, name, index))
+    if len(bindings) > DIAGNOSTICS_BINDING:
+        raise ShaderError(f"{variant.method.id}: pass {step.name!r} uses {len(bindings)} buffers; "
+                          f"at most {DIAGNOSTICS_BINDING}")
+    return bindings
+
+
+def texture_bindings(variant: Variant, step: Pass) -> list[Binding]:
+    """The texture units of a pass. A pass that reads both copies of a target sees `name` and `name_current`, say."""
+    names = {t.name for t in variant.targets} | {IMAGE}
+    refs = [split_ref(r) for r in step.reads if split_ref(r)[0] in names]
+    first = dict(reversed(refs))
+    return [Binding(f"{name}.{role}" if role else name, name if role == first[name] else f"{name}_{role}", index)
+            for index, (name, role) in enumerate(refs)]
+
+
+def colour_refs(variant: Variant, step: Pass) -> list[str]:
+    """The colour targets of a pass in location order; the depth target is attached apart."""
+    depth = {t.name for t in variant.targets if t.attaches == "depth"}
+    return [ref for ref in step.into if split_ref(ref)[0] not in depth]

@@ -1,0 +1,220 @@
+"""The prelude of every shader, with all that Python owns: numbers, types, bindings, outputs. And the stages of a pass.
+
+Only what the shader names is written, so that programs are shared wherever they are equal.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+
+from ..methods.spec import (
+    ELEMENT_WORDS,
+    EMPTY,
+    FORMAT_WORDS,
+    IMAGE,
+    Buffer,
+    Decided,
+    Fitted,
+    Pass,
+    Planned,
+    Target,
+    Variant,
+)
+from . import counters
+from .bindings import (
+    COLOURS_BINDING,
+    DIAGNOSTICS,
+    DIAGNOSTICS_BINDING,
+    EDGE_FIELDS,
+    FRAME_BINDING,
+    FRAME_FIELDS,
+    REGION_FIELDS,
+    buffer_bindings,
+    colour_refs,
+    split_ref,
+    texture_bindings,
+)
+from .includes import Source, expand
+
+VERSION = "#version 430 core"
+VERSION_FOR_FEATURES = "#version 450 core"  # what the extensions of FEATURE_EXTENSIONS are written against
+LOCK_TRIES = 60000  # below the 65,535 iterations at which llvmpipe ends a loop silently
+
+FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
+    "fragment_shader_interlock": ("GL_ARB_fragment_shader_interlock", "GL_NV_fragment_shader_interlock",
+                                  "GL_INTEL_fragment_shader_ordering"),
+    "shader_atomic_int64": ("GL_NV_shader_atomic_int64",),
+}
+
+_INTEGER = {"r32ui": "u"}  # the letter before GLSL's type for texels that are whole numbers
+# Fragment and payload as GLSL types, by the words of the payload. A struct of three words has no padding in std430.
+TYPES: Mapping[int, tuple[str, ...]] = {
+    1: ("#define FRAGMENT uvec2", "#define PAYLOAD uint"),
+    2: ("struct Fragment { uint x; uint y; uint z; };", "#define FRAGMENT Fragment", "#define PAYLOAD uvec2"),
+}
+
+
+def define_values(fitted: Fitted, step: Pass) -> dict[str, int]:
+    """Every number that a pass of the variant may use, by its name in GLSL."""
+    variant, stats = fitted.variant, fitted.stats
+    values: dict[str, int] = {
+        "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
+        "N": stats.n, "KEEP": fitted.value("keep"), "LOCAL": fitted.value("keep"),
+        "REJECTS": int(stats.rejects), "LEAST": stats.least, "QUADS": stats.primitives,
+        "COMPUTE": int(step.kind == "compute"),
+        "PAYLOAD_RGBA16F": 0, "CULLS": 0, "BY_TILE": int(step.by_tile), "REGION": int(step.region),
+        "STOP_OPACITY": 1.0,
+        "ACCUMULATE_COMPENSATED": 0, "ACCUMULATE_FLOAT16": 0, "ACCUMULATE_UNORM8": 0,
+    }
+    for param in variant.all_params:
+        value = variant.scope[param.name]
+        if param.choices:
+            values |= {f"{param.name}_{choice}".upper(): int(choice == value) for choice in param.choices}
+        else:
+            values[param.name.upper()] = value
+    formulas = {name: fitted.value(str(value)) for name, value in step.defines.items()}
+    return values | formulas
+
+
+def literal(name: str, value: int) -> str:
+    return f"{value}u" if name == "EMPTY" else str(value)
+
+
+def _buffer_block(buffer: Buffer, binding: int, name: str, readonly: bool) -> str:
+    qualifiers = ("coherent " if buffer.coherent and not readonly else "") + ("readonly " if readonly else "")
+    return f"layout(std430, binding = {binding}) {qualifiers}buffer Block{binding} {{ {buffer.type} {name}[]; }};"
+
+
+def _sampler(target: Target | None) -> str:
+    """GLSL type by which a target, or the image, is read, texel by texel."""
+    if target is None:
+        return "sampler2D"
+    kind = "2DMS" if target.samples else "2DArray" if target.layers else "2D"
+    return f"{_INTEGER.get(target.format, '')}sampler{kind}"
+
+
+def _clear_macro(variant: Variant, step: Pass) -> str:
+    """CLEAR(p): pixel p gives every P-th element of the pass's buffers its initial value."""
+    def end(buffer: Buffer) -> str:
+        heads = buffer.clear_heads
+        return f"pixels * uint({1 if heads is True else heads})" if heads else f"uint({buffer.name}.length())"
+
+    def value(buffer: Buffer) -> str:
+        words = 1 + variant.payload_words if buffer.type == "FRAGMENT" else 1
+        return f"{buffer.type}({', '.join([buffer.clear or ''] * words)})"
+
+    body = " ".join(f"for (uint i = (p); i < {end(b)}; i += pixels) {b.name}[i] = {value(b)};"
+                    for b in variant.buffers if b.name in step.writes)
+    return f"#define CLEAR(p) {{ {body} }}"
+
+
+def _version(variant: Variant, words: set[str]) -> list[str]:
+    """The language and the extensions that the variant's features and the shader's words ask for."""
+    shading = [feature for feature in variant.needs if feature in FEATURE_EXTENSIONS]
+    extensions = [name for feature in shading for name in FEATURE_EXTENSIONS[feature]]
+    extensions += ["GL_ARB_gpu_shader_int64"] if "shader_atomic_int64" in variant.needs else []
+    extensions += ["GL_ARB_ES3_1_compatibility"] if "IS_HELPER" in words else []
+    version = VERSION_FOR_FEATURES if shading else VERSION
+    return [version, *(f"#extension {name} : enable" for name in extensions)]
+
+
+def _diagnostics(words: set[str], counted: bool) -> list[str]:
+    """The block of counters, as far as the shader needs it."""
+    if not (counted or words.intersection(DIAGNOSTICS)):
+        return []
+    return [f"layout(std430, binding = {DIAGNOSTICS_BINDING}) buffer Diagnostics {{ "
+            + " ".join(f"uint {name};" for name in DIAGNOSTICS) + (" uint work[];" if counted else "") + " };"]
+
+
+def _storage(variant: Variant) -> dict[str, counters.Stored]:
+    """What the variant's shaders may access, by the names that they have there."""
+    found: dict[str, counters.Stored] = {}
+    for buffer in variant.buffers:
+        wider = variant.payload_words - 1 if buffer.type in ("FRAGMENT", "PAYLOAD") else 0
+        found[buffer.name] = counters.Stored(ELEMENT_WORDS[buffer.type] + wider, buffer.type != "uint")
+    for target in variant.targets:
+        found[target.name] = counters.Stored(math.ceil(FORMAT_WORDS[target.format]))
+    found[IMAGE] = counters.Stored(FORMAT_WORDS["rgba32f"])
+    roles = {f"{name}_{role}": stored for name, stored in found.items() for role in ("current", "previous")}
+    return found | roles
+
+
+def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool = False,
+           mapped: str | None = None) -> Source:
+    """The stage `entry` (default: the pass's own shader) of one pass, ready to compile.
+
+    `counted`: counting its work. `mapped`: counting one kind of it for each pixel, where the shader has a line for it.
+    """
+    variant = fitted.variant
+    entry = entry or step.shader
+    slots = {name: path for name, path in (("fetch", step.fetch), ("resolver", step.resolver)) if path}
+    counted = (counted or mapped is not None) and not entry.endswith(".vert")
+    body, files = expand(entry, slots, counted)
+    macro = _clear_macro(variant, step)
+    words = set(re.findall(r"[A-Za-z_]\w*", body))
+    words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()
+    prelude = _version(variant, words)
+    values = define_values(fitted, step)
+    prelude += [f"#define {name} {literal(name, value)}" for name, value in sorted(values.items()) if name in words]
+    prelude += ["#define K chosen_k"] if "K" in words and isinstance(variant.method.capacity, Decided) else []
+    prelude += TYPES[variant.payload_words]
+    prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "
+                   + " ".join(f"uint {name};" for name in _frame_fields(variant, step)) + " };")
+    if "base_a" in words:
+        prelude.append(f"layout(std140, binding = {COLOURS_BINDING}) uniform Colours {{ vec4 base_a; vec4 base_b; }};")
+    if not entry.endswith(".vert"):
+        by_name = {b.name: b for b in variant.buffers}
+        prelude += [_buffer_block(by_name[split_ref(b.ref)[0]], b.index, b.name, b.ref not in step.writes)
+                    for b in buffer_bindings(variant, step)]
+        targets = {t.name: t for t in variant.targets}
+        prelude += [f"layout(binding = {b.index}) uniform {_sampler(targets.get(split_ref(b.ref)[0]))} {b.name};"
+                    for b in texture_bindings(variant, step)]
+        prelude += [macro] if "CLEAR" in words else []
+        prelude += _outputs(fitted, step)
+        prelude += ["layout(early_fragment_tests) in;"] if step.state.early else []
+        prelude += _diagnostics(words, counted)
+    if counted and mapped:
+        text = counters.mapped("\n".join(prelude), body, mapped)
+        return Source(entry, text, files, counted) if text else source(fitted, step, entry)
+    if counted:
+        return Source(entry, counters.counting("\n".join(prelude), body, _storage(variant)), files, counted)
+    return Source(entry, "\n".join(prelude) + "\n" + body, files, counted)
+
+
+def _frame_fields(variant: Variant, step: Pass) -> tuple[str, ...]:
+    """What the pass sees of the uniform block `Frame`."""
+    if step.kind == "compute" and step.region:
+        return FRAME_FIELDS + REGION_FIELDS + EDGE_FIELDS
+    return FRAME_FIELDS + (REGION_FIELDS if isinstance(variant.method.capacity, Planned) else ())
+
+
+def _outputs(fitted: Fitted, step: Pass) -> list[str]:
+    """The colour targets as the shader writes them: outputs at locations, or images at units."""
+    variant = fitted.variant
+    targets = {t.name: t for t in variant.targets}
+    lines: list[str] = []
+    location = 0
+    for ref in colour_refs(variant, step):
+        name = split_ref(ref)[0]
+        target = targets.get(name)
+        layers = fitted.layer_count(target) if target else 1
+        array = f"[{layers}]" if target and target.layers else ""
+        kind = _INTEGER.get(target.format, "") if target else ""
+        lines.append(f"layout(rgba32f, binding = {location}) writeonly uniform image2D out_{name};"
+                     if step.kind == "compute" else f"layout(location = {location}) out {kind}vec4 out_{name}{array};")
+        location += layers
+    return lines
+
+
+def _vertex(step: Pass, geometry: str) -> str:
+    return step.vertex or (f"scene/{geometry}.vert" if step.kind == "geometry" else "screen/triangle.vert")
+
+
+def stages(fitted: Fitted, step: Pass, counted: bool = False, mapped: str | None = None) -> tuple[Source, ...]:
+    """All stages of a pass: vertex and fragment, or compute alone; `counted` and `mapped` are as for `source`."""
+    own = source(fitted, step, counted=counted, mapped=mapped)
+    if step.kind == "compute":
+        return (own,)
+    return source(fitted, step, _vertex(step, fitted.stats.geometry)), own

@@ -1,0 +1,110 @@
+"""The buffers and textures that a variant declares, in device memory, grown as frames need it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import CapacityError
+from ..glsl.bindings import split_ref
+from ..methods.spec import IMAGE, Fitted, Target
+from . import rawgl
+from .device import Device
+from .targets import Canvas, Texture
+
+
+class Allocation:
+    """Everything that a fitted variant has allocated. `room` is the number of elements that there is room for.
+
+    `version` changes whenever a buffer has been replaced, and its contents with it. Raises MemoryError where the device
+    has no room.
+    """
+
+    def __init__(self, device: Device, fitted: Fitted, canvas: Canvas):
+        self._device, self._fitted, self._canvas = device, fitted, canvas
+        self.room = fitted.start_capacity()
+        self.version = 0
+        self._textures = {t.name: [self._texture(t) for _ in range(t.copies)] for t in fitted.variant.targets}
+        self._buffers: dict[str, list] = {}
+        self._allocate()
+
+    def _texture(self, target: Target) -> Texture:
+        stats = self._fitted.stats
+        return Texture(self._device.gl, target.format, (stats.W, stats.H),
+                       self._fitted.samples(target) if target.samples else 0,
+                       self._fitted.layer_count(target) if target.layers else 0)
+
+    def _allocate(self) -> None:
+        """Make every buffer that is missing or too small for the room."""
+        for buffer in self._fitted.variant.buffers:
+            size = self._fitted.block_bytes(buffer, self.room)
+            present = self._buffers.get(buffer.name, [])
+            if present and present[0].size >= size:
+                continue
+            for old in present:
+                old.release()
+            self._buffers[buffer.name] = [self._device.ctx.buffer(reserve=size) for _ in range(buffer.copies)]
+            self.version += 1
+
+    def hold(self, elements: int) -> None:
+        """Make room for at least so many elements."""
+        if elements > self.room:
+            self.room = elements
+            self._allocate()
+
+    def check_room(self, elements: int, wanted: int) -> None:
+        """Raise CapacityError where a storage block cannot have so many elements, of which a frame `wanted` some."""
+        most = self._device.limits.max_block_bytes
+        for buffer in self._fitted.variant.buffers:
+            if (size := self._fitted.block_bytes(buffer, elements)) > most:
+                raise CapacityError(f"{wanted} fragments do not fit: {buffer.name} would grow to {size} bytes, "
+                                    f"a storage block holds {most}")
+
+    @property
+    def names(self) -> list[str]:
+        """The names of all buffers."""
+        return list(self._buffers)
+
+    @property
+    def memory_bytes(self) -> dict[str, int]:
+        """Bytes of each allocated object, by the name of its declaration."""
+        buffers = {name: sum(b.size for b in copies) for name, copies in self._buffers.items()}
+        textures = {name: sum(t.bytes for t in copies) for name, copies in self._textures.items()}
+        return buffers | textures
+
+    def named(self, name: str):
+        """A buffer of one copy."""
+        return self._buffers[name][0]
+
+    def buffer(self, ref: str, iteration: int):
+        """The copy of a buffer that a pass of this iteration means."""
+        copies = self._buffers[split_ref(ref)[0]]
+        return copies[_copy(ref, iteration, len(copies))]
+
+    def texture(self, ref: str, iteration: int) -> Texture:
+        """The copy of a texture that a pass of this iteration means; the canvas for the image."""
+        name = split_ref(ref)[0]
+        if name == IMAGE:
+            return self._canvas.texture
+        copies = self._textures[name]
+        return copies[_copy(ref, iteration, len(copies))]
+
+    def words(self, name: str) -> np.ndarray:
+        """uint32 contents of a buffer."""
+        self._device.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
+        return np.frombuffer(self._buffers[name][0].read(), dtype=np.uint32)
+
+    def fill(self, name: str, words: np.ndarray) -> None:
+        """Give a buffer uint32 contents."""
+        self._buffers[name][0].write(np.ascontiguousarray(words, dtype=np.uint32).tobytes())
+        self.version += 1
+
+    def release(self) -> None:
+        """Free the device memory."""
+        for copies in (*self._buffers.values(), *self._textures.values()):
+            for each in copies:
+                each.release()
+
+
+def _copy(ref: str, iteration: int, copies: int) -> int:
+    """Which copy a ref names: `.current` is iteration i's own, `.previous` the one of the iteration before."""
+    return (iteration + (split_ref(ref)[1] == "previous")) % copies

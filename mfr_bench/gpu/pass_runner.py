@@ -1,0 +1,252 @@
+"""Draws one pass: its program, its fixed-function state, its part of the screen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import cached_property, partial
+from typing import Protocol
+
+from ..glsl import Source, stages
+from ..methods.shared.bands import Rectangle
+from ..methods.spec import (
+    DISPATCH_OFFSET,
+    IMAGE,
+    LISTED,
+    TILE_COMMAND,
+    TILE_LIST,
+    Fitted,
+    Pass,
+    SceneStats,
+    State,
+    Variant,
+    evaluate,
+)
+from . import rawgl
+from .allocation import Allocation
+from .device import Device
+from .plan import PassPlan
+from .rawgl import RawGL
+from .scene_buffer import SceneBuffer
+from .targets import Canvas, Framebuffer, Texture
+
+
+class FrameResources(Protocol):
+    """What a pass needs to know of its frame: the device, what is allocated, the scene, and the part of the screen.
+
+    region: left, bottom, width and height in pixels of what bounds the geometry. band: the part of it that a loop over
+    bands leaves the pass, or None.
+    """
+
+    device: Device
+    gl: RawGL
+    fitted: Fitted
+    variant: Variant
+    stats: SceneStats
+    allocation: Allocation
+    scene_buffer: SceneBuffer
+    canvas: Canvas
+    band: Rectangle | None
+
+    @property
+    def region(self) -> Rectangle: ...
+
+
+def _around(left: int, bottom: int, columns: int, rows: int, width: int, height: int) -> list[tuple[int, ...]]:
+    """The rectangles, left bottom width height, that are left of a viewport beside the one within it."""
+    top = bottom + rows
+    beside = [(0, 0, width, bottom), (0, top, width, height - top), (0, bottom, left, rows),
+              (left + columns, bottom, width - left - columns, rows)]
+    return [rectangle for rectangle in beside if rectangle[2] > 0 and rectangle[3] > 0]
+
+
+class PassRunner:
+    """One pass, compiled and bound to its frame's resources. `planned` says which it accesses."""
+
+    def __init__(self, frame: FrameResources, step: Pass):
+        self.frame, self.step, self.gl = frame, step, frame.gl
+        self.planned = PassPlan.of(frame.variant, step)
+        self.framebuffers: dict[int, Framebuffer] = {}
+        self.program = self.vao = None
+        if step.kind != "clear":
+            self.program = frame.device.program(self._stages(), f"method {frame.variant.method.id}, pass {step.name}")
+        if step.kind in ("geometry", "fullscreen"):
+            self.vao = frame.device.ctx.vertex_array(self.program, self._content())
+        self._groups: dict[tuple[int, int], int] = {}  # work groups, by width and height of what they go over
+        self.instances = frame.fitted.value(step.instances)
+        self.writes_depth = step.state.depth_write and any(self._texture(r, 0).is_depth for r in step.into)
+
+    def _texture(self, ref: str, iteration: int) -> Texture:
+        return self.frame.allocation.texture(ref, iteration)
+
+    def _content(self) -> list[tuple]:
+        """The attributes of each instance."""
+        if self.step.by_tile:
+            return [(self.frame.allocation.named(TILE_LIST), "1u", "in_tile")]
+        return self.frame.scene_buffer.attributes(self.program) if self.step.kind == "geometry" else []
+
+    def _stages(self) -> tuple[Source, ...]:
+        return stages(self.frame.fitted, self.step)
+
+    @cached_property
+    def takes_iteration(self) -> bool:
+        return self.program is not None and "iteration" in self.program
+
+    @cached_property
+    def clips_from_zero(self) -> bool:
+        """Whether the vertex shader gives depths as they are; told to it once."""
+        if "clips_from_zero" not in self.program:
+            return False
+        self.program["clips_from_zero"] = bool(self.gl.glClipControl)
+        return bool(self.gl.glClipControl)
+
+    def _framebuffer(self, iteration: int) -> Framebuffer:
+        """The pass's own, or for a pass that only writes buffers the canvas, masked."""
+        if not self.step.into or self.step.into == (IMAGE,):
+            return self.frame.canvas.framebuffer
+        parity = iteration % 2
+        if parity not in self.framebuffers:
+            self.framebuffers[parity] = Framebuffer(self.gl, [self._texture(r, iteration) for r in self.step.into])
+        return self.framebuffers[parity]
+
+    def run(self, iteration: int) -> None:
+        self._bind(iteration)
+        if self.step.kind == "compute":
+            self._dispatch(iteration)
+            return
+        framebuffer = self._framebuffer(iteration)
+        framebuffer.use(colour=bool(self.step.into), depth=self.writes_depth)
+        for ref, values in self.step.clears.items():
+            self._clear(framebuffer, self._texture(ref, iteration), values)
+        if self.step.kind == "clear":
+            self._zero(iteration)
+            return
+        for call in self._state_calls:
+            call()
+        self.gl.clip_depths_from_zero(self.clips_from_zero)
+        if self.step.kind == "fullscreen":
+            self._draw_screen()
+        elif len(self.frame.scene_buffer.scene):
+            self._within(self._band, lambda: self.frame.scene_buffer.draw(self.vao))
+
+    def _clear(self, framebuffer: Framebuffer, texture: Texture, values: tuple[float, ...]) -> None:
+        beside = self.step.region and self.step.kind == "clear"
+        for rectangle in _around(*self.frame.region, *framebuffer.size) if beside else (self._extent,):
+            self._within(rectangle, lambda: framebuffer.clear(texture, values))
+
+    @property
+    def _band(self) -> Rectangle | None:
+        """The part of the screen that a loop over bands leaves the pass."""
+        return self.frame.band if self.step.region else None
+
+    @property
+    def _extent(self) -> Rectangle | None:
+        """The part of the screen that the pass clears, and goes over where it is a full-screen one."""
+        return self._band or (self.frame.region if self.step.region else None)
+
+    def _within(self, rectangle: Rectangle | None, draw: Callable[[], None]) -> None:
+        """Draw or clear only the rectangle; None: the whole viewport."""
+        if rectangle:
+            self.gl.glEnable(rawgl.SCISSOR_TEST)
+            self.gl.glScissor(*rectangle)
+        draw()
+        if rectangle:
+            self.gl.glDisable(rawgl.SCISSOR_TEST)
+
+    def _commands(self, name: str):
+        """A buffer of indirect commands, once what shaders have written there and to the list is in place."""
+        self.gl.glMemoryBarrier(rawgl.BARRIERS["indirect"])
+        return self.frame.allocation.named(name)
+
+    def _draw_screen(self) -> None:
+        self._within(self._extent, self._draw_tiles if self.step.by_tile else self._draw_triangle)
+
+    def _draw_triangle(self) -> None:
+        """Over the whole viewport, GL_TRIANGLES."""
+        if self.step.command:
+            commands = self._commands(self.step.command)
+            self.vao.render_indirect(commands, mode=4, count=1, first=self.step.defines["CLASS"])
+        else:
+            self.vao.render(mode=4, vertices=3, instances=self.instances)
+
+    def _draw_tiles(self) -> None:
+        """A point over each listed tile, in a viewport of whole tiles: points whose middle is outside are clipped."""
+        width, height = self.frame.stats.W, self.frame.stats.H
+        self.gl.glViewport(0, 0, width + -width % LISTED, height + -height % LISTED)
+        self.vao.render_indirect(self._commands(TILE_COMMAND), mode=0, count=1)  # GL_POINTS
+
+    def _zero(self, iteration: int) -> None:
+        """Clear the buffers that a pass of kind `clear` writes, by the driver."""
+        if self.planned.buffers:
+            self.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
+        for binding in self.planned.buffers:
+            buffer = self.frame.allocation.buffer(binding.ref, iteration)
+            self.gl.zero(buffer.glo, buffer.size)
+
+    def _bind(self, iteration: int) -> None:
+        for binding in self.planned.buffers:
+            self.frame.allocation.buffer(binding.ref, iteration).bind_to_storage_buffer(binding.index)
+        for binding in self.planned.textures:
+            self._texture(binding.ref, iteration).bind(binding.index)
+        if self.takes_iteration:
+            self.program["iteration"] = iteration
+
+    def _dispatch(self, iteration: int) -> None:
+        """Images are published at once: what comes next may be a draw, a fetch or a read-back."""
+        for unit, ref in enumerate(self.step.into):
+            self._texture(ref, iteration).bind_image(unit)
+        if self.step.into:
+            self.gl.glMemoryBarrier(rawgl.BARRIERS["image"])
+        if self.step.by_tile:
+            self.program.run_indirect(self._commands(TILE_COMMAND), DISPATCH_OFFSET)
+        else:
+            self.program.run(self._group_count())
+        if self.step.into:
+            self.gl.glMemoryBarrier(rawgl.BARRIERS["image"])
+
+    def _group_count(self) -> int:
+        """Work groups of a dispatch over the viewport, or over the region as if it were one."""
+        stats = self.frame.stats
+        extent = self.frame.region[2:] if self.step.region else (stats.W, stats.H)
+        if extent not in self._groups:
+            within = replace(stats, W=max(1, extent[0]), H=max(1, extent[1]))
+            self._groups[extent] = int(evaluate(self.step.groups, within, self.frame.variant.scope))
+        return self._groups[extent]
+
+    @cached_property
+    def _state_calls(self) -> tuple[Callable[[], None], ...]:
+        """The GL calls that set the pass's fixed-function state."""
+        return tuple(self._state(self.step.state))
+
+    def _state(self, state: State) -> Iterator[Callable[[], None]]:
+        yield from self._blending(state)
+        yield self._switch(rawgl.DEPTH_TEST, state.depth_test)
+        if state.depth_test:
+            yield partial(self.gl.glDepthFunc, rawgl.DEPTH_FUNCTIONS[state.depth_test])
+        yield self._switch(rawgl.STENCIL_TEST, state.stencil)
+        if state.stencil:
+            test = rawgl.STENCIL_TESTS[state.stencil.test]
+            yield partial(self.gl.glStencilFunc, test, state.stencil.reference, 0xFF)
+            yield partial(self.gl.glStencilOp, *[rawgl.STENCIL_UPDATES[state.stencil.update]] * 3)
+        yield self._switch(rawgl.MULTISAMPLE, state.multisample)
+
+    def _blending(self, state: State) -> Iterator[Callable[[], None]]:
+        """Of all locations alike, or of each its own way."""
+        yield self._switch(rawgl.BLEND, state.blend or state.blends)
+        if state.blend:
+            equation, source, destination = state.blend
+            factors = (source, destination, *(state.blend_alpha or (source, destination)))
+            yield partial(self.gl.glBlendEquation, rawgl.EQUATIONS[equation])
+            yield partial(self.gl.glBlendFuncSeparate, *(rawgl.FACTORS[factor] for factor in factors))
+        for location, (equation, source, destination) in enumerate(state.blends):
+            yield partial(self.gl.glBlendEquationi, location, rawgl.EQUATIONS[equation])
+            yield partial(self.gl.glBlendFunci, location, rawgl.FACTORS[source], rawgl.FACTORS[destination])
+
+    def _switch(self, capability: int, on: object) -> Callable[[], None]:
+        return partial(self.gl.glEnable if on else self.gl.glDisable, capability)
+
+    def release(self) -> None:
+        for framebuffer in self.framebuffers.values():
+            framebuffer.release()
+        if self.vao:
+            self.vao.release()

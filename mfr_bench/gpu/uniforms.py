@@ -1,0 +1,38 @@
+"""The uniform block `Frame`: what shaders know of the viewport, the scene and the capacity."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..glsl.bindings import EDGE_FIELDS, FRAME_BINDING, FRAME_FIELDS, REGION_FIELDS
+from ..methods.spec import SceneStats
+from ..scene import Geometry
+from .device import Device
+
+FIELDS = FRAME_FIELDS + REGION_FIELDS + EDGE_FIELDS
+
+
+class Uniforms:
+    """The block's buffer, which is written whenever one of its fields changes."""
+
+    def __init__(self, device: Device, stats: SceneStats):
+        self._stats = stats
+        self._buffer = device.ctx.buffer(reserve=4 * len(FIELDS))
+
+    def write(self, scene: Geometry, capacity: int, chosen_k: int) -> None:
+        """Give every field its value. `chosen_k`: of a method whose k the host decides, else 0."""
+        stats, (left, bottom, columns, rows) = self._stats, scene.bounds
+        values = {
+            "width": stats.W, "height": stats.H, "pixels": stats.P, "capacity": capacity, "seed": scene.seed,
+            "keep_threshold": min(scene.keep_threshold, 2**32 - 1), "chosen_k": chosen_k,
+            "region_first": bottom * columns + left, "region_columns": columns, "region_pixels": columns * rows,
+            "region_left": left, "region_bottom": bottom, "region_right": left + columns, "region_top": bottom + rows}
+        self._buffer.write(np.array([values[name] for name in FIELDS], dtype=np.uint32).tobytes())
+
+    def bind(self) -> None:
+        """Let the shaders of the next draws see the block."""
+        self._buffer.bind_to_uniform_block(FRAME_BINDING)
+
+    def release(self) -> None:
+        """Free the device memory."""
+        self._buffer.release()

@@ -1,0 +1,55 @@
+"""Facts of a scene that formulas, plans and conditions of passes see."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class SceneStats:
+    """What a frame needs to know of its scene. Counts are of fragments unless said otherwise."""
+
+    W: int  # viewport width, pixels
+    H: int  # viewport height, pixels
+    n: int  # most fragments in any pixel, at least 1
+    F: int  # fragments of the frame
+    primitives: int  # submitted
+    rejects: bool = False  # some fragments are not generated (f_p < 1, or pixels that draw their number)
+    histogram: tuple[int, ...] = ()  # histogram[i] = pixels with i fragments
+    geometry: str = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
+    area: int | None = None  # pixels of the rectangle that bounds the geometry; None: of the viewport
+    layers: int | None = None  # most fragments that a pixel can have by the geometry; None: those of every primitive
+    reach: int | None = None  # most fragments that the geometry can have; None: every layer in every pixel
+    least: int = 0  # fewest fragments that a pixel draws of those of all primitives; 0: every pixel has all
+
+    @property
+    def P(self) -> int:
+        """Pixels of the viewport."""
+        return self.W * self.H
+
+    @property
+    def flat(self) -> bool:
+        """Whether each primitive has one depth, and meets no pixel but at its edges."""
+        return self.geometry == "quad"
+
+    @property
+    def most_layers(self) -> int:
+        """Most fragments that a pixel can have by the geometry alone: a strip of two triangles may cover it twice."""
+        return self.layers if self.layers is not None else self.primitives * (1 if self.geometry == "quad" else 2)
+
+    def bounded(self, k: int) -> int:
+        """Fragments left when each pixel keeps at most `k`: the sum of min(f, k) over the pixels."""
+        return sum(min(f, k) * pixels for f, pixels in enumerate(self.histogram))
+
+    def paged(self, page: int) -> int:
+        """Cells in the pages of `page` cells that the fragments fill when no two pixels share one."""
+        return sum(math.ceil(f / page) * page * pixels for f, pixels in enumerate(self.histogram))
+
+    def names(self) -> dict[str, float]:
+        return {"W": self.W, "H": self.H, "P": self.P, "n": self.n, "F": self.F, "f": self.F / self.P}
+
+
+# What a parameter may ask of a scene: facts of SceneStats, in words.
+SCENE_FACTS: Mapping[str, str] = {"flat": "flat primitives that meet no pixel but at its edges"}
