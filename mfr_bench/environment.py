@@ -13,6 +13,7 @@ from typing import Any
 
 from . import __version__
 
+MIB = 2**20  # bytes; memory is configured and shown in it
 PACKAGES = ("moderngl", "glcontext", "numpy", "flip-evaluator")
 PASSING = ("start", "end")  # parts of an environment that differ from run to run of one machine
 
@@ -25,6 +26,8 @@ THROTTLE_REASONS = {0x1: "idle", 0x2: "applications clocks setting", 0x4: "softw
                     0x100: "display clock setting"}  # bits of nvmlClocksThrottleReasons, nvml.h
 PATIENCE_S = 5.0  # for git and nvidia-smi
 
+SOFTWARE_RENDERERS = re.compile(r"llvmpipe|softpipe|swrast|swiftshader|software", re.IGNORECASE)
+
 Run = Callable[[Sequence[str]], "str | None"]
 
 
@@ -35,6 +38,11 @@ def ask(command: Sequence[str]) -> str | None:
     except (OSError, subprocess.SubprocessError, UnicodeDecodeError):
         return None
     return done.stdout if done.returncode == 0 else None
+
+
+def draws_in_software(renderer: str) -> bool:
+    """Whether the name of a GL renderer is that of a driver that draws on the CPU."""
+    return bool(SOFTWARE_RENDERERS.search(renderer))
 
 
 def versions() -> dict[str, str | None]:

@@ -16,7 +16,7 @@ PACKAGE = Path(mfr_bench.__file__).parent
 
 # From left to right; a module imports only from its own layer and those before it. Longer names bind first.
 LAYERS = (
-    "errors", "resources", "hashing", "stats", "environment",
+    "errors", "resources", "hashing", "stats", "environment", "store.status", "store.columns",
     "methods.spec", "methods.shared", "methods", "config", "plan", "scene", "oracle", "glsl", "race", "gpu", "measure",
     "store", "report", "claims", "compare", "page", "run", "cli", "__main__",
 )

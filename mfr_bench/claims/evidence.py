@@ -155,6 +155,6 @@ def refusal(*points: Point) -> tuple[Outcome, str] | None:
     """Why cells cannot be compared: refused by the device or the budget, or not measured to the end."""
     for point in points:
         if point.status != "ok":
-            outcome = Outcome.LEFT_OUT if point.status in ("unsupported", "over_budget") else Outcome.UNCLEAR
+            outcome = Outcome.LEFT_OUT if point.ending.refused else Outcome.UNCLEAR
             return outcome, ": ".join(filter(None, (f"{point.method} is {point.sign}", point.cell.get("reason"))))
     return None

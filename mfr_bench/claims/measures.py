@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ..report.data import DERIVED, Point, time_ratio
+from ..report.data import Point, time_ratio
 from ..stats import Interval, ratio_interval
+from ..store.columns import VALUES
 from .evidence import NOTHING
 
 MB = 2**20
@@ -52,7 +53,7 @@ def pass_ms(point: Point, *names: str) -> Sequence[float]:
 
 def column(name: str) -> Callable[[Point], float | None]:
     """A value of the cell, or one that follows from its values."""
-    return lambda point: point.measure(name)[1] if name in DERIVED else point.cell["values"].get(name)
+    return lambda point: point.cell["values"].get(name) if name in VALUES else point.measure(name)[1]
 
 
 TIME = Measure("time", samples=frame_ms)

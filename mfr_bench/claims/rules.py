@@ -405,9 +405,9 @@ class RunsOut:
         return [self._compared(run, p) for p in run.points if self.cells.takes(p)]
 
     def _compared(self, run: Run, point: Point) -> Comparison:
-        outcomes = {"over_budget": Outcome.HOLDS, "out_of_memory": Outcome.HOLDS, "overflow": Outcome.HOLDS,
-                    "ok": Outcome.FAILS, "wrong": Outcome.FAILS, "unsupported": Outcome.LEFT_OUT}
-        outcome = outcomes.get(point.status, Outcome.UNCLEAR)
+        ending = point.ending
+        outcome = (Outcome.HOLDS if ending.over_memory else Outcome.FAILS if ending.timed
+                   else Outcome.LEFT_OUT if ending.refused else Outcome.UNCLEAR)
         used = column("memory_bytes")(point)
         reason = point.cell.get("reason") or (f"ran with {used / 2**20:.1f} MiB" if used is not None else "")
         return Comparison(f"{point.method} is {point.sign}", coordinates(point), NOTHING, outcome, reason, run.folder,

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ..environment import draws_in_software
 from ..report.data import Point, Result, load
 from ..store import ResultFolder, device_name
 
-SOFTWARE = re.compile(r"llvmpipe|softpipe|swrast|swiftshader|software", re.IGNORECASE)
 UNKNOWN = "unknown device"
 
 
@@ -49,6 +48,6 @@ def _run(result: Result, ran: Mapping[str, Any], name: str, points: list[Point])
     if name == ran.get("slug"):
         about = dict(ran) | about
     makers = " ".join(str(about[part]) for part in ("vendor", "renderer") if about.get(part)) or name
-    software = about.get("kind") == "cpu" or bool(SOFTWARE.search(makers))
+    software = about.get("kind") == "cpu" or draws_in_software(makers)
     return Run(result.name, str(result.folder.path), name, makers, software,
                result.manifest.get("noise_floor_rel"), tuple(points))

@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
+from ..store.status import STATUSES
 from .output import note, place
 
 ENOUGH = 0.1  # cells; from fewer no time is foretold
 STOPPING = "stopping; Ctrl-C again ends at once"
-FAILED = ("wrong", "crashed", "timeout", "out_of_memory", "overflow")
 
 
 def duration(seconds: float) -> str:
@@ -69,7 +69,7 @@ class Progress:
         self._last = outcome(row)
         if self._live is None:
             note(self._line())
-        elif row["status"] in FAILED:
+        elif STATUSES[row["status"]].failed:
             with suppress(OSError):
                 self._live.console.print(self._last, markup=False, highlight=False)
 

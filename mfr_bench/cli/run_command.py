@@ -15,9 +15,6 @@ from .options import ConfigName, measuring
 from .plan_text import print_plans
 from .session import Choices, Session
 
-WRONG, FAILED = 3, 1
-ENDED = {"crashed", "timeout", "out_of_memory"}
-
 
 @click.command()
 @click.argument("configs", nargs=-1, required=True, metavar="CONFIG...", type=ConfigName())
@@ -40,7 +37,15 @@ def run(configs: tuple[str, ...], out: str | None, profile: str | None, only: st
     """
     statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
                          Choices(out, force, keep_failed, try_hopeless), dry_run)
-    return WRONG if "wrong" in statuses else FAILED if statuses & ENDED else 0
+    return exit_status(statuses)
+
+
+def exit_status(statuses: set[str], wrong_images: bool = True) -> int:
+    """What a run ends with whose cells have these statuses; without `wrong_images` those of measured cells are 0."""
+    from ..store.status import STATUSES
+
+    endings = [STATUSES[name] for name in statuses]
+    return max((ending.exit_status for ending in endings if wrong_images or not ending.timed), default=0)
 
 
 def carry_out(plans_made: Callable[[], Any], device: str, choices: Choices, dry_run: bool,

@@ -9,7 +9,7 @@ import click
 
 from .options import measuring
 from .output import say
-from .run_command import ENDED, FAILED, carry_out, plans_of
+from .run_command import carry_out, exit_status, plans_of
 from .session import Choices
 
 
@@ -72,4 +72,4 @@ def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: s
     configs = [str(known[name]) for name in names or known]
     statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
                          Choices(out, force, keep_failed, try_hopeless), dry_run, breaking_text)
-    return FAILED if statuses & ENDED else 0
+    return exit_status(statuses, wrong_images=False)  # to show them is what the command is for

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
 
-from ..report.data import EXACT_ERROR, percent
+from ..report.data import percent
 from ..stats import Interval, ratio_interval
+from ..store.status import EXACT_ERROR
 from .noise import Noise, Shift, estimate
 from .sides import Entry, Side, changed_environment, refuse_other_devices
 
@@ -22,7 +23,6 @@ SUPPORT = 2.0  # deviations by which another cell of the method must have moved 
 TOGETHER = 2.0  # and by which, where the cells of the method decide it together
 ALONE = 2.0  # times as far out must a cell be whose method has no other
 AGAINST = 4.0  # and one that no other cell of its method supports
-BAD = ("wrong", "crashed", "timeout", "out_of_memory", "overflow")
 RMSE_GROWTH = 1.1  # a larger error: methods with races have another one in every run
 
 
@@ -219,8 +219,9 @@ def _changes(before: Entry, after: Entry) -> list[Change]:
     b, a = before.point, after.point
     found = []
     if b.status != a.status:
-        worse = True if a.status in BAD and b.status not in BAD else False if b.status in BAD else None
-        reason = f" ({a.cell['reason']})" if a.cell.get("reason") and a.status in BAD else ""
+        failed = b.ending.failed, a.ending.failed
+        worse = True if failed == (False, True) else False if failed[0] else None
+        reason = f" ({a.cell['reason']})" if a.cell.get("reason") and failed[1] else ""
         found.append(Change(f"{b.sign} -> {a.sign}{reason}", worse))
     found += _error_changes(b.row, a.row)
     if None not in (m := (b.row["memory_bytes"], a.row["memory_bytes"])) and m[0] != m[1]:

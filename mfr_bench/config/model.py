@@ -11,6 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from annotated_types import Interval, MinLen, Predicate
 
 from ..methods.spec import Value
+from ..store.columns import ARRAYS
 
 MAX_SIDE = 16384  # pixels
 MAX_OVERHANG = 2**24  # pixels: a float32 holds every corner
@@ -58,7 +59,7 @@ Samples = Annotated[int, Interval(ge=1, le=1_000_000), Allowed("a whole number f
 Seconds = Annotated[float, Interval(gt=0, le=86400), Allowed("seconds above 0, up to 86400")]
 Mebibytes = Annotated[float, Interval(gt=0, le=2**24), Allowed("MiB above 0, up to 16777216")]
 
-KEPT = ("image", "error", "loss", "fragments", "discarded")  # arrays, see `arrays`
+KEPT = tuple(ARRAYS)  # arrays that a cell may keep
 
 STRICT = {"extra": "forbid", "allow_inf_nan": False}  # pydantic's settings for a class below
 

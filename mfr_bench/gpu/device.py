@@ -11,7 +11,7 @@ from functools import cached_property
 
 import moderngl
 
-from ..environment import processor
+from ..environment import draws_in_software, processor
 from ..errors import DeviceError, ShaderError
 from ..glsl import FEATURE_EXTENSIONS, Source
 from ..methods.spec import LISTED, SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS
@@ -19,7 +19,6 @@ from ..plan import Limits
 from .rawgl import RawGL
 
 GL_MINIMUM = 430
-SOFTWARE = re.compile(r"llvmpipe|softpipe|swrast|software rasterizer", re.IGNORECASE)
 SOFTWARE_LOCAL_ARRAY = 1024  # fragments: llvmpipe takes seconds to compile it, and minutes for twice as many
 INSTALL = "sudo apt-get install -y libegl1 libgl1 libgl1-mesa-dri"
 MESA_VENDOR = "/usr/share/glvnd/egl_vendor.d/50_mesa.json"
@@ -50,7 +49,7 @@ class Device:
 
     @property
     def kind(self) -> str:
-        return "cpu" if SOFTWARE.search(str(self.ctx.info["GL_RENDERER"])) else "gpu"
+        return "cpu" if draws_in_software(str(self.ctx.info["GL_RENDERER"])) else "gpu"
 
     @cached_property
     def extensions(self) -> frozenset[str]:

@@ -16,6 +16,7 @@ from ..methods.shared import MULTISAMPLING, SYNC, K, clear, resolve, route, rout
 from ..methods.spec import IMAGE, Buffer, Fitted, Method, Pass, State, Target, when
 from ..oracle.composite import composite, fragment_counts, stats_of
 from ..oracle.quality import conformance
+from ..plan.forecast import FIRST_ROUNDS
 from ..scene import generate
 from .capture import capture
 from .device import Device
@@ -30,7 +31,6 @@ ROUTED_SCENE = SceneConfig(size=(16, 16), depth_complexity=4)
 SLANTED_SCENE = SceneConfig(size=(96, 80), depth_complexity=12, slant=0.8)
 SCENE = SceneConfig(size=(192, 160), depth_complexity=24, pixel_density=0.9)
 WORK = SceneConfig(size=(512, 512), depth_complexity=0)
-FIRST_ROUNDS = 16
 MOST_ROUNDS = 16384
 COMPARED = 3  # sizes of work that are long enough to compare
 TIMER_TOLERANCE = 0.15  # of the wall time, on work that takes milliseconds

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 
-EXACT_ERROR = 1e-4  # largest channel error of an exact method: float32 payload math, n <= 1024
 WRONG_PIXEL = 1 / 512  # a channel error above half a step of 8 bits shows
 
 

@@ -23,11 +23,10 @@ from ..config.layout import (
     shares,
 )
 from ..config.model import Experiment, Measure, MethodEntry, Scene
+from ..environment import MIB
 from ..errors import UsageError, nearest
+from ..methods import FLOOR
 from ..methods.spec import SCENE_FACTS, Fitted, Method, SceneStats, Value
-
-FLOOR = "floor"  # measured for every scene: what the other times are compared with
-MIB = 2**20
 
 Decision = tuple[Literal["unsupported", "over_budget"], str]
 

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..store.status import EXACT_ERROR
 from . import data
-from .data import EXACT_ERROR, Point, Result, number
+from .data import Point, Result, number
 
 HOLDS = "holds"
 FAULTS = {  # in the order in which they are looked for
@@ -21,18 +22,16 @@ FAULTS = {  # in the order in which they are looked for
     "differs": "an approximate method's image differs from the one that it aims at",
     HOLDS: "the image is the promised one",
 }
-BY_STATUS = {"crashed": "crashed", "out_of_memory": "crashed", "timeout": "hung", "unsupported": "refused",
-             "over_budget": "refused", "overflow": "refused"}
 
 
 def state(point: Point) -> str:
     """A key of FAULTS: what the point says of its level."""
-    if point.status in BY_STATUS:
-        return BY_STATUS[point.status]
+    if point.ending.breaks:
+        return point.ending.breaks
     error, bound = point.row["max_abs_error"], point.row["error_bound"]
     if point.row["lost_fragments"]:
         return "lost"
-    if point.status == "wrong":
+    if point.ending.image == "wrong":
         return "ties" if _only_reordered(point) else "image"
     if bound is not None and error is not None and error > bound:
         return "bound"
@@ -49,7 +48,7 @@ def _only_reordered(point: Point) -> bool:
 def detail(point: Point) -> str:
     """The number or the reason behind the state."""
     row, found = point.row, state(point)
-    if found in ("crashed", "hung", "refused"):
+    if point.ending.breaks:
         return str(point.cell.get("reason") or point.sign)
     if found == "lost":
         return f"{row['lost_fragments']} fragments"

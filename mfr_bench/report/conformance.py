@@ -83,7 +83,7 @@ def _kept(variant: Variant, points: Sequence[Point]) -> str:
 
 
 def _row(variant: Variant, label: str, points: Sequence[Point]) -> tuple[str, ...]:
-    ok, wrong = (sum(p.status == status for p in points) for status in ("ok", "wrong"))
+    ok, wrong = (sum(p.ending.image == image for p in points) for image in ("right", "wrong"))
     return (label, f"`{variant.method.id}`", variant.guarantee, str(ok), str(len(points) - ok - wrong), str(wrong),
             _worst(points, "max_abs_error", digits=2), _worst(points, "wrong_pixels"), _kept(variant, points),
             _worst(points, "lost_fragments"), _worst(points, "distinct_images"))
@@ -102,7 +102,7 @@ def _not_run(series: Mapping[str, Sequence[Point]]) -> list[str]:
     counts: dict[tuple[str, str], int] = {}
     for label, points in series.items():
         for p in points:
-            if p.status not in ("ok", "wrong"):
+            if not p.ending.timed:
                 told = f"{p.sign}: {p.cell.get('reason')}"
                 counts[label, told] = counts.get((label, told), 0) + 1
     return [f"- {label}: {count} cell{'s' * (count > 1)} {told}"

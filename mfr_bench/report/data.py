@@ -9,40 +9,23 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+from ..environment import MIB
 from ..errors import StoreError, nearest
+from ..methods import FLOOR
 from ..stats import Interval, interleaved_ratio, median_interval, ratio_interval, real
-from ..store import COLUMNS, FLOOR, Cell, Floors, ResultFolder, Row, device_name, result_rows
+from ..store import Cell, Floors, ResultFolder, Row, device_name, result_rows
 from ..store.arrays import read_arrays
+from ..store.columns import COLUMNS, DERIVED, PASS_COLUMNS
+from ..store.status import EXACT_ERROR, STATUSES, Status
 
-EXACT_ERROR = 1e-4  # an image within it counts as exact: rounding of float32 payload math, n <= 1024
-MIB = 2**20
 NOTHING: Interval = (None, None, None)
 
 ALIASES = {"n": "depth_complexity", "p_d": "pixel_density", "f_p": "fragment_probability"}
 SHORT = {"depth_complexity": "n", "pixel_density": "p_d", "fragment_probability": "f_p",
          "memory_mb": "M_b", "hit_ratio": "R_h"}  # in headings
 
-MEASURES = {
-    "time_ms": "time (ms)",
-    "fps": "frames per second",
-    "floor_ratio": "time / floor",
-    "memory_mib": "memory (MiB)",
-    "memory_model_mib": "memory by the paper's formula (MiB)",
-    "ms_per_mib": "time per memory (ms / MiB)",
-    "ms_times_mib": "time × memory (ms · MiB)",
-    "fps_per_mib": "frames per second and MiB",
-    "words_per_pixel": "32-bit words per pixel",
-    "share": "share of the passes' time",
-    "culled_share": "share of the fragments that is discarded",
-    "culled_of_unkept": "share of the fragments not kept that is discarded",
-    "hue_error": "mean error of hue (degrees)",
-    "luminance_error": "largest error of luminance",
-    "rmse": "root mean square error",
-}
-MEASURES = {c.name: f"{c.name} ({c.unit})" if c.unit else c.name
-            for c in COLUMNS if c.type in ("int", "float")} | MEASURES
+MEASURES = {c.name: c.axis for c in (*PASS_COLUMNS, *COLUMNS, *DERIVED) if c.drawn not in ("", "place")}  # axes
 BY_MEMORY = {"ms_per_mib": ("time_ms", -1), "ms_times_mib": ("time_ms", 1), "fps_per_mib": ("fps", -1)}
-DERIVED = ("culled_of_unkept",)  # of a cell's values, where they are there
 IN_MIB = {"memory_bytes": "memory_mib", "memory_model_bytes": "memory_model_mib"}  # bytes are drawn as MiB
 
 
@@ -68,9 +51,14 @@ class Point:
         return self.cell["status"]
 
     @property
+    def ending(self) -> Status:
+        """What the program knows of the point's status."""
+        return STATUSES[self.status]
+
+    @property
     def sign(self) -> str:
         """The status in words."""
-        return {"wrong": "wrong image"}.get(self.status, self.status.replace("_", " "))
+        return self.ending.sign
 
     def at(self, name: str) -> Any:
         """Coordinate of the point along a swept key or column; None where its method has no such parameter."""
@@ -166,7 +154,7 @@ class Point:
     def exact(self) -> bool | None:
         """Whether the image is the promised one; None where no image was checked."""
         error = self.row["max_abs_error"]
-        return None if error is None else error <= EXACT_ERROR and self.status != "wrong"
+        return None if error is None else error <= EXACT_ERROR and self.ending.image != "wrong"
 
 
 @dataclass(frozen=True)

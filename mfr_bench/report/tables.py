@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ..methods import FLOOR
 from ..store import ResultFolder, csv_text, write_file
+from ..store.status import EXACT_ERROR
 from . import breaking, data, frontier, printed
 from .breaking import FAULTS, Ladder
 from .data import Point, Result, number
@@ -109,7 +111,7 @@ def _ratio(point: Point) -> str:
 
 def _told(point: Point, ratio: data.Interval) -> str:
     """A ratio of times; one that is no more than noise is not told apart from 1."""
-    if None in ratio or point.apart(ratio) or point.method == data.FLOOR:
+    if None in ratio or point.apart(ratio) or point.method == FLOOR:
         return f"{number(ratio[1])} {_spread(ratio)}"
     return ALIKE
 
@@ -179,7 +181,7 @@ class Block:
         """Of each column the methods that show every fragment, where there are several."""
         columns: dict[Any, list[Point]] = {}
         for p in self.points:
-            if p.shows_all and p.method != data.FLOOR:
+            if p.shows_all and p.method != FLOOR:
                 columns.setdefault(p.at(self.axis) if self.axis else None, []).append(p)
         entries = []
         for points in columns.values():
@@ -222,7 +224,7 @@ def _blocks(result: Result) -> list[Block]:
 
 def _image(points: Sequence[Point]) -> str:
     checked = [p.exact for p in points if p.exact is not None]
-    wrong = sum(p.status == "wrong" for p in points)
+    wrong = sum(p.ending.image == "wrong" for p in points)
     if wrong:
         return f"WRONG in {wrong} of {len(checked) or len(points)}"
     if not checked:
@@ -240,7 +242,7 @@ def _image_grid(result: Result) -> Grid:
                      _worst(points, "max_abs_error", max), _worst(points, "wrong_pixels", max),
                      _worst(points, "hit_ratio", min)))
     header = ("method", "id", "cells ok", "image", "max error", "wrong pixels", "hit ratio")
-    return Grid("Images", f"exact: no channel differs by more than {data.EXACT_ERROR:g} from the promised image; "
+    return Grid("Images", f"exact: no channel differs by more than {EXACT_ERROR:g} from the promised image; "
                           "the worst of all cells is shown", header, tuple(rows), left=2)
 
 
@@ -375,13 +377,14 @@ def markdown(result: Result) -> str:
 
 
 def write_tables(folder: ResultFolder) -> list[Path]:
-    """Write tables/results.md, results.csv (a row per cell) and pass_times.csv. Raises StoreError."""
+    """Write tables/results.md, summary.csv (a row per cell) and pass_times.csv. Raises StoreError."""
     result = data.load(folder)
     target = folder.path / "tables"
-    contents = {"results.md": markdown(result).encode(), "results.csv": _results_csv(result),
+    contents = {"results.md": markdown(result).encode(), "summary.csv": _summary_csv(result),
                 "pass_times.csv": _passes_csv(result)}
     for name, content in contents.items():
         write_file(target / name, content)
+    (target / "results.csv").unlink(missing_ok=True)  # the name of summary.csv in earlier versions
     return [target / name for name in contents]
 
 
@@ -395,7 +398,7 @@ def _coordinates(result: Result, point: Point) -> dict[str, Any]:
         axis: data.plain(v) if (v := point.at(axis)) is not None else None for axis in result.axes}
 
 
-def _results_csv(result: Result) -> bytes:
+def _summary_csv(result: Result) -> bytes:
     rows = []
     for p in result.points:
         low, ratio, high = p.floor_ratio

@@ -18,14 +18,13 @@ from ..measure.sampling import Sampler
 from ..measure.split import Split
 from ..methods.spec import Fitted, Variant
 from ..oracle import quality, twochannel
+from ..plan.forecast import PASS_FRAMES, PASS_SHARE
 from ..stats import interleaved_ratio
 from ..store.journal import Partial
+from ..store.status import EXACT_ERROR
 from .events import Begun, Finished, Sampled
 from .jobs import Job
 from .scene_work import ALL, SceneWork
-
-PASS_FRAMES = 7
-PASS_SHARE = 0.25  # of the time limit, at most, spent on frames whose passes are timed
 
 Emit = Callable[[Any], None]
 
@@ -267,8 +266,8 @@ def verdict(variant: Variant, conformance: Mapping[str, float | int], lost: int,
         return "ok", None
     if lost:
         return "wrong", f"{lost} fragments lost"
-    if conformance["max_abs_error"] > quality.EXACT_ERROR:
-        return "wrong", (f"max_abs_error {conformance['max_abs_error']:.3g} above {quality.EXACT_ERROR:g}, "
+    if conformance["max_abs_error"] > EXACT_ERROR:
+        return "wrong", (f"max_abs_error {conformance['max_abs_error']:.3g} above {EXACT_ERROR:g}, "
                          f"{conformance['wrong_pixels']} wrong pixels")
     if distinct_images > 1:
         return "wrong", f"{distinct_images} different images of one scene"

@@ -13,10 +13,9 @@ from ..plan import Known, expected_stats, hopeless
 from ..store import ResultFolder
 from ..store.arrays import read_arrays, write_arrays
 from ..store.journal import Journal, Partial
+from ..store.status import STATUSES
 from .events import Finished, Sampled
 from .jobs import Job
-
-RETRIED = ("crashed", "timeout", "out_of_memory")  # the cause may be gone: measured again by the next run
 
 Row = dict[str, Any]
 Report = Callable[[Row], None]
@@ -197,7 +196,7 @@ class Ledger:
 def final(folder: ResultFolder, key: str, keep_failed: bool) -> Row | None:
     """The row of a cell that need not be measured again."""
     row = folder.cell(key)
-    return None if row is None or (row["status"] in RETRIED and not keep_failed) else row
+    return None if row is None or (STATUSES[row["status"]].retried and not keep_failed) else row
 
 
 def plain(value: Any) -> Any:

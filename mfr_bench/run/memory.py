@@ -6,7 +6,6 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
-MIB = 2**20
 PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 FREE_SHARE = 0.8  # of the memory that is free when a run starts, for the process that measures
 GROUP = Path("/sys/fs/cgroup")

@@ -12,7 +12,8 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import Any
 
-from .memory import MIB, kernel_kills, resident_bytes
+from ..environment import MIB
+from .memory import kernel_kills, resident_bytes
 
 PROGRAM = "import sys; sys.path[:] = sys.argv.pop().split(':'); from mfr_bench.run.worker import main; main()"
 END_S = 5.0  # for a worker that was asked to end, then for one that was killed: a driver may hold it in the kernel

@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
+from ..environment import MIB
 from ..errors import DeviceError
 from .events import (
     Begun,
@@ -26,7 +27,7 @@ from .events import (
 )
 from .jobs import Job
 from .ledger import Ledger
-from .memory import FREE_SHARE, MIB, free_bytes
+from .memory import FREE_SHARE, free_bytes
 from .process import Died, Worker
 
 LOOK_S = 0.1  # between looks at the worker's memory and the time

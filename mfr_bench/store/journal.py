@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import StoreError
-from . import is_samples, unwritable, write_file
+from .files import unwritable, write_file
+from .record import is_samples
 
 
 @dataclass

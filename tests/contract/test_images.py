@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mfr_bench.methods.spec import Fitted
-from mfr_bench.oracle.quality import EXACT_ERROR
+from mfr_bench.store.status import EXACT_ERROR
 
 from .cases import (
     ALIKE,

@@ -5,7 +5,7 @@ import pytest
 from mfr_bench.errors import ShaderError
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Buffer, Method, Pass
-from mfr_bench.oracle.quality import EXACT_ERROR
+from mfr_bench.store.status import EXACT_ERROR
 
 from .cases import SCENES, Drawn, with_k
 

@@ -18,9 +18,9 @@ from mfr_bench.methods.adaptive import DENSE, DIRECT, PLANES, RANGES, plan
 from mfr_bench.methods.shared.bands import bands
 from mfr_bench.methods.spec import Fitted, Known, Plan
 from mfr_bench.oracle.composite import composite, stats_of
-from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.plan import Cell, expected_stats, judge
 from mfr_bench.scene import generate
+from mfr_bench.store.status import EXACT_ERROR
 
 from ..contract.cases import SCENES, SLANTED, Drawn, stats_in
 from .drawing import assert_shows, chosen, drawn, over, stack

@@ -6,8 +6,8 @@ import pytest
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
 from mfr_bench.oracle.composite import composite, stats_of
-from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.scene import generate
+from mfr_bench.store.status import EXACT_ERROR
 
 from .drawing import drawn
 

@@ -7,7 +7,7 @@ from mfr_bench.hashing import mix
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import EMPTY, Fitted, Loop
 from mfr_bench.oracle.composite import composite
-from mfr_bench.oracle.quality import EXACT_ERROR
+from mfr_bench.store.status import EXACT_ERROR
 
 from .drawing import drawn, stack
 

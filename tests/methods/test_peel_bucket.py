@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mfr_bench.oracle.composite import composite
-from mfr_bench.oracle.quality import EXACT_ERROR
+from mfr_bench.store.status import EXACT_ERROR
 
 from .drawing import chosen, drawn, stack
 

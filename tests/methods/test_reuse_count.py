@@ -14,8 +14,8 @@ from mfr_bench.gpu.truth import true_stats
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Fitted
-from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.scene import generate
+from mfr_bench.store.status import EXACT_ERROR
 
 from ..contract.cases import SLANTED, Drawn
 

@@ -8,8 +8,8 @@ from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import SAMPLE_FEATURES, Fitted, SceneStats
 from mfr_bench.oracle.composite import composite
-from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.plan import Cell, Limits, judge
+from mfr_bench.store.status import EXACT_ERROR
 
 from .drawing import chosen, drawn, stack
 

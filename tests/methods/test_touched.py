@@ -15,8 +15,8 @@ from mfr_bench.gpu.truth import true_stats
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import IMAGE, TILE_COMMAND, TILE_LIST, Fitted
-from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.scene import Scene, generate
+from mfr_bench.store.status import EXACT_ERROR
 
 from ..contract.cases import Drawn, label, runs_here, stage, variants
 

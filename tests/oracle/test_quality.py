@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from mfr_bench.oracle.quality import EXACT_ERROR, WRONG_PIXEL, conformance, quality
+from mfr_bench.oracle.quality import WRONG_PIXEL, conformance, quality
+from mfr_bench.store.status import EXACT_ERROR
 
 ORACLE = np.random.default_rng(1).random((24, 32, 4))
 

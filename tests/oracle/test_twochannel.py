@@ -9,9 +9,9 @@ from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
 from mfr_bench.oracle import twochannel
-from mfr_bench.oracle.quality import EXACT_ERROR
 from mfr_bench.oracle.twochannel import LUMINANCE, Encoding, errors, light
 from mfr_bench.scene import colours, generate
+from mfr_bench.store.status import EXACT_ERROR
 
 RED, GREEN, BLUE, YELLOW = [255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 0]
 colour = st.tuples(*[st.integers(0, 255)] * 3)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from mfr_bench import store
+from mfr_bench.stats import median_interval
 
 SCENE = {"kind": "quads", "size": [64, 64], "pixel_density": 1.0, "depth_complexity": 32, "layout": "block",
          "order": "random", "alpha": [0.1, 0.6], "fragment_probability": 1.0, "seed": 1, "animate": False,
@@ -26,7 +27,7 @@ def cell(method="kplus-array", label=None, time_ms=5.0, passes=None, scene=None,
     label, device = label or method, device or DEVICE
     measured = time_ms is not None
     frames = spread(time_ms, count, width) if measured else []
-    low, middle, high = store.median_interval(frames)
+    low, middle, high = median_interval(frames)
     found = {"fragments": 131072, "samples": count, "timer": "wall", "time_ms": middle, "time_ms_low": low,
              "time_ms_high": high, "noisy": False, "stop_reason": "target", "memory_bytes": 2**20,
              "memory_model_bytes": 2**20, "max_abs_error": 1e-7, "rmse": 1e-8, "wrong_pixels": 0,

@@ -13,6 +13,7 @@ from mfr_bench.config import columns
 from mfr_bench.errors import StoreError
 from mfr_bench.methods import catalog
 from mfr_bench.report import data, figures, style
+from mfr_bench.stats import median_interval
 from mfr_bench.store.arrays import write_arrays
 
 from . import planted
@@ -168,7 +169,7 @@ def test_lines_hold_medians_and_intervals(tmp_path):
     line = curves(axes)["KB"]
     assert list(line.get_xdata()) == [8, 16, 32] and list(line.get_ydata()) == pytest.approx([4, 8, 16])
     segments = axes.collections[0].get_segments()
-    low, _, high = planted.store.median_interval(planted.spread(4.0))
+    low, _, high = median_interval(planted.spread(4.0))
     assert [y for _, y in segments[0]] == pytest.approx([low, high])
 
 

@@ -177,7 +177,7 @@ def test_csv_files_hold_full_numbers(tmp_path):
         with open(path, newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         by_k = {row["k"]: row for row in rows}
-        if path.name == "results.csv":
+        if path.name == "summary.csv":
             assert float(by_k["4"]["floor_ratio"]) == pytest.approx(1 / 3) and by_k["4"]["exact"] == "true"
             assert by_k["16"]["reason"] == "lost, badly" and by_k["16"]["time_ms"] == by_k["16"]["exact"] == ""
         else:

@@ -9,7 +9,8 @@ import pytest
 
 from mfr_bench.config.model import KEPT
 from mfr_bench.store import ResultFolder
-from mfr_bench.store.arrays import DIMENSIONS, TYPES, read_arrays, write_arrays
+from mfr_bench.store.arrays import read_arrays, write_arrays
+from mfr_bench.store.columns import ARRAYS
 
 KEY = "0123456789abcdef0123"
 
@@ -21,20 +22,20 @@ def folder(tmp_path, monkeypatch):
 
 
 def some(name):
-    shape = (5, 7, 4) if DIMENSIONS[name] == 3 else (5, 7)
-    return np.random.default_rng(3).random(shape) * (1 if TYPES[name] == "float16" else 200)
+    shape = (5, 7, 4) if ARRAYS[name].dimensions == 3 else (5, 7)
+    return np.random.default_rng(3).random(shape) * (1 if ARRAYS[name].type == "float16" else 200)
 
 
 def test_every_array_that_a_config_may_keep_has_a_type():
-    assert set(TYPES) == set(DIMENSIONS) == set(KEPT)
+    assert tuple(ARRAYS) == KEPT
 
 
 @pytest.mark.parametrize("name", KEPT)
 def test_an_array_comes_back_in_its_type(folder, name):
     write_arrays(folder, KEY, {name: some(name)})
     found = read_arrays(folder, KEY)
-    assert list(found) == [name] and found[name].dtype == TYPES[name]
-    assert np.array_equal(found[name], some(name).astype(TYPES[name]))
+    assert list(found) == [name] and found[name].dtype == ARRAYS[name].type
+    assert np.array_equal(found[name], some(name).astype(ARRAYS[name].type))
     assert not folder.damaged
 
 

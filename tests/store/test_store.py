@@ -14,6 +14,7 @@ import pytest
 
 from mfr_bench import store
 from mfr_bench.errors import StoreError, UsageError
+from mfr_bench.store.columns import VALUES
 
 SCENE = {"kind": "quads", "size": [8, 6], "pixel_density": 0.5, "depth_complexity": 4, "layout": "block",
          "order": "random", "fragment_probability": 1.0, "seed": 7}
@@ -179,7 +180,7 @@ def test_a_full_disk_is_one_line_and_keeps_the_earlier_cell(folder, monkeypatch,
     record = cell()
     folder.write_cell(record)
     before = path_of(folder, record).read_bytes()
-    monkeypatch.setattr(store.os, call, failing(errno.ENOSPC))
+    monkeypatch.setattr(os, call, failing(errno.ENOSPC))
     with pytest.raises(StoreError) as caught:
         folder.write_cell(record | {"reason": "new"})
     monkeypatch.undo()
@@ -206,7 +207,7 @@ def test_a_file_where_a_folder_should_be_raises_a_store_error(tmp_path):
 
 def test_an_interrupted_write_leaves_nothing_behind(folder, monkeypatch):
     folder.write_cell(cell("a"))
-    monkeypatch.setattr(store.os, "fsync", lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+    monkeypatch.setattr(os, "fsync", lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
     with pytest.raises(KeyboardInterrupt):
         folder.write_cell(cell("b"))
     assert len(os.listdir(folder.cells_path)) == 1
@@ -216,8 +217,8 @@ def test_file_and_folder_are_synced_before_and_after_the_rename(folder, monkeypa
     folder.write_cell(cell("a"))
     calls = []
     fsync, replace = os.fsync, os.replace
-    monkeypatch.setattr(store.os, "fsync", lambda handle: calls.append("sync") or fsync(handle))
-    monkeypatch.setattr(store.os, "replace", lambda *paths: calls.append("rename") or replace(*paths))
+    monkeypatch.setattr(os, "fsync", lambda handle: calls.append("sync") or fsync(handle))
+    monkeypatch.setattr(os, "replace", lambda *paths: calls.append("rename") or replace(*paths))
     folder.write_cell(cell("b"))
     assert calls == ["sync", "rename", "sync"]
 
@@ -244,7 +245,7 @@ def test_a_row_per_cell_with_empty_fields_for_what_was_not_measured(folder):
     assert (measured["noisy"], measured["psnr_db"], measured["device"]) == ("true", "inf", "llvmpipe")
     assert json.loads(measured["params"]) == {"k": 8, "sync": "spin"}
     assert empty["reason"] == 'needs "x", and y'
-    assert {empty[name] for name in store.VALUES} == {""} and empty["floor_ms"] == "" and empty["k"] == ""
+    assert {empty[name] for name in VALUES} == {""} and empty["floor_ms"] == "" and empty["k"] == ""
 
 
 def test_pandas_reads_the_columns_types(folder):

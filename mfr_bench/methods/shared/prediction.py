@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ...environment import MIB
 from ..spec import Choice
 
 BINS = 1024  # of the histogram, and the largest k (kplus_2015 §4.2)
-MIB = 2**20
 
 
 def predict_k(counts: Sequence[int], fragments: int, hit_ratio: float, room: float) -> Choice:

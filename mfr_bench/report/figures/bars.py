@@ -248,7 +248,7 @@ def _bar_row(axes: Axes, chart: Chart, groups: Sequence[Group], slot_width: floa
         _totals(axes, drawn, chart)
     draw_marks(axes, ((slot.x, mark) for slot in slots for mark in chart.marks if mark.point is slot.point))
     for slot in slots:
-        if slot not in drawn or slot.point.status == "wrong":
+        if slot not in drawn or slot.point.ending.image == "wrong":
             _sign(axes, slot)
     for floor_ms in chart.floors_ms(slot.point for slot in drawn):
         axes.axhline(floor_ms, color=style.INK, linewidth=0.8, linestyle="--", zorder=1, label="floor")
@@ -290,7 +290,7 @@ def _bar(axes: Axes, slot: Slot, segments: Sequence[Segment], hatch: str) -> Non
     """Segments from the bottom up, then the method's hatching once over all of them."""
     from matplotlib.patches import Rectangle
 
-    below, alpha = 0.0, 0.35 if slot.point.status == "wrong" else None
+    below, alpha = 0.0, 0.35 if slot.point.ending.image == "wrong" else None
     for segment in segments:
         axes.add_artist(Rectangle((slot.x - 0.42, below), 0.84, segment.height, facecolor=segment.colour,
                                   edgecolor="white", linewidth=0.3, alpha=alpha, zorder=2,
@@ -320,6 +320,6 @@ def _totals(axes: Axes, slots: Sequence[Slot], chart: Chart) -> None:
 def _sign(axes: Axes, slot: Slot) -> None:
     """Why there is no bar, or a pale one, in words, at its base."""
     text = slot.point.sign if slot.point is not None and slot.point.status != "ok" else UNMEASURED
-    wrong = slot.point is not None and slot.point.status == "wrong"
+    wrong = slot.point is not None and slot.point.ending.image == "wrong"
     axes.text(slot.x, 0.02, text, transform=axes.get_xaxis_transform(), rotation=90, ha="center", va="bottom",
               fontsize=style.SIGN_PT, color=style.ALARM if wrong else style.QUIET, style="italic", zorder=3)

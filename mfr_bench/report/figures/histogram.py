@@ -32,7 +32,7 @@ class Panel:
 
 def histogram(result: Result, options: Options) -> Figure:
     """A panel for each scene that the figure's cells share, and for each frame of an animation."""
-    points = [p for p in series_of(result, options) if p.status in ("ok", "wrong")]
+    points = [p for p in series_of(result, options) if p.ending.timed]
     panels = _panels(result, points, options["x"])
     columns = min(COLUMNS, max(1, len(panels)))
     rows = max(1, math.ceil(len(panels) / columns))

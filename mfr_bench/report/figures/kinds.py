@@ -23,7 +23,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from ...errors import StoreError, nearest
-from ...store.arrays import KEPT
+from ...store.columns import ARRAYS
 from .. import data
 from ..data import Result
 from .bars import bars, stacked_passes
@@ -63,6 +63,6 @@ def build(result: Result, options: Options) -> Figure:
 
 
 def _array(name: str, where: str) -> str:
-    if name not in KEPT:
-        raise StoreError(f"{where}: y: {name!r} is no kept array; allowed: {', '.join(KEPT)}{nearest(name, KEPT)}")
+    if name not in ARRAYS:
+        raise StoreError(f"{where}: y: {name!r} is no kept array; allowed: {', '.join(ARRAYS)}{nearest(name, ARRAYS)}")
     return name

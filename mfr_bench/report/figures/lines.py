@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-OVER = ("over_budget", "out_of_memory", "overflow")
 MOST_TICKS = 13  # each value of x has one, up to so many
 
 
@@ -98,7 +97,7 @@ class Plot:
     @property
     def entries(self) -> list[str]:
         """Everything that the legend may have to name."""
-        over = dict.fromkeys(p.sign for p in self.points if p.status in OVER)
+        over = dict.fromkeys(p.sign for p in self.points if p.ending.over_memory)
         quoted = dict.fromkeys(mark.text for mark in (*self.marks, *self.guides))
         return [*self.labels, "floor", "bound", *over, *quoted]
 
@@ -139,7 +138,7 @@ class Plot:
         """Cells for which there is no memory: crosses on the axis, in their method's colour, beside each other's."""
         risen: dict[float, int] = {}
         for p in points:
-            if p.status in OVER and p.at(self.x) is not None:
+            if p.ending.over_memory and p.at(self.x) is not None:
                 x = self.places[p.at(self.x)]
                 risen[x] = risen.get(x, 0) + 1
                 axes.plot([x], [0.035 * risen[x] - 0.01], transform=axes.get_xaxis_transform(), label=p.sign,

@@ -28,7 +28,7 @@ MEANINGS = {"error": "largest channel error against the promised image", "loss":
 
 def maps(result: Result, options: Options) -> Figure:
     """A panel for each cell: rows by label and columns by x where x varies, else the labels in rows."""
-    chart = Maps(result, options, tuple(p for p in series_of(result, options) if p.method != data.FLOOR))
+    chart = Maps(result, options, tuple(p for p in series_of(result, options) if not data.is_floor(p)))
     rows = chart.rows()
     columns = max((len(row) for row in rows), default=1)
     bar = BAR if chart.scaled else 0.0

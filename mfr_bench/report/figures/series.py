@@ -75,7 +75,7 @@ def labels_of(points: Iterable[Point]) -> list[str]:
 
 
 def is_drawn(point: Point, y: str) -> bool:
-    return point.status in ("ok", "wrong") and point.shown(y)[1] is not None
+    return point.ending.timed and point.shown(y)[1] is not None
 
 
 def axis_label(name: str) -> str:

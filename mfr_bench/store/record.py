@@ -1,0 +1,118 @@
+"""The record of a cell: its key, its JSON text, and what keeps a text from being a record that can be used."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from . import columns
+from .columns import Column
+from .status import STATUSES
+
+SCHEMA = 1  # docs/results.md has the history of the format
+KEY_DIGITS = 20  # 80 bits: two of a billion cells share a key with a chance below 1e-6
+
+Cell = dict[str, Any]
+
+REQUIRED: Mapping[str, type | tuple[type, ...]] = {
+    "key": str, "experiment": str, "method": str, "label": str, "params": dict, "scene": dict, "measure": dict,
+    "point": dict, "status": str, "values": dict,
+}
+TYPES: Mapping[str, tuple[type, ...]] = {"str": (str,), "int": (int,), "float": (int, float), "bool": (bool,)}
+ARRAY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.npz")
+KEY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.json")
+
+
+def key(parts: Mapping[str, Any]) -> str:
+    """Name of the cell that `parts` (JSON values) determine: 20 hexadecimal digits of a SHA-256."""
+    canonical = json.dumps(parts, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()[:KEY_DIGITS]
+
+
+def plain(value: Any) -> Any:
+    """JSON can hold no infinity (a PSNR without error has one) and no NaN: 'inf' and null stand for them."""
+    if isinstance(value, Mapping):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(v) for v in value]
+    if hasattr(value, "tolist"):  # numpy scalars and arrays
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else str(value)
+    return value
+
+
+def text(record: Mapping[str, Any]) -> bytes:
+    """JSON with one line per member: short lines for people, and a cut-off file never parses."""
+    members = (f"{json.dumps(name)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}"
+               for name, value in record.items())
+    return ("{\n" + ",\n".join(members) + "\n}\n").encode(errors="replace")
+
+
+def _refuse_constant(name: str) -> None:
+    raise ValueError(f"{name} is not JSON")
+
+
+def read(path: Path) -> Any:
+    """The JSON value in `path`. Raises ValueError where it holds none, OSError where it cannot be read."""
+    try:
+        return json.loads(path.read_bytes().decode(), parse_constant=_refuse_constant)
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def is_samples(value: Any) -> bool:
+    """Whether it is a list of finite numbers."""
+    return isinstance(value, list) and all(map(_is_number, value))
+
+
+def _fits(column: Column, value: Any) -> bool:
+    if value is None or (column.type == "float" and value in ("inf", "-inf")):
+        return True
+    if isinstance(value, bool):
+        return column.type == "bool"
+    return isinstance(value, TYPES[column.type]) and (column.type == "str" or _is_number(value))
+
+
+def fault(cell: Any) -> str | None:
+    """What keeps `cell` from being a cell record of this schema, or None."""
+    if not isinstance(cell, dict):
+        return "not a cell record"
+    for name, kind in REQUIRED.items():
+        if not isinstance(cell.get(name), kind):
+            return f"{name}: missing or of the wrong type"
+    if cell["status"] not in STATUSES:
+        return f"status: {cell['status']!r} unknown"
+    size = cell["scene"].get("size")
+    if not (isinstance(size, list) and len(size) == 2 and all(map(_is_number, size))):
+        return "scene.size: not two numbers"
+    wrong = [name for name, column in columns.VALUES.items() if not _fits(column, cell["values"].get(name))]
+    if wrong:
+        return f"values.{wrong[0]}: not of type {columns.VALUES[wrong[0]].type}"
+    return _wrong_lists(cell)
+
+
+def _wrong_lists(cell: Cell) -> str | None:
+    """What keeps a cell's measurements, passes and frames from being such, or None."""
+    if not all(is_samples(cell.get(name) or []) for name in ("warmup_ms", "samples_ms")):
+        return "samples: not a list of numbers"
+    passes, frames = cell.get("passes") or {}, cell.get("frames") or []
+    if not (isinstance(passes, dict) and all(map(is_samples, passes.values()))):
+        return "passes: not lists of numbers"
+    if not (isinstance(frames, list) and all(isinstance(f, dict) and is_samples(f.get("histogram")) for f in frames)):
+        return "frames: not a list of records with a histogram"
+    return None
+
+
+def decoded(cell: Cell) -> Cell:
+    values = {name: float(value) if value in ("inf", "-inf") else value for name, value in cell["values"].items()}
+    return cell | {"values": values}

@@ -1,0 +1,98 @@
+"""The rows of results.csv and passes.csv, derived from the cells of a folder."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from ..methods import FLOOR
+from ..stats import median_interval
+from .columns import COLUMNS, PASS_COLUMNS
+from .files import write_file
+from .folder import ResultFolder
+from .record import Cell
+
+Row = dict[str, Any]
+
+
+def device_name(cell: Mapping[str, Any]) -> str | None:
+    device = cell.get("device")
+    return device.get("slug") or device.get("renderer") if isinstance(device, dict) else device
+
+
+def _floor_key(cell: Mapping[str, Any]) -> str:
+    return json.dumps([device_name(cell), cell["values"].get("timer"), cell["scene"]], sort_keys=True)
+
+
+class Floors:
+    """The floor's cell for the scene, device and timer of any other cell."""
+
+    def __init__(self, cells: Iterable[Cell]):
+        measured = [c for c in cells if c["method"] == FLOOR and c["values"].get("time_ms") is not None]
+        self._cells = {_floor_key(c): c for c in reversed(measured)}
+
+    def of(self, cell: Cell) -> Cell | None:
+        return self._cells.get(_floor_key(cell))
+
+
+def result_rows(cells: Iterable[Cell]) -> list[Row]:
+    """A row of results.csv per cell, by column name. What was not measured is None."""
+    cells = list(cells)
+    floors = Floors(cells)
+    return [_result_row(cell, floors.of(cell)) for cell in cells]
+
+
+def _result_row(cell: Cell, floor: Cell | None) -> Row:
+    width, height = cell["scene"]["size"]
+    joined = {"width": width, "height": height, "k": cell["params"].get("k", cell["values"].get("chosen_k")),
+              "device": device_name(cell),
+              "floor_ms": floor["values"]["time_ms"] if floor else None}
+    origins = {"cell": cell, "scene": cell["scene"], "values": cell["values"], "joined": joined}
+    return {c.name: origins[c.origin].get(c.name) for c in COLUMNS}
+
+
+def pass_rows(cells: Iterable[Cell]) -> list[Row]:
+    """A row of passes.csv per cell and timed pass, by column name."""
+    return [row for cell in cells for row in _pass_rows(cell)]
+
+
+def _pass_rows(cell: Cell) -> list[Row]:
+    timed = {name: samples for name, samples in (cell.get("passes") or {}).items() if samples}
+    intervals = {name: median_interval(samples) for name, samples in timed.items()}
+    total = sum(median for _, median, _ in intervals.values())
+    rows = []
+    for order, (name, (low, median, high)) in enumerate(intervals.items()):
+        joined = {"pass": name, "order": order, "samples": len(timed[name]), "time_ms": median, "time_ms_low": low,
+                  "time_ms_high": high, "share": median / total if total else None,
+                  "work": (cell.get("work") or {}).get(name)}
+        rows.append({c.name: (cell if c.origin == "cell" else joined).get(c.name) for c in PASS_COLUMNS})
+    return rows
+
+
+def csv_text(columns: Iterable[str], rows: Iterable[Mapping[str, Any]]) -> bytes:
+    """CSV as bytes: None is an empty field, a truth value true or false, a structure its JSON."""
+    columns = list(columns)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([_field(row.get(name)) for name in columns] for row in rows)
+    return text.getvalue().encode(errors="replace")
+
+
+def _field(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, (bool, dict, list)):
+        return json.dumps(value, ensure_ascii=False)
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def derive(folder: ResultFolder) -> None:
+    """Write results.csv and passes.csv from the folder's cells. Raises StoreError."""
+    cells = folder.cells()
+    for name, columns, rows in (("results.csv", COLUMNS, result_rows(cells)),
+                                ("passes.csv", PASS_COLUMNS, pass_rows(cells))):
+        write_file(folder.path / name, csv_text([c.name for c in columns], rows))
