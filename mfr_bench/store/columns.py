@@ -154,7 +154,8 @@ DERIVED = (
     _derived("ms_times_mib", "ms·MiB", "time_ms · memory_mib", "time × memory (ms · MiB)"),
     _derived("fps_per_mib", "1/(s·MiB)", "fps / memory_mib", "frames per second and MiB"),
     _derived("words_per_pixel", "", "memory_bytes / 4 / (width · height)", "32-bit words per pixel"),
-    _derived("culled_of_unkept", "", "culled_share / (1 - hit_ratio)", "share of the fragments not kept that is discarded"),
+    _derived("culled_of_unkept", "", "culled_share / (1 - hit_ratio)",
+             "share of the fragments not kept that is discarded"),
 )
 
 
