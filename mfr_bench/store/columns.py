@@ -142,7 +142,7 @@ PASS_COLUMNS = (
 
 
 def _derived(name: str, unit: str, meaning: str, label: str, drawn: Drawn = "measure") -> Column:
-    return Column(name, "float", unit, meaning, "derived", drawn, "report.data", label)
+    return Column(name, "float", unit, meaning, "derived", drawn, "report.data.point", label)
 
 
 DERIVED = (

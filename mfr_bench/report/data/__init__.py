@@ -1,0 +1,18 @@
+"""A result folder as tables and figures see it: labelled points with coordinates and measures.
+
+    words     names of coordinates and values, as people write them
+    measures  what a figure can show, and the labels of its axes
+    point     one cell
+    result    the points of a folder, and the axes along which they lie
+    reading   results from folders
+"""
+
+from .measures import IN_MIB, MEASURES, NOTHING, drawn_measure
+from .point import Point, is_floor, time_ratio
+from .reading import join, load
+from .result import Result, series, values
+from .words import bare, figure_of, heading, number, percent, plain, short
+
+__all__ = ["IN_MIB", "MEASURES", "NOTHING", "Point", "Result", "bare", "drawn_measure",
+           "figure_of", "heading", "is_floor", "join", "load", "number", "percent", "plain", "series", "short",
+           "time_ratio", "values"]

@@ -1,0 +1,167 @@
+"""A cell as tables and figures see it: a labelled point with coordinates and measures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from ...environment import MIB
+from ...methods import FLOOR
+from ...stats import Interval, interleaved_ratio, median_interval, ratio_interval, real
+from ...store import Cell, ResultFolder, Row
+from ...store.arrays import read_arrays
+from ...store.status import EXACT_ERROR, STATUSES, Status
+from .measures import NOTHING
+from .words import bare
+
+BY_MEMORY = {"ms_per_mib": ("time_ms", -1), "ms_times_mib": ("time_ms", 1), "fps_per_mib": ("fps", -1)}  # of, power of the memory
+
+
+@dataclass(frozen=True)
+class Point:
+    """One cell. `label` names its series and is unique to its method and fixed parameters."""
+
+    cell: Cell
+    row: Row
+    label: str
+    floor: Cell | None
+    parameters: frozenset[str]  # parameter names of any cell of the folder
+    drawn: Interval | None = None  # what a figure shows instead of the measure that its y names
+    folder: ResultFolder | None = None
+    noise: float = 0.0  # of its run: how far a method measured twice is from itself, relative
+
+    @property
+    def method(self) -> str:
+        return self.cell["method"]
+
+    @property
+    def status(self) -> str:
+        return self.cell["status"]
+
+    @property
+    def ending(self) -> Status:
+        """What the program knows of the point's status."""
+        return STATUSES[self.status]
+
+    @property
+    def sign(self) -> str:
+        """The status in words."""
+        return self.ending.sign
+
+    def at(self, name: str) -> Any:
+        """Coordinate of the point along a swept key or column; None where its method has no such parameter."""
+        if name in self.cell["point"] and "." in name and bare(name) != "alpha":
+            return _hashable(self.cell["point"][name])
+        name = bare(name)
+        if name in self.cell["params"]:
+            return self.cell["params"][name]
+        if name in self.cell["scene"]:
+            value = _hashable(self.cell["scene"][name])
+            return value[0] if name == "alpha" and isinstance(value, tuple) and len(set(value)) == 1 else value
+        if name in self.row:
+            return self.row[name]
+        return None if name in self.parameters else _hashable(self.cell["point"].get(name))
+
+    @cached_property
+    def time_ms(self) -> Interval:
+        return self.row["time_ms_low"], self.row["time_ms"], self.row["time_ms_high"]
+
+    @cached_property
+    def floor_ratio(self) -> Interval:
+        """Time over the floor's."""
+        if self.floor is None or self.row["time_ms"] is None:
+            return None, None, None
+        return time_ratio(self.cell, self.floor)
+
+    def over(self, other: Point) -> Interval:
+        """Its time over that of another point of its run."""
+        return time_ratio(self.cell, other.cell)
+
+    def apart(self, ratio: Interval) -> bool:
+        """Whether a ratio of times tells it from another point of its run: beyond its interval and the noise floor."""
+        return real(ratio, self.noise)
+
+    @property
+    def shows_all(self) -> bool:
+        """Whether it was measured with a right image in which every fragment shows."""
+        rmse = self.row["rmse"]
+        return self.status == "ok" and self.row["time_ms"] is not None and rmse is not None and rmse <= EXACT_ERROR
+
+    @cached_property
+    def passes_ms(self) -> dict[str, Interval]:
+        """Interval of each timed pass, in the order of the frame."""
+        timed = self.cell.get("passes") or {}
+        return {name: median_interval(samples) for name, samples in timed.items() if samples}
+
+    def pass_ms(self, names: Iterable[str]) -> Interval:
+        """Interval of the first of these passes that the method has."""
+        return next((self.passes_ms[name] for name in names if name in self.passes_ms), NOTHING)
+
+    def shown(self, name: str) -> Interval:
+        """What a figure of the measure shows of the point."""
+        return self.measure(name) if self.drawn is None else self.drawn
+
+    @cached_property
+    def arrays(self) -> dict[str, Any]:
+        """The arrays that the cell kept, by name."""
+        return read_arrays(self.folder, self.cell["key"]) if self.folder else {}
+
+    def measure(self, name: str) -> Interval:
+        """A measure (see MEASURES) between the ends of its interval, which are None where it has none."""
+        if name in ("time_ms", "floor_ratio"):
+            return getattr(self, name)
+        if name == "fps":
+            low, middle, high = self.time_ms
+            return tuple(1000 / t if t else None for t in (high, middle, low))
+        if name in BY_MEMORY:
+            of, power = BY_MEMORY[name]
+            memory = self.row["memory_bytes"]
+            return tuple(v * (memory / MIB) ** power if v is not None and memory else None for v in self.measure(of))
+        return None, self._counted(name), None
+
+    def _counted(self, name: str) -> float | None:
+        """A measure that is counted, not timed."""
+        if name in ("memory_mib", "memory_model_mib"):
+            value = self.row[name.replace("mib", "bytes")]
+            return None if value is None else value / MIB
+        if name == "words_per_pixel":
+            value = self.row["memory_bytes"]
+            return None if value is None else value / 4 / (self.row["width"] * self.row["height"])
+        if name == "culled_of_unkept":
+            return self._culled_of_unkept()
+        if name == "share":
+            return 1.0 if self.passes_ms else None
+        return self.row[name]
+
+    def _culled_of_unkept(self) -> float | None:
+        """Fragments that never ask for the lock, of those that the image is not made of."""
+        culled, kept = self.row["culled_share"], self.row["hit_ratio"]
+        return None if culled is None or kept is None or kept >= 1 else culled / (1 - kept)
+
+    @property
+    def exact(self) -> bool | None:
+        """Whether the image is the promised one; None where no image was checked."""
+        error = self.row["max_abs_error"]
+        return None if error is None else error <= EXACT_ERROR and self.ending.image != "wrong"
+
+
+def time_ratio(over: Cell, under: Cell, confidence: float = 0.95) -> Interval:
+    """The frame time of one cell over that of another; from raw samples, so that the interval keeps its confidence.
+
+    Cells of one scene and settings were sampled in turns: what slowed both down alike is left out of the interval.
+    """
+    above, below = (cell.get("samples_ms") or [] for cell in (over, under))
+    least, most = (over["measure"].get(name) for name in ("min_samples", "max_samples"))
+    in_turns = all(over[name] == under[name] for name in ("scene", "measure")) and least and most
+    return (interleaved_ratio(above, below, least, most, confidence) if in_turns
+            else ratio_interval(above, below, confidence))
+
+
+def is_floor(point: Point) -> bool:
+    return point.method == FLOOR
+
+
+def _hashable(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value

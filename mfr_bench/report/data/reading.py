@@ -1,0 +1,89 @@
+"""Result folders as results: records labelled in plan order, results of several devices joined."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any
+
+from ...store import Cell, Floors, ResultFolder, device_name, result_rows
+from .point import Point
+from .result import Result
+from .words import bare
+
+MANIFEST_TYPES = {"figures": list, "source": dict, "sweep": dict, "zip": dict, "device": (dict, str),
+                  "noise_floor_rel": (int, float)}
+
+
+def _sound(folder: ResultFolder) -> dict[str, Any]:
+    """The manifest without what is not of its type, as another program may have left it; that is named."""
+    manifest = folder.manifest()
+    wrong = [name for name, kind in MANIFEST_TYPES.items()
+             if manifest.get(name) is not None and not isinstance(manifest[name], kind)]
+    for name in wrong:
+        folder.skip(folder.path / "manifest.json", f"{name}: not of its type")
+    return {name: value for name, value in manifest.items() if name not in wrong}
+
+
+def load(folder: ResultFolder) -> Result:
+    """The folder's points in plan order; of several records of one point the planned one."""
+    manifest = _sound(folder)
+    cells = _current(folder.cells())
+    floors, labels = Floors(cells), _labels(cells)
+    parameters = frozenset(name for cell in cells for name in cell["params"])
+    noise = manifest.get("noise_floor_rel") or 0.0
+    points = tuple(Point(cell, row, label, floors.of(cell), parameters, folder=folder, noise=noise)
+                   for cell, row, label in zip(cells, result_rows(cells), labels, strict=True))
+    return Result(folder, manifest, points)
+
+
+def join(results: Sequence[Result]) -> Result:
+    """The points of one experiment from several folders, so that `device` is one of its axes.
+
+    What a manifest says is the first's, its devices and dates all of theirs.
+    """
+    first, *others = results
+    points = [p for result in results for p in result.points]
+    parameters = frozenset().union(*(p.parameters for p in points))
+    labels = _labels([p.cell for p in points])
+    made = tuple(replace(p, label=label, parameters=parameters) for p, label in zip(points, labels, strict=True))
+    devices = [dict(r.manifest.get("device") or {}) for r in results]
+    manifest = dict(first.manifest) | {
+        "device": {"renderer": _together(d.get("renderer") for d in devices),
+                   "version": _together(d.get("version") for d in devices)},
+        "started": _together(str(r.manifest.get("started") or "")[:10] for r in results),
+        "timer": _together(r.manifest.get("timer") for r in results),
+        "cells": [p.cell["key"] for p in points]}
+    return Result(first.folder, manifest, made) if others else first
+
+
+def _together(values: Iterable[Any]) -> str:
+    return "; ".join(dict.fromkeys(str(v) for v in values if v))
+
+
+def _current(cells: Iterable[Cell]) -> list[Cell]:
+    """Without records that a planned cell of the same point replaces (other shaders, drivers or settings)."""
+    kept: dict[str, Cell] = {}
+    for cell in cells:
+        identity = [cell["method"], cell["label"], cell["params"], cell["scene"], cell["point"], device_name(cell)]
+        kept.setdefault(json.dumps(identity, sort_keys=True), cell)
+    return list(kept.values())
+
+
+def _labels(cells: Sequence[Cell]) -> list[str]:
+    """A label per cell; entries that share one are told apart by the parameters in which they differ."""
+    swept = {bare(name) for cell in cells for name in cell["point"]}
+    entries: dict[str, dict[str, dict]] = {}
+    for cell in cells:
+        fixed = {"method": cell["method"]} | {n: v for n, v in cell["params"].items() if n not in swept}
+        entries.setdefault(cell["label"], {})[json.dumps(fixed, sort_keys=True)] = fixed
+    return [_label(cell, list(entries[cell["label"]].values())) for cell in cells]
+
+
+def _label(cell: Cell, same: list[dict]) -> str:
+    names = [n for n in dict.fromkeys(n for fixed in same for n in fixed)
+             if len({fixed.get(n) for fixed in same}) > 1]
+    mine = {"method": cell["method"]} | cell["params"]
+    told = [str(mine[n]) if n == "method" else f"{n} {mine[n]}" for n in names if n in mine]
+    return f"{cell['label']} ({', '.join(told)})" if told else cell["label"]

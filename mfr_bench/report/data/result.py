@@ -1,0 +1,115 @@
+"""The points of a result folder: their axes, and what tells points of one label apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from ...store import ResultFolder
+from .point import Point
+from .words import bare, figure_of, heading
+
+
+@dataclass(frozen=True)
+class Result:
+    """Everything that is drawn or tabulated from one folder."""
+
+    folder: ResultFolder
+    manifest: Mapping[str, Any]
+    points: tuple[Point, ...]
+
+    @property
+    def name(self) -> str:
+        return str(self.manifest.get("name") or self.folder.path.name)
+
+    @property
+    def figures(self) -> list[Mapping[str, Any]]:
+        """The config's figures, as given there."""
+        return [figure for figure in self.manifest.get("figures") or [] if isinstance(figure, Mapping)]
+
+    @property
+    def provenance(self) -> str:
+        """One line: the paper, the device with its driver, the timer, the date, the program's version."""
+        manifest = self.manifest
+        source, device = manifest.get("source") or {}, manifest.get("device") or {}
+        device = device if isinstance(device, Mapping) else {"renderer": device}
+        paper = ", ".join(str(v) for v in (source.get("paper"), figure_of(source)) if v)
+        version = (manifest.get("versions") or {}).get("mfr-bench")
+        stand_in = source.get("stand_in")
+        parts = [paper and f"after {paper}", stand_in and f"scene: {stand_in}",
+                 device.get("renderer"), device.get("version"),
+                 manifest.get("timer") and f"timer: {manifest['timer']}", self.dates,
+                 version and f"mfr-bench {version}"]
+        return " · ".join(str(part) for part in parts if part)
+
+    @property
+    def readings(self) -> str:
+        """One line: how the experiment's config reads what the paper leaves open."""
+        return " ".join(map(str, (self.manifest.get("source") or {}).get("readings") or ()))
+
+    @property
+    def dates(self) -> str:
+        """The days on which the measuring began."""
+        return "; ".join(part[:10] for part in str(self.manifest.get("started") or "").split("; "))
+
+    @property
+    def unmeasured(self) -> int:
+        """Planned cells without a record: the run was interrupted, or its file was damaged."""
+        keys = {p.cell["key"] for p in self.points}
+        return sum(key not in keys for key in self.manifest.get("cells", []))
+
+    @property
+    def lacking(self) -> str:
+        """One line on what is not here: planned cells without a record, files that could not be used."""
+        files = len(self.folder.damaged)
+        parts = [f"{self.unmeasured} planned cells have no record" if self.unmeasured else "",
+                 f"{files} {'file' if files == 1 else 'files'} could not be used" if files else ""]
+        return "; ".join(part for part in parts if part)
+
+    @property
+    def labels(self) -> list[str]:
+        """Series in the config's order."""
+        return list(dict.fromkeys(p.label for p in self.points))
+
+    @cached_property
+    def axes(self) -> list[str]:
+        """Keys with more than one value here: swept ones in the config's order, then the scene's, then the device.
+
+        A scene may differ without being swept, as with r, which gives n = r k.
+        """
+        swept = [*(self.manifest.get("sweep") or {}), *(k for p in self.points for k in p.cell["point"])]
+        names = [*swept, *(k for p in self.points for k in p.cell["scene"]), "device"]
+        first = {bare(name): name for name in reversed(names)}
+        return [n for n in dict.fromkeys(names) if first[bare(n)] == n and len(values(self.points, n)) > 1]
+
+    def split(self, points: Sequence[Point], used: Iterable[str]) -> list[str]:
+        """The axes, apart from `used`, that tell apart points of one label. Zipped axes need only one of them."""
+        names, used = [], [bare(u) for u in used]
+        for axis in self.axes:
+            if bare(axis) not in used and _distinguishes(points, axis, [*used, *names]):
+                names.append(axis)
+        return names
+
+
+def series(result: Result, points: Sequence[Point], used: Iterable[str]) -> list[Point]:
+    """The points with labels extended by what `used` leaves ambiguous: 'S-buffer, p_d 0.25'."""
+    names = result.split(points, used)
+    return [replace(p, label=", ".join([p.label, *(heading(n, p.at(n), " ") for n in names
+                                                   if p.at(n) is not None)])) for p in points]
+
+
+def values(points: Iterable[Point], name: str) -> list[Any]:
+    """Distinct coordinates along `name`, ascending where they are numbers, else in order of appearance."""
+    found = list(dict.fromkeys(v for v in (p.at(name) for p in points) if v is not None))
+    return sorted(found) if all(isinstance(v, (int, float)) for v in found) else found
+
+
+def _distinguishes(points: Sequence[Point], axis: str, used: Sequence[str]) -> bool:
+    seen: dict[tuple, Any] = {}
+    for p in points:
+        place = (p.label, *(p.at(u) for u in used))
+        if seen.setdefault(place, p.at(axis)) != p.at(axis):
+            return True
+    return False

@@ -1,0 +1,15 @@
+"""A result folder as tables: images, time, ratio to the floor, memory, passes, and what was not measured.
+
+    grid     a table of text
+    fields   what a field says of a point
+    blocks   tables of measures, methods by the values of an axis
+    checks   tables of images, of what breaks, of the paper's numbers
+    pages    all tables as text, and as results.md
+    files    the files in tables/
+"""
+
+from .files import write_tables
+from .grid import Grid
+from .pages import WIDTH, breaking_text, markdown, terminal_table
+
+__all__ = ["WIDTH", "Grid", "breaking_text", "markdown", "terminal_table", "write_tables"]

@@ -1,0 +1,59 @@
+"""What a field of a table says of a point: its time, ratios of it, its memory."""
+
+from __future__ import annotations
+
+from ...methods import FLOOR
+from .. import data
+from ..data import Point, number
+
+ALIKE = "≈ 1"  # a ratio of times that noise alone may make
+TIME_NOTE = ("median of whole frames, ± half of its 95 % interval; ~ stopped before the target interval; "
+             "±? fewer than 6 samples")
+RATIO_NOTE = ("time / time of the same geometry with plain blending, ± half of its 95 % interval; "
+              "≈ 1 where the interval or the noise floor holds 1")
+FASTEST_NOTE = ("of the methods that show every fragment: time / the fastest's, ± half of its 95 % interval; "
+                "≈ 1 where it cannot be told from the fastest")
+MEMORY_NOTE = "measured / by the paper's formula"
+
+
+def spread(interval: data.Interval) -> str:
+    low, middle, high = interval
+    if low is None or high is None or not middle:
+        return "±?"
+    percent = 100 * max(high - middle, middle - low) / middle
+    return f"±{percent:.1f}%" if percent < 9.95 else f"±{percent:.0f}%"
+
+
+def time_field(point: Point) -> str:
+    if point.status != "ok" or point.row["time_ms"] is None:
+        return point.sign if point.status != "ok" else ""
+    return f"{number(point.row['time_ms'])} {spread(point.time_ms)}{'~' if point.row['noisy'] else ''}"
+
+
+def ratio_field(point: Point) -> str:
+    ratio = point.floor_ratio[1]
+    if point.status != "ok" or ratio is None:
+        return point.sign if point.status != "ok" else ""
+    return told_apart(point, point.floor_ratio)
+
+
+def told_apart(point: Point, ratio: data.Interval) -> str:
+    """A ratio of times; one that is no more than noise is not told apart from 1."""
+    if None in ratio or point.apart(ratio) or point.method == FLOOR:
+        return f"{number(ratio[1])} {spread(ratio)}"
+    return ALIKE
+
+
+def beside_fastest(point: Point, fastest: Point) -> str:
+    """Its time over the fastest's. One that was the faster of both while they took turns is not told apart."""
+    if point is fastest:
+        return "fastest"
+    ratio = point.over(fastest)
+    return ALIKE if ratio[1] and ratio[1] < 1 else told_apart(point, ratio)
+
+
+def memory_field(point: Point) -> str:
+    measured, model = (point.measure(name)[1] for name in ("memory_mib", "memory_model_mib"))
+    if measured is None:
+        return point.sign if point.status != "ok" else ""
+    return f"{number(measured)} / {number(model)}" if model is not None else number(measured)

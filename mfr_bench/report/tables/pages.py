@@ -1,0 +1,103 @@
+"""The tables of a result as text for a terminal, and as results.md."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Sequence
+
+from ...store import ResultFolder
+from .. import data, frontier
+from ..data import Point, Result
+from .blocks import blocks_of
+from .checks import breaking_grids, image_grid, printed_grid
+from .grid import Grid
+
+WIDTH = 120  # columns of a terminal
+
+
+def _skipped(result: Result) -> list[str]:
+    """A line for each method, status and reason that kept cells from being ok."""
+    groups: dict[tuple[str, str, str], list[Point]] = {}
+    for p in result.points:
+        if p.status != "ok":
+            groups.setdefault((p.label, p.sign, p.cell.get("reason") or ""), []).append(p)
+    lines = [f"{label}{_places(result, label, points)}: {sign}{f': {reason}' if reason else ''}"
+             for (label, sign, reason), points in groups.items()]
+    missing = result.unmeasured
+    return [*lines, f"{missing} planned cells have no record yet; run the same command again"] if missing else lines
+
+
+def _places(result: Result, label: str, points: Sequence[Point]) -> str:
+    if len(points) == sum(p.label == label for p in result.points):
+        return ", every cell" if len(points) > 1 else ""
+    places = [", ".join(data.heading(a, p.at(a)) for a in result.axes if p.at(a) is not None) for p in points]
+    shown = "; ".join(places[:4])
+    return f" at {shown}{f'; … ({len(places)} cells)' if len(places) > 4 else ''}"
+
+
+def _about(result: Result) -> list[str]:
+    """Title, source, device, timer and noise floor: what a reader needs to judge the numbers."""
+    manifest = result.manifest
+    title = f"{result.name}: {manifest['title']}" if manifest.get("title") else result.name
+    noise = manifest.get("noise_floor_rel")
+    noise_line = "" if noise is None else f"noise floor {data.percent(noise)} (the same method measured twice)"
+    drift = manifest.get("calibration_drift")
+    return [line for line in (title, result.provenance, noise_line, drift and f"unsteady: {drift}") if line]
+
+
+def _head(result: Result, width: int) -> str:
+    return "\n".join(part for line in _about(result) for part in textwrap.wrap(line, width, break_on_hyphens=False))
+
+
+def _wrapped(lines: Iterable[str], width: int) -> list[str]:
+    return [part for line in lines for part in
+            textwrap.wrap(line, width, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)]
+
+
+def _sections(result: Result, passes: bool) -> list[Grid]:
+    blocks = blocks_of(result)
+    grids = [*breaking_grids(result), image_grid(result)]
+    grids += [grid for block in blocks for grid in block.measure_grids()]
+    grids += [block.pass_grid() for block in blocks] if passes else []
+    grids.append(printed_grid(result))
+    errors = dict.fromkeys(str(figure["y"]) for figure in result.figures if figure.get("kind") == "pareto")
+    grids += [Grid(*table) for error in list(errors)[:1] for table in frontier.tables(result, error)]
+    return [grid for grid in grids if grid.rows]
+
+
+def terminal_table(folder: ResultFolder, width: int = WIDTH) -> str:
+    """The tables as plain text, at most `width` columns wide where labels allow."""
+    result = data.load(folder)
+    parts = [_head(result, width)]
+    for grid in _sections(result, passes=False):
+        tables = "\n\n".join(chunk.text() for chunk in grid.chunks(width))
+        parts.append("\n".join([grid.title, *_notes(grid, width), tables]))
+    for title, lines in (("Not ok, or not measured", _skipped(result)), ("Files not used", folder.damaged)):
+        if lines:
+            parts.append("\n".join([title, *_wrapped(lines, width)]))
+    return "\n\n".join(parts) + "\n"
+
+
+def breaking_text(folder: ResultFolder, width: int = WIDTH) -> str:
+    """What `stress` prints of a folder: where each method breaks."""
+    result = data.load(folder)
+    parts = [_head(result, width)]
+    parts += ["\n".join([grid.title, "\n\n".join(chunk.text() for chunk in grid.chunks(width))])
+              for grid in breaking_grids(result)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _notes(grid: Grid, width: int) -> list[str]:
+    return [part for line in grid.note.splitlines() for part in textwrap.wrap(f"({line})", width)]
+
+
+def markdown(result: Result) -> str:
+    """results.md: everything that `terminal_table` shows, and the pass times."""
+    title, *about = _about(result)
+    parts = [f"# {title}", *about]
+    for grid in _sections(result, passes=True):
+        parts += [f"## {grid.title}", *grid.note.splitlines(), *(chunk.markdown() for chunk in grid.chunks(WIDTH))]
+    for heading, lines in (("Not ok, or not measured", _skipped(result)), ("Files not used", result.folder.damaged)):
+        if lines:
+            parts += [f"## {heading}", "\n".join(f"- {line}" for line in lines)]
+    return "\n\n".join(parts) + "\n"
