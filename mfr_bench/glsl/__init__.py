@@ -3,6 +3,7 @@
     includes  files with every include in place, errors mapped back to file and line
     bindings  where shaders find buffers, textures and the counters of diagnostics
     prelude   all that stands before a shader's own text, and the stages of a pass
+    code      the text without comments, which the key of a measured cell covers
     counters  text that counts its work, for frames that are not timed
 """
 

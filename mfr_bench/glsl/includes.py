@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 
 from ..errors import ShaderError
 from ..resources import shaders_dir
+from .code import code_of
 from .counters import is_counter
 
 LINE_STRIDE = 100_000  # line numbers carry the file: Mesa drops the source number of #line
@@ -24,6 +25,11 @@ class Source:
     text: str
     files: tuple[str, ...]
     counted: bool = False
+
+    @cached_property
+    def code(self) -> str:
+        """The text without comments: stages with the same code make the same program."""
+        return code_of(self.text)
 
     def located(self, log: str) -> str:
         """A driver's log with encoded lines as file:line. Mesa writes `0:300014(3):`, NVIDIA `0(300014) :`."""

@@ -36,6 +36,7 @@ from .bindings import (
     split_ref,
     texture_bindings,
 )
+from .code import code_of
 from .includes import Source, expand
 
 VERSION = "#version 430 core"
@@ -153,7 +154,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     counted = (counted or mapped is not None) and not entry.endswith(".vert")
     body, files = expand(entry, slots, counted)
     macro = _clear_macro(variant, step)
-    words = set(re.findall(r"[A-Za-z_]\w*", body))
+    words = set(re.findall(r"[A-Za-z_]\w*", code_of(body)))
     words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()
     prelude = _version(variant, words)
     values = define_values(fitted, step)

@@ -86,7 +86,7 @@ class Device:
 
     def program(self, sources: tuple[Source, ...], owner: str):
         """The linked program of the stages, compiled once. `owner` (method and pass) is named in errors."""
-        key = tuple(s.text for s in sources)
+        key = tuple(s.code for s in sources)
         if key not in self.programs:
             self.programs[key] = self._compile(sources, owner)
         return self.programs[key]

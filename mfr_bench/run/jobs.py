@@ -26,12 +26,15 @@ class Job:
 
 
 def glsl_hash(variant: Variant, geometry: str) -> str:
-    """Hash of every stage of every pass, with statistics that stand for any scene of this geometry."""
+    """Hash of the code of every stage of every pass, with statistics that stand for any scene of this geometry.
+
+    Comments and blank lines are no code: editing them measures nothing again.
+    """
     fitted = Fitted(variant, replace(NOMINAL, geometry=geometry))
     digest = hashlib.sha256()
     for step in variant.passes:
         for stage in stages(fitted, step) if step.kind != "clear" else ():
-            digest.update(stage.text.encode())
+            digest.update(stage.code.encode())
     return digest.hexdigest()[:16]
 
 

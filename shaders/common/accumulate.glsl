@@ -1,7 +1,8 @@
-// The colour to which a resolve adds fragments, front to back: `colour = nothing_yet()`, then `colour = onto(colour,
-// layer)` for each, then `composited(colour)`. In float32 by transmittance; rounded after each fragment as a target of
-// 16-bit floats or of 8 bits would round what is blended into it; or with what the additions round away carried along,
-// so that rounding does not grow with their number.
+// Defines the colour that a resolve accumulates front to back: start with `colour = nothing_yet()`, call `colour =
+// onto(colour, layer)` for each fragment, and end with `composited(colour)`. By default the accumulator is float32 and
+// keeps the transmittance. ACCUMULATE_FLOAT16 and ACCUMULATE_UNORM8 round it after each fragment, as blending into a
+// target of that format would. ACCUMULATE_COMPENSATED carries the rounding errors of the additions along, so that the
+// error does not grow with the number of fragments.
 // Source: compensated summation, Kahan 1965.
 #include "common/colour.glsl"
 #include "common/transmittance.glsl"
@@ -31,7 +32,7 @@ float opacity_so_far(vec4 colour) {
 
 #else
 
-vec3 excess;  // of the colour over the sum of what was added to it
+vec3 excess;  // the accumulated colour minus the exact sum of what was added to it
 
 vec4 nothing_yet() {
     excess = vec3(0.0);

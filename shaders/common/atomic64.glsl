@@ -1,10 +1,11 @@
-// 64-bit atomics on the buffer that WIDE names; values are (low word, high word), `old` is what stood there.
-// ATOMIC64_NATIVE: the device's own. Otherwise the pixel's lock in `wide_lock` guards two words; then
-// every element must be used by the fragments of one pixel only.
-// False: nothing was done, because the lock was not had in LOCK_TRIES tries (the caller counts the loss), or
-// because this is a helper invocation.
-// Invariant: two operations on one element take effect one after the other; an invocation holds no second lock.
-// Source: gpupro5_ch1 §1.6 emulates atomicMax the like, by compare-and-swap, which two words do not have.
+// 64-bit atomics on the buffer that the macro WIDE names. A value is (low word, high word); `old` receives the value
+// that the element had before. With ATOMIC64_NATIVE the device's own atomics are used. Otherwise the pixel's lock in
+// `wide_lock` protects the two words, and each element must be used by the fragments of one pixel only. The functions
+// return false if they did nothing: the lock was not acquired in LOCK_TRIES tries, which the caller has to count as a
+// loss, or this is a helper invocation.
+// Invariant: operations on one element take effect one after the other; an invocation never holds two locks.
+// Source: gpupro5_ch1 §1.6 also emulates atomicMax, but by a compare-and-swap, which does not exist for two words.
+// Buffers: updates the buffer WIDE, and wide_lock if the atomics are emulated.
 #include "common/helper.glsl"
 #include "common/less64.glsl"
 #include "common/load64.glsl"
@@ -12,12 +13,12 @@
 
 #if ATOMIC64_NATIVE
 
-// For an element that no other invocation knows of yet.
+// Writes an element that no other invocation can access yet.
 void store64(uint at, uvec2 value) {
     WIDE[at] = packUint2x32(value);
 }
 
-// Both words of one moment, even while others write.
+// Reads both words of one value, even while other invocations write.
 bool load_whole64(uint at, out uvec2 value) {
     value = load64(at);
     return !IS_HELPER;
@@ -47,7 +48,7 @@ uvec2 result64(uint operation, uvec2 held, uvec2 value) {
     return less64(held, value) == (operation == MAX64) ? value : held;
 }
 
-// The lock is released inside the iteration that took it: lanes of one warp wait for each other.
+// The lock is released inside the iteration that acquired it, because the lanes of a warp wait for each other.
 bool update64(uint operation, uint at, uvec2 value, out uvec2 old) {
     uint p = pixel_index();
     bool waiting = !IS_HELPER;

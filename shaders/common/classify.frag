@@ -1,5 +1,6 @@
-// Backwards memory allocation: the class of each pixel becomes its depth, so that the depth test picks the pixels
-// of each resolve; the image is cleared for those without fragments.
+// Backwards memory allocation: writes the class of each pixel as its depth, so that the depth test then selects the
+// pixels of each resolve pass. Pixels without fragments get NO_CLASS. The pass also clears the image, which no resolve
+// pass writes in those pixels.
 // Source: Knowles, Leach and Zambetta 2013 (kplus_2015 [38]).
 #include "common/pixel.glsl"
 #include "common/pixel_class.glsl"

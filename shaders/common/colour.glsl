@@ -1,4 +1,5 @@
-// Colours have straight alpha in storage, premultiplied float in arithmetic.
+// Converts stored colours for arithmetic: stored colours have straight alpha, colours in arithmetic are premultiplied
+// floats.
 #include "common/payload.glsl"
 
 vec4 premultiplied(PAYLOAD payload) {
@@ -10,7 +11,7 @@ vec4 colour_of(FRAGMENT fragment) {
     return premultiplied(payload_of(fragment));
 }
 
-// Front-to-back compositing: what lies behind shows through what is there (Porter and Duff 1984).
+// Front-to-back compositing: places `behind` under `front` (Porter and Duff 1984).
 vec4 under(vec4 front, vec4 behind) {
     return front + (1.0 - front.a) * behind;
 }

@@ -1,4 +1,4 @@
-// Composites a pixel's fragments as its fetch reads them, nearest first.
+// Composites the fragments of a pixel in the order in which the method's fetch returns them, which is nearest first.
 #include "common/accumulate.glsl"
 #include "common/enough.glsl"
 

@@ -1,5 +1,6 @@
-// Count: one increment per fragment into the pixel's counter (sbuffer_2012 §3.1).
-// Invariant: afterwards counter[p] is the number of fragments of pixel p.
+// Count: each fragment increments the counter of its pixel (sbuffer_2012 §3.1).
+// Invariant: after the pass, counter[p] is the number of fragments of pixel p.
+// Buffers: updates counter.
 #include "scene/fragment.glsl"
 
 void main() {

@@ -1,4 +1,4 @@
-// Depth bounds: MAX blending of (-z, z) leaves the nearest and the furthest depth of each pixel.
+// Depth bounds: MAX blending of (-z, z) leaves (-nearest depth, furthest depth) in each pixel of the target `bounds`.
 // Source: Bavoil and Myers 2008.
 #include "scene/fragment.glsl"
 

@@ -1,5 +1,5 @@
-// Early culling: a fragment behind an accumulated opacity of CULLING_OPACITY is dropped, at an error
-// of 1 - CULLING_OPACITY at most.
+// Early culling drops a fragment that lies behind an accumulated opacity of CULLING_OPACITY. The error is at most 1 -
+// CULLING_OPACITY.
 // Source: gpupro5_ch1 §1.4.2, §1.7.2.
 #include "common/colour.glsl"
 

@@ -1,5 +1,6 @@
-// Whether the compositing of a pixel ends: what is still behind can change no channel by more than 1 - STOP_OPACITY.
-// `colour` is an accumulated one. As a statement of its own in a loop it leaves nothing behind where nothing stops.
+// Tells whether compositing a pixel may stop: the fragments that are left can change no channel by more than 1 -
+// STOP_OPACITY. `colour` is an accumulator of common/accumulate.glsl. With STOP_OPACITY = 1 this is constantly false,
+// and a loop with `if (enough(colour)) break;` compiles to a loop without the test.
 #include "common/accumulate.glsl"
 
 bool enough(vec4 colour) {

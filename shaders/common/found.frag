@@ -1,5 +1,6 @@
-// Counts the generated fragments that their pixel really holds, where hazards may lose, double or tear them.
-// Fragments equal in depth and colour cannot be told apart: one that is held counts for all. Runs outside timed frames.
+// Counts the generated fragments that the storage of their pixel contains. A k-buffer with hazards may lose, duplicate
+// or tear fragments, so that the number of occupied slots would not tell. Fragments equal in depth and colour cannot be
+// distinguished: one that is stored counts for all. This pass runs outside timed frames.
 #include "scene/fragment.glsl"
 #include <fetch>
 

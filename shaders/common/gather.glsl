@@ -1,5 +1,5 @@
-// Copies the pixel's fragments into the local array, or with SELECT the nearest KEEP of them, and gives their number
-// (kplus_2015 §3.3, §5.1.1). A fragment that belongs there and finds no room is lost, and counted.
+// Copies the fragments of a pixel into the local array and returns their number. With SELECT only the nearest KEEP are
+// copied (kplus_2015 §3.3, §5.1.1). A fragment that should be in the array but finds no room is counted as lost.
 #include "common/local.glsl"
 
 uint gather(uint p) {

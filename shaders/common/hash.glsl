@@ -1,4 +1,4 @@
-// Counter-based integer hash, the same bits as mfr_bench/hashing.py.
+// Counter-based integer hash; mfr_bench/hashing.py computes the same bits.
 // Source: lowbias32 finalizer, C. Wellons 2018.
 uint mix_bits(uint x) {
     x = (x ^ (x >> 16)) * 0x7FEB352Du;

@@ -1,7 +1,7 @@
-// Sorted insertion into K slots, nearest first: the fragment takes the place of the first that is further, which
-// moves on in its stead. Returns the furthest of all, which falls out; EMPTY where there was room. The includer gives
-// read_slot and write_slot; an empty slot reads as EMPTY. Without exclusion, fragments in flight overwrite each
-// other's moves (read-modify-write hazard).
+// Inserts a fragment into the K sorted slots of a pixel, nearest first: it takes the place of the first fragment that
+// is further away, which moves on to the next slot, and so on. Returns the fragment that falls out at the end, or EMPTY
+// if there was room. The including file defines read_slot and write_slot; an empty slot reads as EMPTY. Without mutual
+// exclusion, concurrent fragments overwrite each other's moves (read-modify-write hazard).
 FRAGMENT insert_sorted(uint p, FRAGMENT fragment) {
     for (uint slot = 0u; slot < uint(K) && fragment.x != EMPTY; ++slot) {
         FRAGMENT held = read_slot(p, slot);

@@ -1,6 +1,9 @@
-// Lists the square tiles in which a pixel has a fragment: an invocation looks at a tile's pixels until one has.
-// It leaves the command that draws a point for each, and the one that dispatches a group for each.
-// Invariant: a tile is listed once where any of its pixels has a fragment, else never; no pixel is read beside the region.
+// Lists the square tiles that contain a pixel with fragments. Each invocation examines the pixels of one tile until it
+// finds a pixel with a fragment. The pass also writes the indirect commands that draw one point, or dispatch one work
+// group, for each listed tile.
+// Invariant: a tile is listed exactly once if any of its pixels has a fragment, otherwise never; no pixel outside the
+// region is read.
+// Buffers: updates tile_command; writes tile_list.
 #include "common/extent.glsl"
 #include <fetch>
 
@@ -28,7 +31,7 @@ void list(uvec2 tile) {
     uint columns = (width + uint(TILE) - 1u) / uint(TILE);
     uint at = atomicAdd(tile_command[0], 1u);
     tile_list[at] = tile.y * columns + tile.x;
-    atomicMax(tile_command[4], min(at + 1u, 65535u));  // groups that every device dispatches
+    atomicMax(tile_command[4], min(at + 1u, 65535u));  // every device can dispatch this many groups
 }
 
 void main() {

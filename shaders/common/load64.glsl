@@ -1,5 +1,6 @@
-// Reads an element of the buffer that WIDE names as (low word, high word), native or emulated alike.
-// While other invocations write, the two words may be of different values; each of them is one that stood there.
+// Reads an element of the buffer that the macro WIDE names as (low word, high word), for native and emulated 64-bit
+// atomics alike. While other invocations write, the two words may come from different values of the element.
+// Buffers: reads the buffer WIDE.
 uvec2 load64(uint at) {
 #if ATOMIC64_NATIVE
     return unpackUint2x32(WIDE[at]);

@@ -1,9 +1,9 @@
-// The invocation's local array, and the choice of the nearest fragments into it: the furthest of a full choice
-// stands in slot 0, where it is the first to go (max-array, kplus_2015 §3.2).
+// Declares the local array of this invocation and selects the nearest fragments into it. While it is full, the furthest
+// fragment is in element 0, where the next nearer fragment replaces it (max-array, kplus_2015 §3.2).
 FRAGMENT fragments[LOCAL];
 
-// Whether `a` gives way to `b`. With batches fragments of equal depth need an order of their own, so that
-// each is on one side of a boundary; equal ones are interchangeable.
+// Tells whether `a` is replaced in favour of `b`. With BATCHES fragments of equal depth are ordered by their payload,
+// so that each is on one side of a batch boundary; fragments with equal payload as well are interchangeable.
 bool beyond(FRAGMENT a, FRAGMENT b) {
 #if BATCHES
     return a.x > b.x || (a.x == b.x && payload_beyond(a, b));
@@ -26,7 +26,7 @@ void furthest_to_front(uint count) {
     fragments[0] = furthest;
 }
 
-// The fragment takes part in the choice of the nearest `room`; `offered` have done so before.
+// Offers a fragment to the selection of the nearest `room` fragments, after `offered` earlier ones.
 void offer(FRAGMENT fragment, uint offered, uint room) {
     if (offered >= room && !beyond(fragments[0], fragment)) return;
     fragments[offered < room ? offered : 0u] = fragment;

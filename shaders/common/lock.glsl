@@ -1,12 +1,13 @@
-// Mutual exclusion per pixel around the code between CRITICAL_BEGIN and CRITICAL_END (kplus_2015 §3.1, Alg. 1).
-// `wanted` is whether this fragment enters. All storage used inside must be coherent.
-// Both macros stand in main, outside branches: the interlock allows no other place.
+// Mutual exclusion per pixel for the code between CRITICAL_BEGIN and CRITICAL_END (kplus_2015 §3.1, Alg. 1). `wanted`
+// tells whether this fragment enters the critical section. All storage that is used inside must be coherent. Both
+// macros must be placed in main, outside branches, because the interlock is allowed nowhere else.
+// Buffers: updates semaphore.
 #include "common/helper.glsl"
 
 #if SYNC_SPIN
 
-// The lock is released inside the iteration that took it: lanes of one warp wait for each other. The barrier after
-// taking it keeps reads from moving before it, the one before releasing it publishes what was written.
+// The lock is released inside the iteration that acquired it, because the lanes of a warp wait for each other. The
+// barrier after acquiring it prevents reads from moving before it; the barrier before releasing it publishes writes.
 #define CRITICAL_BEGIN(p, wanted) \
     bool waiting = (wanted) && !IS_HELPER; \
     COUNT(refused, !waiting && !IS_HELPER) \
@@ -46,7 +47,7 @@ layout(pixel_interlock_unordered) in;
 #error sync: interlock needs a fragment shader interlock extension
 #endif
 
-// The interlock orders accesses; the barrier publishes them.
+// The interlock orders accesses; the barrier makes them visible to the next invocation.
 #define CRITICAL_BEGIN(p, wanted) \
     COUNT(refused, !(wanted)) \
     COUNT(entered, wanted) \

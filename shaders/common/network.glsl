@@ -1,6 +1,7 @@
-// Sorting network over registers: block[0 .. NETWORK) by depth, nearest first, without loops or variable indices,
-// so that a compiler keeps the block in registers. NETWORK is a power of two up to 32, or 64 for two blocks.
-// Source: Batcher's odd-even merge sort and bitonic merge (Batcher 1968); registers: Knowles, Leach and Zambetta 2014 (kplus_2015 [34]).
+// Sorting network over registers: sorts block[0 .. NETWORK) by depth, nearest first, without loops and without variable
+// indices, so that the compiler keeps the block in registers. NETWORK is a power of two up to 32, or 64 for two blocks.
+// Source: odd-even merge sort and bitonic merge, Batcher 1968; use of registers, Knowles, Leach and Zambetta 2014
+// (kplus_2015 [34]).
 FRAGMENT block[NETWORK];
 
 #define COMPARE(a, b) { \
@@ -10,7 +11,7 @@ FRAGMENT block[NETWORK];
     block[a] = swapped ? high : low; \
     block[b] = swapped ? low : high; }
 
-// MERGEn(a, s): the n fragments a, a + s, a + 2s, … whose two halves are sorted.
+// MERGEn(a, s) sorts the n fragments a, a + s, a + 2s, …, both halves of which are sorted already.
 #define MERGE2(a, s) COMPARE(a, (a) + (s))
 #define MERGE4(a, s) MERGE2(a, 2 * (s)) MERGE2((a) + (s), 2 * (s)) COMPARE((a) + (s), (a) + 2 * (s))
 #define PAIRS2(a, s) COMPARE(a, (a) + (s)) COMPARE((a) + 2 * (s), (a) + 3 * (s))
@@ -28,7 +29,7 @@ FRAGMENT block[NETWORK];
 #define SORT16(a) SORT8(a) SORT8((a) + 8) MERGE16(a, 1)
 #define SORT32(a) SORT16(a) SORT16((a) + 16) MERGE32(a)
 
-// CLEANn(a): the n fragments from a on, which rise and then fall or fall and then rise: a bitonic sequence.
+// CLEANn(a) sorts the n fragments from a on if they are a bitonic sequence: increasing then decreasing, or reversed.
 #define APART4(a, s) COMPARE(a, (a) + (s)) COMPARE((a) + 1, (a) + 1 + (s)) \
     COMPARE((a) + 2, (a) + 2 + (s)) COMPARE((a) + 3, (a) + 3 + (s))
 #define CLEAN4(a) COMPARE(a, (a) + 2) COMPARE((a) + 1, (a) + 3) COMPARE(a, (a) + 1) COMPARE((a) + 2, (a) + 3)
@@ -37,14 +38,14 @@ FRAGMENT block[NETWORK];
 #define CLEAN32(a) APART4(a, 16) APART4((a) + 4, 16) APART4((a) + 8, 16) APART4((a) + 12, 16) \
     CLEAN16(a) CLEAN16((a) + 16)
 
-// EACH(DO) stands for DO(0) … DO(NETWORK - 1).
+// EACH(DO) expands to DO(0) … DO(NETWORK - 1).
 #define EACH4(DO, a) DO(a) DO((a) + 1) DO((a) + 2) DO((a) + 3)
 #define EACH8(DO, a) EACH4(DO, a) EACH4(DO, (a) + 4)
 #define EACH16(DO, a) EACH8(DO, a) EACH8(DO, (a) + 8)
 #define EACH32(DO, a) EACH16(DO, a) EACH16(DO, (a) + 16)
 
 #if NETWORK == 64
-// Two blocks of 32: the includer sorts what it needs of them.
+// Two blocks of 32: the including file sorts the parts that it needs.
 #elif NETWORK == 2
 #define EACH(DO) DO(0) DO(1)
 #define SORT_BLOCK COMPARE(0, 1)

@@ -1,9 +1,10 @@
-// A fragment in storage: x is its depth bits, y (and z) its payload.
-// rgba8: four 8-bit channels, straight alpha. rgba16f: four 16-bit floats, straight alpha, in units of 1/255: halves
-// hold whole numbers up to 2048 exactly, so an 8-bit colour comes back bit for bit and the error is that of rgba8;
-// in units of 1, or premultiplied, rounding to halves would cost up to 2^-12 = 2.4e-4 a channel.
-// two_channel: bytes of luminance and of the blend of two base colours, both as gamma 2 and light have them, a byte
-// unused, a byte of alpha (gpupro5_ch2 §2.3, Listing 2.1). A colour may come back above 1.
+// A stored fragment: x holds its depth bits, y (and z) its payload, in one of three formats.
+// rgba8: four 8-bit channels with straight alpha.
+// rgba16f: four 16-bit floats with straight alpha, in units of 1/255. A half represents whole numbers up to 2048
+// exactly, so an 8-bit colour is restored bit for bit and the error is that of rgba8; in units of 1, or premultiplied,
+// rounding to halves would cost up to 2^-12 = 2.4e-4 per channel.
+// two_channel: one byte of luminance and one byte of the blend between two base colours, both gamma 2 encoded light,
+// one unused byte, and one byte of alpha (gpupro5_ch2 §2.3, Listing 2.1). A decoded channel may exceed 1.
 #if PAYLOAD_RGBA16F
 
 PAYLOAD payload_from(uint rgba8) {
@@ -27,7 +28,7 @@ bool payload_beyond(FRAGMENT a, FRAGMENT b) {
     return a.y > b.y || (a.y == b.y && a.z > b.z);
 }
 
-// The bits of a half are in the order of the half, because alpha >= 0.
+// The bits of a half have the order of the half, because alpha >= 0.
 uint ordered_alpha(FRAGMENT fragment) {
     return fragment.z >> 16;
 }
@@ -66,5 +67,5 @@ uint ordered_alpha(FRAGMENT fragment) {
 
 #endif
 
-#define FIRST_FRAGMENT fragment_of(0u, PAYLOAD(0u))  // none comes before it
-#define NO_FRAGMENT fragment_of(EMPTY, PAYLOAD(0u))  // behind every other, without colour
+#define FIRST_FRAGMENT fragment_of(0u, PAYLOAD(0u))  // precedes every other fragment
+#define NO_FRAGMENT fragment_of(EMPTY, PAYLOAD(0u))  // follows every other fragment, and has no colour

@@ -1,6 +1,7 @@
-// Resolve of every pixel, of those of the region, of the listed tiles or of one class, in a compute shader: work groups
-// shade square tiles.
-// Invariant: every pixel of the extent is written by at most one invocation, and none beside it is read or written.
+// Resolve as a compute shader, for all pixels, the pixels of the region, the listed tiles, or the pixels of one class.
+// A work group shades one square tile after another.
+// Invariant: every pixel of the extent is written by at most one invocation; no pixel outside it is read or written.
+// Buffers: reads tile_command, tile_list.
 #include "common/extent.glsl"
 #include "common/colour.glsl"
 #include "common/pixel_class.glsl"

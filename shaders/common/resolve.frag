@@ -1,4 +1,5 @@
-// Resolve of every pixel by a full-screen draw, or of one class of pixels by the depth test.
+// Resolve as a full-screen draw, for every pixel, or for the pixels of one class if the depth test selects them. The
+// method's fetch reads the fragments, and its resolver turns them into one colour.
 #include "common/pixel.glsl"
 #include "common/colour.glsl"
 #include <fetch>

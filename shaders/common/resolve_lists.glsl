@@ -1,4 +1,5 @@
-// The colour of a pixel that has one list, or LISTS of them, nearest first, each resolved by itself.
+// Computes the colour of a pixel that has one list of fragments, or LISTS of them. Each list is resolved by itself, and
+// the results are composited, nearest list first.
 vec4 resolve_lists(uint p) {
 #if LISTS > 1
     vec4 colour = vec4(0.0);

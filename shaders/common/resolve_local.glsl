@@ -1,6 +1,6 @@
-// Resolve in one local array: gathers the pixel's fragments, sorts them, composites front to back.
-// A driver that bounds the iterations of a shader (llvmpipe: 65,535) ends the loops early where a quadratic sort has
-// some 360 fragments: what is not composited counts as lost.
+// Resolves a pixel in one local array: gathers its fragments, sorts them and composites them front to back. A driver
+// that limits the iterations of a shader (llvmpipe: 65,535) ends the loops of a quadratic sort early from about 360
+// fragments on; the fragments that are then not composited are counted as lost.
 #define BATCHES 0
 #include "common/accumulate.glsl"
 #include "common/gather.glsl"

@@ -1,7 +1,8 @@
-// l+-depth-sorting: batches of the nearest LOCAL fragments beyond the last batch, each sorted and composited, so that
-// the local array stays short; the fragments are read once for every batch.
-// Invariant: every fragment is in exactly one batch, those of equal depth and payload counted off at a boundary.
-// What a bound on the iterations of a shader leaves undone counts as lost, as in common/resolve_local.glsl.
+// l+-depth-sorting: selects the nearest LOCAL fragments beyond the previous batch, sorts and composites them, and
+// repeats. The local array stays short, at the price of reading all fragments once per batch.
+// Invariant: every fragment is in exactly one batch; fragments that equal the boundary in depth and payload are
+// counted. Fragments left over because the driver limits iterations are counted as lost, as in
+// common/resolve_local.glsl.
 // Source: kplus_2015 §4.4, Alg. 4, which loses fragments of equal depth at a boundary.
 #define BATCHES 1
 #include "common/accumulate.glsl"
@@ -9,11 +10,11 @@
 #include "common/sort.glsl"
 #include "common/enough.glsl"
 
-// The furthest fragment composited, and how many equal to it were.
+// The furthest fragment composited so far, and how many fragments equal to it were composited.
 FRAGMENT boundary;
 uint repeats;
 
-// Offers what lies beyond the boundary; returns how many fragments that is.
+// Offers the fragments beyond the boundary to the selection; returns their number.
 uint choose_batch(uint p, uint room) {
     uint offered = 0u, before = repeats;
     FRAGMENT fragment;
@@ -28,7 +29,7 @@ uint choose_batch(uint p, uint room) {
     return offered;
 }
 
-// A full batch has its furthest fragment in slot 0.
+// Moves the boundary to the furthest fragment of a full batch, which is in element 0.
 void move_boundary(uint count) {
     if (fragments[0] != boundary) repeats = 0u;
     boundary = fragments[0];

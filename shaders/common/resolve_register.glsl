@@ -1,13 +1,13 @@
-// Register-block sort: blocks of NETWORK fragments are sorted in registers; one block is composited from there,
-// several go back to the local array and are merged while they are composited.
-// Invariant: block b lies at fragments[b * NETWORK], sorted, filled up with empty fragments, which have no colour.
+// Register-block sort: sorts blocks of NETWORK fragments in registers. A single block is composited directly from the
+// registers; several blocks are written back to the local array and merged while they are composited.
+// Invariant: block b is at fragments[b * NETWORK], sorted and padded with empty fragments, which have no colour.
 // Source: Knowles, Leach and Zambetta 2014 (kplus_2015 [34]).
 #define BATCHES 0
 #include "common/accumulate.glsl"
 #include "common/network.glsl"
 #include "common/enough.glsl"
 
-// A fetch that does not know its count is a walk, too long to stand there for every register.
+// A fetch without FETCH_COUNT contains a loop, which is too much code to repeat for every register.
 #if SELECT || !defined(FETCH_COUNT)
 #define GATHERED 1
 #include "common/gather.glsl"
@@ -34,7 +34,7 @@ bool source_next(out FRAGMENT fragment) {
     found = found && source_next(fragment); \
     block[i] = found ? fragment : NO_FRAGMENT;
 
-// Sorts the next fragments in registers; false where they ended within the block.
+// Sorts the next block of fragments in registers; returns false if the fragments ended within it.
 bool sorted_block() {
     bool found = true;
     FRAGMENT fragment;
@@ -83,7 +83,7 @@ uint sort_blocks() {
 vec4 resolve_pixel(uint p) {
     source_begin(p);
     uint end = sort_blocks();
-    uint heads[LOCAL / NETWORK];  // of each block, the fragments already composited
+    uint heads[LOCAL / NETWORK];  // number of fragments already composited, per block
     for (uint b = 0u; b < uint(LOCAL / NETWORK); ++b) heads[b] = 0u;
     vec4 colour = nothing_yet();
     while (true) {

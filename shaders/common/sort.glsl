@@ -1,5 +1,6 @@
-// Sorts fragments[0 .. count) of the local array by depth, nearest first: insertion sort up to 16 fragments and
-// shell sort above, or one alone (kplus_2015 §3.3), or bubble sort (gpupro5_ch1 §1.4.1).
+// Sorts fragments[0 .. count) of the local array by depth, nearest first. The hybrid sort uses insertion sort up to 16
+// fragments and shell sort above; SORT_* select one of the two alone (kplus_2015 §3.3) or bubble sort (gpupro5_ch1
+// §1.4.1).
 
 void sort_by_gap(uint count, uint gap) {
     for (uint i = gap; i < count; ++i) {
@@ -18,14 +19,14 @@ void insertion_sort(uint count) {
     sort_by_gap(count, 1u);
 }
 
-// Gaps of Ciura 2001.
+// Shell sort with the gaps of Ciura 2001.
 void shell_sort(uint count) {
     const uint GAPS[7] = uint[](301u, 132u, 57u, 23u, 10u, 4u, 1u);
     for (int i = 0; i < 7; ++i)
         if (GAPS[i] < count || GAPS[i] == 1u) sort_by_gap(count, GAPS[i]);
 }
 
-// Each round carries the furthest of the unsorted fragments to their end.
+// Each round moves the furthest of the unsorted fragments to their end.
 void bubble_sort(uint count) {
     for (uint end = count; end > 1u; --end) {
         FRAGMENT carried = fragments[0];

@@ -1,5 +1,5 @@
-// Reads a pixel's K slots, which hold its fragments nearest first, as far as the first empty one.
-// The includer gives slot_fragment(at); slots of neighbouring pixels lie side by side.
+// Reads the K sorted slots of a pixel, nearest first, up to the first empty slot. The including file defines
+// slot_fragment(at). Slot s of pixel p is at s * pixels + p, so that neighbouring pixels read neighbouring words.
 uint fetch_at, fetch_end;
 
 void fetch_begin(uint p) {

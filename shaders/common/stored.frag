@@ -1,5 +1,5 @@
-// Counts the fragments that a pixel holds for its resolve: of each list no more than HOLDS, the room of the local
-// array. Runs outside timed frames.
+// Counts the fragments that each pixel stores for its resolve, at most HOLDS of each list: the resolve's local array
+// has no room for more. This pass runs outside timed frames.
 #include "common/pixel.glsl"
 #include <fetch>
 

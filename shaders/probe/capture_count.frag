@@ -1,4 +1,5 @@
-// Capture, first pass: the fragments of each pixel, counted.
+// First pass of the capture: counts the fragments of each pixel.
+// Buffers: updates found.
 #include "scene/fragment.glsl"
 
 void main() {

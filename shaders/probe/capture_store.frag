@@ -1,5 +1,8 @@
-// Capture, second pass: depth bits and primitive of each fragment, where the host has made room for its pixel's.
-// Invariant: a pixel's fragments stand from first[p] on, in any order; EMPTY: the pixel's turn is another time.
+// Second pass of the capture: stores depth bits and primitive of each fragment, for the pixels for which the host has
+// reserved room in this round.
+// Invariant: the fragments of pixel p are stored from first[p] on, in any order; first[p] is EMPTY if the pixel has no
+// room in this round.
+// Buffers: reads first; updates found; writes nodes.
 #include "scene/fragment.glsl"
 
 void main() {

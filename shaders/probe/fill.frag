@@ -1,4 +1,4 @@
-// Fill rate: one constant colour for every pixel.
+// Measures the fill rate: writes one constant colour to every pixel.
 void main() {
     out_image = vec4(0.25);
 }

@@ -1,4 +1,6 @@
-// Self-test of mutual exclusion: a plain increment per fragment; any overlap of two fragments loses one.
+// Self-test of mutual exclusion: each fragment increments a word without atomics, so that any overlap of two critical
+// sections loses an increment.
+// Buffers: updates counter.
 #include "scene/fragment.glsl"
 #include "common/lock.glsl"
 

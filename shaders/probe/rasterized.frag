@@ -1,3 +1,3 @@
-// Nothing: what the rasterizer makes of the geometry is counted by an occlusion query.
+// Does nothing: an occlusion query counts the fragments that the rasterizer generates from the geometry.
 void main() {
 }

@@ -1,4 +1,5 @@
-// Self-test of barriers: shows what an earlier pass counted, in an opaque draw over the whole viewport.
+// Self-test of barriers: shows the counts of an earlier pass by an opaque draw over the whole viewport.
+// Buffers: reads counter.
 #include "common/pixel.glsl"
 
 void main() {

@@ -1,4 +1,5 @@
-// Self-test of atomics: every fragment adds one to a single word.
+// Self-test of atomics: every fragment adds one to the same word.
+// Buffers: updates total.
 #include "scene/fragment.glsl"
 
 void main() {

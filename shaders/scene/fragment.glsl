@@ -1,5 +1,5 @@
-// The incoming fragment of a geometry pass: (depth bits, payload), and whether it was generated at all.
-// The order of the bits of a float is the order of the float, because depth >= 0.
+// The incoming fragment of a geometry pass, (depth bits, payload), and the test that rejects fragments which the scene
+// does not generate. The bits of a non-negative float, read as an integer, have the order of the float.
 #include "common/pixel.glsl"
 #include "common/hash.glsl"
 #include "common/payload.glsl"
@@ -12,16 +12,16 @@ FRAGMENT incoming() {
 }
 
 #if LEAST
-// Whether the quad is among those that its pixel draws: LEAST to QUADS of them, a run of the order of submission
-// (kplus_2015 §5.1.1: up to n = 10 k fragments influence a pixel). The hash is that of mfr_bench/scene/quads.py.
+// Tells whether the quad is among those that its pixel draws: between LEAST and QUADS of them, consecutive in order of
+// submission (kplus_2015 §5.1.1: up to n = 10 k fragments influence a pixel). mfr_bench/scene/quads.py does the same.
 bool drawn(uint p) {
     uint layers = uint(LEAST) + hash3(p, 0xFFFFFFFFu, seed) % uint(QUADS - LEAST + 1);
     return (hash3(p, 0xFFFFFFFEu, seed) % uint(QUADS) + quad) % uint(QUADS) < layers;
 }
 #endif
 
-// Fragment probability f_p (kplus_2015 §5.1.1), decided per pixel, quad and seed. With CULLS also beyond the K-th
-// depth of the occupancy map, where the pass has a depth test of its own and early z cannot see to it.
+// Fragment probability f_p (kplus_2015 §5.1.1), decided by pixel, quad and seed. With CULLS the test also rejects
+// fragments beyond the K-th depth of the occupancy map, for passes whose own depth test keeps early z from doing so.
 bool rejected() {
 #if CULLS
     if (gl_FragCoord.z > texelFetch(kth_depth, ivec2(gl_FragCoord.xy), 0).x) return true;

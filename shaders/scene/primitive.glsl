@@ -1,5 +1,5 @@
-// The word that a primitive's fragments take their payload from: RGBA8, or for two_channel, as the host has encoded
-// the colour, luminance and hue blend in the lower bytes and alpha in the highest.
+// PRIMITIVE_WORD is the word from which the fragments of a primitive take their payload. It is RGBA8, or for the
+// payload two_channel the host's encoding: luminance and hue blend in the lower bytes, alpha in the highest.
 #if PAYLOAD_TWO_CHANNEL
 in vec4 in_code;
 #define PRIMITIVE_WORD packUnorm4x8(in_code)

@@ -1,6 +1,6 @@
-// One quad per instance, pixel-aligned, as a strip of four vertices.
-// Invariant: the depth survives the way to window space bit for bit, in every program alike: any float from 2^-126 on
-// where the device clips depths from 0 to 1, else one on a 2^-23 grid.
+// Draws one pixel-aligned quad per instance, as a strip of four vertices.
+// Invariant: the depth reaches window space bit for bit, and alike in every program: any float from 2^-126 on if the
+// device clips depths from 0 to 1, otherwise floats on a 2^-23 grid.
 #include "scene/primitive.glsl"
 
 in ivec4 in_rect;   // x0 y0 x1 y1, half-open pixels

@@ -1,6 +1,6 @@
-// One slanted primitive per instance, as a strip of four corners.
-// Invariant: the same depth for a pixel in every pass, whatever its shaders do; corners that primitives share are the
-// same numbers, so that no pixel between them is met twice.
+// Draws one slanted primitive per instance, as a strip of four corners.
+// Invariant: a pixel gets the same depth in every pass, whatever the shaders of the pass do. Primitives that share
+// corners have identical numbers there, so that no pixel along the common edge is covered twice.
 #include "scene/primitive.glsl"
 
 in vec4 in_corner0;  // clip space

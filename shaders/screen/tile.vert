@@ -1,5 +1,6 @@
-// A square over each listed tile, for a class of pixels at its depth: a point, since the pixels along the edge that two
-// triangles share are shaded twice. The viewport is one of whole tiles.
+// Draws one point over each listed tile, at the depth of a class of pixels if CLASS is defined. Points are used because
+// a square of two triangles would shade the pixels along their common edge twice. The viewport must consist of whole
+// tiles.
 #include "common/pixel_class.glsl"
 in uint in_tile;
 

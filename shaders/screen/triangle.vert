@@ -1,4 +1,4 @@
-// One triangle over the whole viewport.
+// Draws one triangle over the whole viewport.
 void main() {
     gl_Position = vec4(4.0 * float(gl_VertexID & 1) - 1.0, 4.0 * float(gl_VertexID >> 1) - 1.0, 0.0, 1.0);
 }

@@ -1,4 +1,4 @@
-// One triangle over the whole viewport, at the depth of a class of pixels.
+// Draws one triangle over the whole viewport, at the depth of a class of pixels.
 #include "common/pixel_class.glsl"
 
 void main() {

@@ -1,4 +1,4 @@
-// Triangles over the whole viewport, one per instance.
+// Draws triangles over the whole viewport, one per instance.
 flat out uint instance;
 
 void main() {

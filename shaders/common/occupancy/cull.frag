@@ -1,6 +1,9 @@
-// Occupancy map: the end of the K-th occupied interval becomes the pixel's depth; where fewer are occupied, 1.
-// Invariant: at least K fragments are no further than it (the paper's k_a-th fragment, k_a >= k), if there are as many.
+// Occupancy map, last step: writes the end of the K-th occupied interval as the depth of the pixel, or 1 if fewer
+// intervals are occupied. The store pass then discards fragments beyond this depth.
+// Invariant: at least K fragments, if there are as many, are not beyond this depth (the paper's k_a-th fragment, k_a >=
+// k).
 // Source: occupancy_2015, step 3.
+// Buffers: reads occupied.
 #include "common/pixel.glsl"
 #include "common/occupancy/interval.glsl"
 

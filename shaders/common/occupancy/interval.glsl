@@ -1,4 +1,5 @@
-// The pixel's depth range in OCCUPANCY equal intervals; the last includes the far bound, and a range of zero is one.
+// Divides the depth range of a pixel into OCCUPANCY equal intervals. The last interval includes the far bound; a range
+// of length zero is one interval.
 float bounds_near(vec2 bounds) {
     return -bounds.x;
 }
@@ -8,7 +9,7 @@ uint interval_of(float z, vec2 bounds) {
     return range > 0.0 ? min(uint((z - bounds_near(bounds)) / range * float(OCCUPANCY)), uint(OCCUPANCY - 1)) : 0u;
 }
 
-// No fragment of the interval is beyond this: it exceeds the exact end by more than all the rounding on the way.
+// Returns a depth beyond which no fragment of the interval lies: it exceeds the exact end by more than all rounding.
 float interval_end(uint interval, vec2 bounds) {
     float near = bounds_near(bounds), range = bounds.y - near;
     float end = near + range * (float(interval + 1u) / float(OCCUPANCY));

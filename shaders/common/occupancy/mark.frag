@@ -1,6 +1,7 @@
-// Occupancy map: a bit for each interval of the pixel's depth range that has a fragment.
-// Invariant: interval_of never decreases with depth, so the intervals are in order.
+// Occupancy map: sets one bit for each interval of the pixel's depth range that contains a fragment.
+// Invariant: interval_of never decreases with depth, so the intervals are ordered like the depths.
 // Source: occupancy_2015, step 2; Liu et al. 2009.
+// Buffers: updates occupied.
 #include "scene/fragment.glsl"
 #include "common/occupancy/interval.glsl"
 

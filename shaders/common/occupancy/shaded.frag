@@ -1,4 +1,4 @@
-// Counts the fragments that early z lets through to the store pass. Runs outside timed frames.
+// Counts the fragments that early z lets through to the store pass. This pass runs outside timed frames.
 #include "scene/fragment.glsl"
 
 void main() {

@@ -1,5 +1,7 @@
-// Allocate: each pixel with fragments takes a range of exactly as many cells; CLASSED, it is classified by their number.
-// Invariant: the ranges [counter, counter + tally) do not overlap and leave no gap.
+// Allocate: each pixel that has fragments takes a range with exactly as many cells, by one atomic on the shared counter
+// `taken`. With CLASSED the pixel is also classified by its number of fragments.
+// Invariant: the ranges [counter, counter + number of fragments) of the pixels do not overlap and leave no gap.
+// Buffers: updates taken; writes counter.
 #if CLASSED
 #include "methods/adaptive/classify.glsl"
 #endif

@@ -1,4 +1,4 @@
-// Counts the fragments that are blended where none is stored. Runs outside timed frames.
+// Counts the fragments that are blended directly, in frames that store none. This pass runs outside timed frames.
 #include "scene/fragment.glsl"
 
 void main() {

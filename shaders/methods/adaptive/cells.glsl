@@ -1,4 +1,6 @@
-// The cells of a pixel: from `first_cell` on, `cell_step` apart, as far as `end_cell`; with PLANES all there are.
+// Locates the cells of a pixel: they start at `first_cell`, are `cell_step` apart, and end before `end_cell`. With
+// PLANES every pixel of the region uses all of its cells.
+// Buffers: reads counter.
 #include "methods/adaptive/region.glsl"
 #if !DENSE
 #include "methods/adaptive/tally.glsl"

@@ -1,4 +1,5 @@
-// Classify: the pixels of the rectangle by what has been stored.
+// Classify: assigns each pixel of the region to a class by the number of fragments that the store has counted.
+// Buffers: reads counter.
 #include "methods/adaptive/classify.glsl"
 #include "methods/adaptive/region.glsl"
 

@@ -1,5 +1,8 @@
-// The class of a pixel's number of fragments, as depth: class i holds at most 2^(i+1) of them, those up to UNCLASSED are
-// one, and those beyond HALVES. A class with pixels has its draw.
+// Assigns a pixel to a class by its number of fragments and writes the class as the depth of the pixel. Class i has at
+// most 2^(i+1) fragments; all pixels with up to UNCLASSED fragments share one class, and so do those with more than
+// HALVES. The first pixel of a class writes the indirect draw command of that class, so that empty classes draw
+// nothing.
+// Buffers: updates draws.
 #include "common/pixel_class.glsl"
 
 void classify(uint count) {

@@ -1,5 +1,6 @@
-// Count by blending: one unit of a 16-bit channel per fragment, where an atomic per fragment costs three times as much.
-// Invariant: afterwards the channel is exactly the number of fragments, up to 65,535.
+// Count by blending: each fragment adds one unit to a 16-bit channel. An atomic per fragment would cost three times as
+// much.
+// Invariant: after the pass the channel is exactly the number of fragments of the pixel, up to 65,535.
 #include "scene/fragment.glsl"
 
 void main() {

@@ -1,8 +1,8 @@
-// Resolve of at most 64 fragments in registers: each half that there is is sorted; the nearer fragments of both come
-// first, and the others only where more than MAX_ERROR shows through.
-// Invariant: two sorted halves, one of them backwards, are a bitonic sequence, and so are its nearer and further half.
-// Error: what is left out changes no channel by more than the transmittance before it, at most MAX_ERROR.
-// Source: registers, Knowles, Leach and Zambetta 2014 (kplus_2015 [34]); bitonic merge, Batcher 1968.
+// Resolves a pixel with at most 64 fragments in registers: sorts each half of 32 that exists, and composites the nearer
+// 32 fragments of both first; the others follow only if more than MAX_ERROR of the light still shows through.
+// Invariant: two sorted halves, one of them reversed, form a bitonic sequence; so do its nearer and its further half.
+// Error: omitted fragments change no channel by more than the transmittance before them, which is at most MAX_ERROR.
+// Source: use of registers, Knowles, Leach and Zambetta 2014 (kplus_2015 [34]); bitonic merge, Batcher 1968.
 #include "methods/adaptive/registers.glsl"
 
 #define PART(i) COMPARE(i, 63 - (i))

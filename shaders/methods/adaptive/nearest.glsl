@@ -1,15 +1,18 @@
-// Resolve in sweeps over the pixel's fragments: each keeps the nearest 32 beyond the last sweep's in registers and
-// composites them, until all are or no more than MAX_ERROR shows through.
-// A block of 32 is sorted at a time; the nearer half of it and of what is kept is a bitonic sequence, which merges
-// into order: no index varies and no array is needed.
-// Invariant: a sweep takes fragments from the depth `from` on. Those of the furthest depth that it kept wait for the
-// next, for not all of them may have been kept; if all 32 are of one depth, these are composited where they lie.
-// Error: what is left out changes no channel by more than the transmittance before it, at most MAX_ERROR.
-// Source: registers, Knowles, Leach and Zambetta 2014; batches of the nearest, kplus_2015 §4.4; merge, Batcher 1968.
+// Resolves a pixel with many fragments in sweeps: each sweep keeps, in registers, the nearest 32 fragments beyond those
+// of the previous sweep and composites them, until none is left or no more than MAX_ERROR of the light shows through. A
+// sweep sorts one block of 32 at a time; the nearer half of this block and of the kept ones is a bitonic sequence,
+// which is merged into order without variable indices and without an array.
+// Invariant: a sweep takes fragments from the depth `from` on. Fragments at the furthest depth that it kept are left to
+// the next sweep, because there may be more of them than were kept; if all 32 have one depth, they are composited in
+// place.
+// Error: omitted fragments change no channel by more than the transmittance before them, which is at most MAX_ERROR.
+// Source: use of registers, Knowles, Leach and Zambetta 2014; batches of the nearest, kplus_2015 §4.4; merge, Batcher
+// 1968.
+// Buffers: updates nodes.
 #include "common/network.glsl"
 
-#define MERGED 32u  // blocks at most that are merged where they lie
-#define SWEEPS 3.0  // from so many on, merging takes less time
+#define MERGED 32u  // most blocks that are merged in place
+#define SWEEPS 3.0  // from this many sweeps on, merging takes less time
 
 #define LOAD(i) \
     block[32 + (i)] = NO_FRAGMENT; \
@@ -26,8 +29,8 @@
 #define PUT_BACK(i) if (at < end_cell) nodes[at] = block[32 + (i)]; at += cell_step;
 #define COMPOSITE(i) if (block[i].x < limit) colour = behind_of(colour, colour_of(block[i]));
 
-// Leaves the nearest 32 fragments from the depth `from` on in block[0 .. 32), nearest first; gives their number and
-// that of the fragments behind them.
+// Leaves the nearest 32 fragments with a depth of at least `from` in block[0 .. 32), nearest first. Returns the number
+// of all fragments with such a depth.
 uint sweep(uint from) {
     uint met = 0u;
     EACH32(EMPTY_PLACE, 0)
@@ -48,7 +51,8 @@ vec4 composite_alike(vec4 colour, uint depth) {
     return colour;
 }
 
-// Whether fragments as the first eight stored would still let more than MAX_ERROR through after SWEEPS sweeps.
+// Tells whether, if all fragments were like the first eight, more than MAX_ERROR of the light would still show through
+// after SWEEPS sweeps.
 bool faint() {
     float through = 1.0;
     uint at = first_cell;
@@ -56,7 +60,7 @@ bool faint() {
     return pow(through, 4.0 * SWEEPS) > MAX_ERROR;
 }
 
-// Sorts each block where it lies, and composites the nearest of their heads in turn.
+// Sorts each block in place, then repeatedly composites the nearest of the blocks' first remaining fragments.
 vec4 merge() {
     const uint from = 0u;
     vec4 colour = NOTHING;

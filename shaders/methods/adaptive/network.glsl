@@ -1,4 +1,5 @@
-// Resolve of at most NETWORK fragments: read into registers, sorted by a network, composited from there.
+// Resolves a pixel with at most NETWORK fragments: loads them into registers, sorts them by a sorting network and
+// composites them from there.
 // Source: Knowles, Leach and Zambetta 2014 (kplus_2015 [34]).
 #include "methods/adaptive/registers.glsl"
 

@@ -1,6 +1,6 @@
-// Optical depth of the first and of the second half of the depths before FURTHEST_CUT, added up by blending: in each channel 1/16 bit
-// of transmittance per unit. Early z discards what lies behind.
-// Invariant: rounded down and saturating at 255 units, so that never more opacity is seen than there is.
+// Adds up, by blending, the optical depth of the first and of the second half of the depths before FURTHEST_CUT. One
+// unit of a channel stands for 1/16 bit of transmittance. Early z discards fragments behind FURTHEST_CUT.
+// Invariant: each fragment is rounded down and the sum saturates at 255 units, so the opacity is never overestimated.
 #include "scene/fragment.glsl"
 
 void main() {

@@ -1,4 +1,5 @@
-// Which pixels have counters and cells, row by row: with DENSE only those of the rectangle that bounds the geometry.
+// Maps a pixel to its place in per-pixel storage, row by row. With DENSE only the pixels of the rectangle that bounds
+// the geometry have a place; otherwise every pixel of the viewport has one.
 #include "common/pixel.glsl"
 
 #if DENSE

@@ -1,4 +1,6 @@
-// What a pixel has, from the cell `at` on, into the registers of a network, and from there into the colour.
+// Defines how fragments move between the cells of a pixel, the registers of the sorting network, and the colour:
+// LOAD(i) reads the cell `at` into register i, COMPOSITE(i) composites register i.
+// Buffers: reads nodes.
 #include "common/network.glsl"
 
 #define LOAD(i) \

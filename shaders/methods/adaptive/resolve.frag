@@ -1,4 +1,5 @@
-// Resolve of the pixels of the region, or of one class of them by the depth test.
+// Resolve: composites the fragments of each pixel of the region, or of one class of pixels if the depth test selects
+// it.
 #include "common/colour.glsl"
 #include "common/transmittance.glsl"
 #include "methods/adaptive/cells.glsl"

@@ -1,9 +1,10 @@
-// Store: each fragment takes a cell of its own. DENSE: of as many cells for every pixel as the geometry has layers,
-// neighbours side by side, by the pixel's counter, or with PLANES by the number of its primitive; else of the pixel's
-// range, where the counter began at its first cell.
-// Invariant: no pixel has more fragments than layers, or than were counted: every cell lies in the buffer. One that did
-// not would be lost, and counted; llvmpipe stores faster behind this test than without one.
+// Store: each fragment takes a cell of its own. With DENSE every pixel has as many cells as the geometry has layers,
+// and cells of neighbouring pixels are adjacent; the pixel's counter gives the layer, or with PLANES the number of the
+// primitive does. Otherwise the cells are those of the pixel's range, and the counter starts at the first of them.
+// Invariant: no pixel has more fragments than layers, or than were counted, so every cell is inside the buffer. The
+// test for that would count a lost fragment; llvmpipe stores faster with this test than without it.
 // Source: Crassin 2010 (dense); sbuffer_2012 §3.3 (ranges).
+// Buffers: updates counter; writes nodes.
 #include "scene/fragment.glsl"
 #include "methods/adaptive/region.glsl"
 

@@ -1,4 +1,4 @@
-// Counts the fragments that a pixel holds. Runs outside timed frames.
+// Counts the fragments that each pixel stores. This pass runs outside timed frames.
 #include "methods/adaptive/cells.glsl"
 
 void main() {

@@ -1,4 +1,6 @@
-// Sums of the count: the fragments of each SEGMENT pixels of a row, from which the host takes bands that fit a budget.
+// Sums the fragments of each SEGMENT adjacent pixels of a row. From these sums the host chooses bands that fit a memory
+// budget.
+// Buffers: updates sums.
 #include "methods/adaptive/tally.glsl"
 
 void main() {

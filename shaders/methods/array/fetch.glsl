@@ -1,4 +1,6 @@
-// Reads the fragments of a pixel's array. Slots of neighbouring pixels lie side by side.
+// Reads the fragments of a pixel from its array, in order of arrival. Slot s of pixel p is at s * pixels + p, so that
+// neighbouring pixels read neighbouring words.
+// Buffers: reads counter, nodes.
 #define FETCH_COUNT(p) min(counter[p], uint(SLOTS))
 
 uint fetch_at, fetch_end;

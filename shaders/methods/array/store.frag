@@ -1,6 +1,7 @@
-// A-buffer with fixed arrays, store: an atomic counter per pixel gives each fragment a slot of its own.
-// Invariant: slots 0 .. counter[p]-1 of pixel p are written; a fragment beyond slot N-1 is lost, and counted.
+// Store of the A-buffer with fixed arrays: the atomic counter of the pixel gives each fragment a slot of its own.
+// Invariant: slots 0 .. counter[p] - 1 of pixel p are written; a fragment beyond slot N - 1 is counted as lost.
 // Source: Crassin 2010; Liu et al. 2010 (FreePipe); kplus_2015 §2.
+// Buffers: updates counter; writes nodes.
 #include "scene/fragment.glsl"
 
 void main() {

@@ -1,4 +1,5 @@
-// Floor: fixed-function blending in submission order, the least that any method has to do.
+// Blending floor: blends the fragments in submission order by fixed-function blending, which is the least work that any
+// method has to do.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"
 

@@ -1,5 +1,5 @@
-// Z-buffer: the hardware depth test keeps the nearest fragment (k-buffer with k = 1, kplus_2015 §4.3).
-// Fragments of equal depth: the last submitted wins.
+// Z-buffer: the hardware depth test keeps the nearest fragment, which is a k-buffer with k = 1 (kplus_2015 §4.3). Of
+// fragments with equal depth the last submitted one is kept.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"
 

@@ -1,5 +1,5 @@
-// The levels of the hierarchical sum: level 0 are the pixels; an element of level l sums FAN of level l - 1.
-// Levels 1, 2, … stand one behind the other in `sums`.
+// Levels of the hierarchical sum: level 0 is the pixels, and each element of level l is the sum of FAN elements of
+// level l - 1. The buffer `sums` contains levels 1, 2, … one after the other.
 uint level_size(uint level) {
     uint size = pixels;
     for (uint i = 0u; i < level; ++i) size = (size + uint(FAN) - 1u) / uint(FAN);

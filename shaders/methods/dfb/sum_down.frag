@@ -1,6 +1,8 @@
-// Dynamic fragment buffer, scan downwards: each step turns one level of sums into what lies before them.
-// Invariant: after the last step address[p] is the number of fragments of all pixels before p.
+// Downward half of the dynamic fragment buffer's scan: each step replaces the sums of one level by the sums of
+// everything before them.
+// Invariant: after the last step, address[p] is the number of fragments of all pixels before p.
 // Source: Maule et al. 2014, as in kplus_2015 §2 [31]; the scan is that of Blelloch 1990 with FAN children.
+// Buffers: reads counter; updates sums; writes address.
 #include "common/pixel.glsl"
 #include "methods/dfb/levels.glsl"
 

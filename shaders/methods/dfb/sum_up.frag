@@ -1,6 +1,7 @@
-// Dynamic fragment buffer, scan upwards: each step makes one level of sums from the one below.
-// Invariant: after step i level i + 1 holds the fragments of FAN^(i+1) pixels in a row.
+// Upward half of the dynamic fragment buffer's scan: each step computes one level of sums from the level below.
+// Invariant: after step i, each element of level i + 1 is the number of fragments of FAN^(i+1) consecutive pixels.
 // Source: Maule et al. 2014, as in kplus_2015 §2 [31]; the scan is that of Blelloch 1990 with FAN children.
+// Buffers: reads counter; updates sums.
 #include "common/pixel.glsl"
 #include "methods/dfb/levels.glsl"
 

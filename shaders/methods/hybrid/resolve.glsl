@@ -1,7 +1,8 @@
-// Hybrid transparency, resolve: the core composited exactly, behind it the weighted average of the tail.
+// Resolve of hybrid transparency: composites the core exactly, and behind it the weighted average of the tail.
+// Buffers: reads tail_count, tail.
 #include "common/composite_sorted.glsl"
 
-// As many layers of the mean colour and the mean opacity as there are fragments (Bavoil and Myers 2008).
+// Composites as many layers of the mean colour and the mean opacity as there are fragments (Bavoil and Myers 2008).
 vec4 average(vec4 sum, float count) {
     if (sum.a == 0.0) return vec4(0.0);
     float opacity = 1.0 - pow(max(0.0, 1.0 - sum.a / count), count);

@@ -1,6 +1,9 @@
-// Hybrid transparency, store: the K nearest fragments stay in order, what falls out of them joins the tail's sums.
-// Invariant: every fragment so far is in the core or counted in the tail, and none of the tail is nearer than the core.
+// Store of hybrid transparency: the K nearest fragments of the pixel stay sorted in the core; a fragment that falls out
+// of the core is added to the sums of the tail.
+// Invariant: every fragment so far is in the core or counted in the tail, and no fragment of the tail is nearer than
+// one of the core.
 // Source: Maule et al. 2013, §3.
+// Buffers: updates tail, tail_count.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"
 #include "common/lock.glsl"

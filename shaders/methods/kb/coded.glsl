@@ -1,6 +1,8 @@
-// The K slots of a pixel, depths and colours apart, with a code of both in the two bits that a depth in [0, 1]
-// leaves free: a slot whose halves come from two fragments is found out three times in four, and reads as empty.
-// A reconstruction: the code of Zhang 2014 is not public.
+// K slots per pixel with depths and colours in separate buffers. The two bits that a depth in [0, 1] leaves unused
+// contain a code of depth and colour. A slot whose halves come from two different fragments is detected in three cases
+// of four and then reads as empty.
+// Source: a reconstruction; the code of Zhang 2014 is not public.
+// Buffers: reads depths, colours.
 #include "common/hash.glsl"
 
 const uint DEPTH_BITS = 0x3FFFFFFFu;

@@ -1,13 +1,13 @@
-// Multi-pass k-buffer: fragments that belong to the K nearest and are not held are inserted as in the k-buffer; the
-// depth test keeps the nearest of them for certain.
-// Invariant: whoever is not held is further than all that the slots before its place hold, and writes only beyond:
-// what is nearer than the nearest missing fragment stays. A pass in which none is missing writes nothing.
+// Store of the multi-pass k-buffer: a fragment that belongs to the K nearest but is not stored is inserted as in the
+// k-buffer; in addition the depth test keeps the nearest of these missing fragments, without hazards.
+// Invariant: a missing fragment is further than everything in the slots before its place and writes only from its place
+// on, so slots nearer than the nearest missing fragment stay as they are. If none is missing, the pass writes nothing.
 // Source: Liu et al. 2009, as in kplus_2015 §2 and Table 1.
 #include "scene/fragment.glsl"
 #include "methods/ps/slots.glsl"
 #include "common/insert_sorted.glsl"
 
-// A slot of the fragment's depth with another colour is torn, or holds another fragment of equal depth.
+// A slot with the fragment's depth but another colour is torn, or belongs to another fragment of equal depth.
 bool missing(uint p, FRAGMENT fragment) {
     for (uint slot = 0u; slot < uint(K); ++slot) {
         FRAGMENT held = read_slot(p, slot);

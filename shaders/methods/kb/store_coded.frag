@@ -1,5 +1,7 @@
-// Memory-hazard-aware k-buffer, store: as the k-buffer, with slots that tell when a hazard tore them.
+// Store of the memory-hazard-aware k-buffer: inserts as the k-buffer does, into slots with a code that reveals when a
+// hazard has torn them.
 // Source: Zhang 2014, reconstructed from kplus_2015 §2 and Table 1.
+// Buffers: writes depths, colours.
 #include "scene/fragment.glsl"
 #include "methods/kb/coded.glsl"
 

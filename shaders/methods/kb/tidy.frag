@@ -1,12 +1,13 @@
-// Multi-pass k-buffer: takes in the nearest fragment that was missing, sorts the slots, drops what stands twice.
-// Invariant: afterwards depths rise strictly up to the first empty slot. Of equal depths the certain one is kept.
+// Tidy pass of the multi-pass k-buffer: adds the nearest missing fragment, sorts the slots, and removes duplicates.
+// Invariant: afterwards depths strictly increase up to the first empty slot. Of fragments with equal depth the one that
+// the depth test has kept stays.
 #include "common/pixel.glsl"
 #define BATCHES 0
 #include "common/local.glsl"
 #include "common/sort.glsl"
 #include "methods/ps/slots.glsl"
 
-const uint NO_DEPTH = 0x3F800000u;  // 1.0, which the layer is cleared to, with a colour of 0
+const uint NO_DEPTH = 0x3F800000u;  // 1.0, the clear value of the layer's depth; its colour is cleared to 0
 
 uint collect(uint p) {
     ivec2 xy = ivec2(gl_FragCoord.xy);
@@ -22,7 +23,7 @@ uint collect(uint p) {
 void main() {
     uint p = pixel_index();
     uint count = collect(p), kept = 0u, last = EMPTY;
-    sort_by_gap(count, 1u);  // stable
+    sort_by_gap(count, 1u);  // insertion sort is stable
     for (uint i = 0u; i < count && kept < uint(K); ++i) {
         if (fragments[i].x != last) write_slot(p, kept++, fragments[i]);
         last = fragments[i].x;

@@ -1,6 +1,8 @@
-// Multi-pass k+-buffer, between iterations: moves the boundary behind what was composited, and empties the pixel.
-// Invariant: a pixel passes only where its K slots were full, so that a count of zero ends the peeling.
+// Step between two iterations of the multi-pass k+-buffer: moves the boundary behind the fragments that were
+// composited, and empties the k+-buffer of the pixel.
+// Invariant: only pixels whose K slots were full pass, so that an occlusion count of zero ends the peeling.
 // Source: kplus_2015 §4.3.
+// Buffers: updates nodes, last, repeats; writes counter.
 #include "common/pixel.glsl"
 #include "methods/kplus/slots.glsl"
 

@@ -1,11 +1,12 @@
-// Max-array: the slots behind slot 0 stand in any order (kplus_2015 §3.2).
+// Max-array: slot 0 contains the worst fragment, and the other slots are in any order (kplus_2015 §3.2).
+// Buffers: updates nodes.
 
-// O(1): the fragment takes the slot.
+// Writes the fragment into the free slot, in O(1).
 void array_fill(uint p, uint slot, FRAGMENT fragment) {
     NODE(p, slot) = fragment;
 }
 
-// O(room): the fragment replaces what slot 0 holds; the worst of what is left moves there.
+// Replaces the fragment of slot 0, then moves the worst remaining fragment to slot 0, in O(room).
 void array_replace(uint p, uint room, FRAGMENT fragment) {
     FRAGMENT worst = fragment;
     uint at = 0u;

@@ -1,7 +1,8 @@
-// Bounded count: one increment per fragment, until the pixel has K.
-// Invariant: the fragments that pass are min(f, K) of each pixel; tests at one time may carry a counter beyond K,
-// which the referencing pass takes back.
+// Bounded count: each fragment increments the counter of its pixel, until the counter is K.
+// Invariant: min(f, K) fragments of each pixel pass. Concurrent tests may increment a counter beyond K; the referencing
+// pass limits it to K again.
 // Source: kplus_2015 §4.1, Alg. 3, lines 5-11.
+// Buffers: updates counter.
 #include "scene/fragment.glsl"
 
 void main() {

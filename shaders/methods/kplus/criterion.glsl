@@ -1,6 +1,7 @@
-// h(f) of the generalized k+-buffer (kplus_2015 §3.2.2, Eq. 2): whether a has to leave before b.
-// Invariant: a total order of fragments, so that which of them stay does not depend on their arrival; equal ones
-// do not displace each other, and an empty slot leaves before any fragment.
+// Criterion h(f) of the generalized k+-buffer (kplus_2015 §3.2.2, Eq. 2): tells whether fragment a has to leave before
+// b.
+// Invariant: the criterion is a total order, so that the fragments that stay do not depend on their order of arrival.
+// Equal fragments do not displace each other, and an empty slot leaves before any fragment.
 #include "common/payload.glsl"
 
 bool worse(FRAGMENT a, FRAGMENT b) {
@@ -13,8 +14,8 @@ bool worse(FRAGMENT a, FRAGMENT b) {
     return a.x > b.x || (a.x == b.x && payload_beyond(a, b));
 }
 
-// What can be said of a while others replace b by better ones, word by word: only one word of b is compared, and of
-// an empty slot each word says that it is empty (no half has all its bits set).
+// Tells whether a is worse than b even if other invocations are replacing b by a better fragment, one word at a time.
+// Only one word of b is compared, and each word of an empty slot shows that it is empty (no half has all bits set).
 bool surely_worse(FRAGMENT a, FRAGMENT b) {
 #if CRITERION_FURTHEST
     return b.x != EMPTY && a.x < b.x;

@@ -1,5 +1,6 @@
-// Empties the k+-buffer of each pixel, whose range and count of fragments stand from an earlier frame.
-// Invariant: afterwards no slot is taken, and the first cell of each range is empty, as the referencing leaves them.
+// Empties the k+-buffer of each pixel, for a frame that reuses the ranges and counts of an earlier frame.
+// Invariant: afterwards no slot is taken, and the first cell of each range is empty, as after the referencing pass.
+// Buffers: updates counter; writes nodes.
 #include "common/pixel.glsl"
 #include "common/payload.glsl"
 #include "methods/kplus/slots.glsl"

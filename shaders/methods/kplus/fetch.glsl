@@ -1,4 +1,5 @@
-// Reads the fragments that a pixel's k+-buffer keeps, in the order of its slots.
+// Reads the fragments that the k+-buffer of a pixel has kept, in the order of its slots.
+// Buffers: reads nodes.
 #include "methods/kplus/slots.glsl"
 
 #define FETCH_COUNT(p) taken(p)

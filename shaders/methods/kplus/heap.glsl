@@ -1,7 +1,8 @@
-// Max-heap: no fragment is worse than its parent, slot i/2 of slot i; slot 0 is the parent of slot 1
-// (kplus_2015 §3.2, with a root of one child, so that the heap grows behind an empty slot 0).
+// Max-heap: no fragment is worse than its parent. The parent of slot i is slot i/2, and slot 0 is the parent of slot 1,
+// so that the heap grows behind an empty slot 0 (kplus_2015 §3.2, with a root that has one child).
+// Buffers: updates nodes.
 
-// O(log room): the hole at the end rises until its parent is no better.
+// Inserts the fragment, in O(log room): the hole at the end rises until its parent is no better than the fragment.
 void heap_fill(uint p, uint slot, FRAGMENT fragment) {
     uint hole = slot;
     while (hole > 1u) {
@@ -13,7 +14,7 @@ void heap_fill(uint p, uint slot, FRAGMENT fragment) {
     NODE(p, hole) = fragment;
 }
 
-// O(log room): what slot 0 holds leaves; the hole sinks until no child is worse than the fragment.
+// Replaces the fragment of slot 0, in O(log room): the hole sinks until no child is worse than the fragment.
 void heap_replace(uint p, uint room, FRAGMENT fragment) {
     uint hole = 0u;
     for (uint child = 1u; child < room; child = 2u * hole) {

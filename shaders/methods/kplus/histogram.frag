@@ -1,5 +1,7 @@
-// Depth-complexity histogram: histogram[i] is the number of pixels with i + 1 fragments, the last bin also of
-// those with more. Source: kplus_2015 §4.2, Alg. 3, lines 12-16.
+// Depth-complexity histogram: counts the pixels that have i + 1 fragments in histogram[i], and those with more
+// fragments than bins in the last bin.
+// Source: kplus_2015 §4.2, Alg. 3, lines 12-16.
+// Buffers: reads counter; updates histogram.
 #include "common/pixel.glsl"
 
 void main() {

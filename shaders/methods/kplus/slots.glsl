@@ -1,7 +1,8 @@
-// Where the k+-buffer keeps a pixel's fragments: slot 0 the worst of them, slots 1 .. room-1 the others.
-// Invariant: slot 0 is empty until all others are taken, and only gets better from then on: a value of it that is
-// out of date lets a fragment through, and never refuses one that belongs.
-// counter[p]: slots taken in the upper bits, in the lower ones fragments counted.
+// Layout of the k+-buffer of a pixel: slot 0 contains the worst fragment, slots 1 .. room - 1 the others. The upper
+// bits of counter[p] are the number of slots taken, the lower bits the number of fragments counted.
+// Invariant: slot 0 stays empty until all other slots are taken, and from then on its fragment only gets better. An
+// outdated value of it may let a fragment through, but never refuses one that belongs into the buffer.
+// Buffers: defines NODE for nodes, with EXACT_RANGES by way of address; reads counter.
 const uint COUNTED_BITS = 21u;
 const uint ONE_TAKEN = 1u << COUNTED_BITS;
 const uint COUNTED = ONE_TAKEN - 1u;

@@ -1,6 +1,6 @@
-// k+-buffer, store: keeps the K best fragments of the pixel, unsorted; the resolve sorts them.
-// Invariant: no fragment that was let go is better than one that is kept.
-// Source: kplus_2015 §3.1-3.2, Alg. 1 and 2; §4.1, Alg. 3 with EXACT_RANGES.
+// Store of the k+-buffer: keeps the K best fragments of each pixel, unsorted; the resolve sorts them.
+// Invariant: no fragment that was dropped is better than one that is kept.
+// Source: kplus_2015 §3.1-3.2, Alg. 1 and 2; with EXACT_RANGES §4.1, Alg. 3.
 #include "scene/fragment.glsl"
 #include "common/lock.glsl"
 #include "methods/kplus/structure.glsl"

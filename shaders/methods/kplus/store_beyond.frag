@@ -1,7 +1,9 @@
-// Multi-pass k+-buffer, store: the K nearest fragments behind all that earlier iterations have composited.
-// Invariant: last[p] is the furthest of those; fragments equal to it in depth and colour cannot be told apart, and
-// the first repeats[p] of them to arrive count as composited.
+// Store of the multi-pass k+-buffer: keeps the K nearest fragments behind those that earlier iterations have
+// composited.
+// Invariant: last[p] is the furthest composited fragment. Fragments that equal it in depth and colour cannot be
+// distinguished; the first repeats[p] of them to arrive count as already composited.
 // Source: kplus_2015 §4.3.
+// Buffers: reads last, repeats; updates counter.
 #include "scene/fragment.glsl"
 #include "common/lock.glsl"
 #include "methods/kplus/structure.glsl"

@@ -1,6 +1,9 @@
-// Revised k+-buffer, store: the first K-1 fragments take slots of their own without the lock.
-// Invariant: a slot counts as taken only when its fragment can be seen; who needs the worst of them waits for all.
+// Store of the revised k+-buffer: the first K - 1 fragments of a pixel take slots of their own without the lock; only
+// the others enter the critical section.
+// Invariant: a slot counts as taken only after its fragment is visible to other invocations. An invocation that needs
+// the worst fragment waits until all K - 1 slots are taken.
 // Source: kplus_2015 §3.2.1, Alg. 2.
+// Buffers: updates counter; writes nodes.
 #include "scene/fragment.glsl"
 #include "common/lock.glsl"
 #include "methods/kplus/structure.glsl"
@@ -15,7 +18,7 @@ bool filled(uint p, FRAGMENT fragment) {
     return true;
 }
 
-// Ends because a fill waits for nothing.
+// Terminates, because `filled` never blocks: every slot that was given out is filled after finitely many steps.
 bool fills_seen(uint p) {
     for (uint tries = 0u; tries < uint(LOCK_TRIES); ++tries)
         if ((atomicAdd(counter[p], 0u) >> COUNTED_BITS) + 1u >= uint(K)) return true;

@@ -1,6 +1,7 @@
-// The bounded set of the k+-buffer: insertion of a fragment, inside the critical section.
-// STRUCTURE_ADAPTIVE: a heap where a pixel has at least K fragments and K > 16, else an array
+// Inserts a fragment into the bounded set of a pixel, inside the critical section. The set is a max-array or a
+// max-heap. With STRUCTURE_ADAPTIVE it is a heap if K > 16 and the pixel has at least K fragments, otherwise an array
 // (kplus_2015 §4.1, Alg. 3, line 23).
+// Buffers: reads nodes; updates counter.
 #include "methods/kplus/criterion.glsl"
 #include "methods/kplus/slots.glsl"
 #include "methods/kplus/array.glsl"
@@ -14,7 +15,8 @@ bool is_heap(uint room) {
 #endif
 }
 
-// The test that needs no lock (kplus_2015 §3.2): a set that is full has nothing as bad. Ties are left to `insert`.
+// Tests without the lock whether the set refuses the fragment: the set is full and all of its fragments are better
+// (kplus_2015 §3.2). Ties are left to `insert`.
 bool refused(uint p, FRAGMENT fragment) {
     return surely_worse(fragment, NODE(p, 0u));
 }

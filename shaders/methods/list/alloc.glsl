@@ -1,7 +1,8 @@
-// Cells of linked lists; none is ever given back. They come from one shared counter, or from pages.
-// next[l] for l < BUCKETS * pixels is the head of list l; cell c has its link at next[BUCKETS * pixels + c].
-// Invariant: cells allocated past the capacity are counted but not used; the frame is then redone.
+// Allocates cells of linked lists, from one shared counter or in pages; cells are never freed. For l < BUCKETS *
+// pixels, next[l] is the head of list l; the link of cell c is next[BUCKETS * pixels + c].
+// Invariant: cells beyond the capacity are counted but not used; the frame is then drawn again with a larger capacity.
 // Source: gpupro5_ch1 §1.2.
+// Buffers: updates cell_counter.
 #if ALLOCATION_PAGED
 #include "methods/list/pages.glsl"
 #else

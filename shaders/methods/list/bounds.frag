@@ -1,7 +1,8 @@
-// Linked lists by depth range, bounds: the nearest and the furthest depth of each pixel.
-// MAXIMUM_COMPARE_AND_SWAP emulates the atomic minimum and maximum, as gpupro5_ch1 §1.6 does to estimate their cost: a
-// swap that finds another value tries again with it, until its own is no better.
+// Depth bounds for linked lists by depth range: finds the nearest and the furthest depth of each pixel by atomics.
+// MAXIMUM_COMPARE_AND_SWAP emulates the atomic minimum and maximum by compare-and-swap, as gpupro5_ch1 §1.6 does to
+// estimate their cost: a swap that finds another value retries with that value, until its own is no longer better.
 // Source: Vasilakis and Fudos 2013 (AB_LL-BUN), as in kplus_2015 §2.
+// Buffers: updates nearest, furthest.
 #include "scene/fragment.glsl"
 #include "common/helper.glsl"
 

@@ -1,7 +1,9 @@
-// The list that a fragment joins: its pixel's own, or of several by equal ranges of the pixel's depth bounds.
-// Invariant: a fragment of a lower list is never further than one of a higher list, because each step of the
-// arithmetic keeps the order of depths.
+// Chooses the list that a fragment joins: the only list of its pixel, or one of BUCKETS lists, which divide the depth
+// bounds of the pixel into equal ranges.
+// Invariant: no fragment of a lower list is further than one of a higher list, because each step of the computation
+// preserves the order of depths.
 // Source: Vasilakis and Fudos 2013 (AB_LL-BUN), ranges as in bucket peeling, Liu et al. 2009; kplus_2015 §2.
+// Buffers: reads nearest, furthest.
 uint chosen_list(uint p, uint depth) {
 #if BUCKETS > 1
     float near = uintBitsToFloat(nearest[p]), far = uintBitsToFloat(furthest[p]);

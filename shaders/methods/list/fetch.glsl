@@ -1,4 +1,5 @@
-// Reads the fragments of a list, in the order of its links.
+// Reads the fragments of a list in the order of its links.
+// Buffers: reads next, cells.
 #include "common/helper.glsl"
 
 uint fetch_at;

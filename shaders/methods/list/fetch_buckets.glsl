@@ -1,4 +1,5 @@
-// Reads one of a pixel's lists. Their resolve needs room for the longest.
+// Reads the fragments of one of a pixel's lists. FETCH_COUNT is the length of the longest list of the pixel, because
+// the local array of the resolve needs room for that many fragments.
 #include "methods/list/fetch.glsl"
 
 #define FETCH_COUNT(p) longest_list(p)

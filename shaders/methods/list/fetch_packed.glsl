@@ -1,4 +1,5 @@
-// Reads the fragments of a list of 64-bit records (link, inverted depth), in the order of its links.
+// Reads the fragments of a list of 64-bit records (link, inverted depth) in the order of its links.
+// Buffers: reads records, payload.
 #define WIDE records
 #include "common/helper.glsl"
 #include "common/load64.glsl"

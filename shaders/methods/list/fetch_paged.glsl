@@ -1,7 +1,9 @@
-// Reads a pixel's pages, the last taken first, each from its last cell to its first.
+// Reads the fragments of a pixel's pages, from the page that was taken last to the first, and in each page from the
+// last cell to the first.
+// Buffers: reads place, cells, page_link.
 #include "common/helper.glsl"
 
-uint fetch_at;  // one past the next cell; 0 ends the list
+uint fetch_at;  // index of the next cell plus 1; 0 ends the list
 
 void fetch_begin(uint p) {
     fetch_at = IS_HELPER ? 0u : place[p];

@@ -1,7 +1,9 @@
-// Sorted linked lists, store: walks to the place of the fragment and links it in by compare-and-swap.
-// Invariant: each list is sorted by depth at any time; nothing is removed, so a failed swap retries from
-// where it stands. Equal depths stay in order of arrival.
-// Source: gpupro5_ch1 §1.2.3, after Harris 2001. The cell is taken where the walk ends, not where it begins.
+// Store of sorted linked lists: walks to the place of the fragment and links its cell in by compare-and-swap. The cell
+// is allocated at the end of the walk, not before it.
+// Invariant: each list is sorted by depth at all times. Nothing is removed, so a failed swap retries from the same
+// place. Fragments of equal depth stay in order of arrival.
+// Source: gpupro5_ch1 §1.2.3, after Harris 2001.
+// Buffers: updates next, cells.
 #include "scene/fragment.glsl"
 #include "common/helper.glsl"
 #include "common/early_culling.glsl"

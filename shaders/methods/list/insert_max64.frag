@@ -1,13 +1,16 @@
-// Sorted linked lists, store: 64-bit records (link, inverted depth) find their place by atomic max.
-// Invariant: records[x] is the largest of the records inserted at x; what it displaces is inserted behind it.
+// Store of sorted linked lists in 64-bit records (link, inverted depth): atomic maxima put each record into its place.
+// Invariant: records[x] is the largest of the records inserted at x; the record that it displaces is inserted behind
+// it.
 // Source: gpupro5_ch1 §1.2.2-1.2.3, Listings 1.2 and 1.3.
+// Buffers: reads payload; updates records; writes payload.
 #define WIDE records
 #include "scene/fragment.glsl"
 #include "common/atomic64.glsl"
 #include "common/early_culling.glsl"
 #include "methods/list/alloc.glsl"
 
-// Goes past the nearer fragments; true once these hide the fragment. Reads only: no cell is taken in vain.
+// Walks past the nearer fragments, without writing; returns true as soon as they hide the fragment, so that a hidden
+// fragment takes no cell.
 bool hidden(uint depth, inout uint at) {
     float opacity = 0.0;
     uvec2 record;

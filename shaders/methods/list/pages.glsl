@@ -1,11 +1,14 @@
-// Cells in pages of PAGE that belong to one pixel. place[p] is the pixel's next cell; a multiple of PAGE says that
-// its page is full, or with 0 that it has none. TAKING is set while an invocation takes the next page.
-// Invariant: a page but the pixel's last is full; a cell is given out once; the lock is held only to take a page.
-// Source: Crassin 2010, as in gpupro5_ch1 §1.2; there every cell is taken under the lock.
+// Allocates cells in pages of PAGE cells that belong to one pixel. place[p] is the next cell of pixel p. If it is a
+// multiple of PAGE the page is full, or with 0 the pixel has no page yet. The bit TAKING is set while an invocation
+// takes the next page.
+// Invariant: all pages of a pixel but the last are full; a cell is given out once; the lock is held only to take a
+// page.
+// Source: Crassin 2010, as in gpupro5_ch1 §1.2, where every cell is taken under the lock.
+// Buffers: updates place, cell_counter.
 #include "common/helper.glsl"
 
 const uint TAKING = 0x80000000u;
-uint page_before;  // place[p] before `allocate` took the page of which it gave the first cell
+uint page_before;  // place[p] before `allocate` took a new page, of which it returned the first cell
 
 bool allocate(uint p, out uint cell) {
     bool waiting = !IS_HELPER;

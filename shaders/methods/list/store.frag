@@ -1,6 +1,7 @@
-// Linked lists, store: the new cell becomes the head of the pixel's list, unsorted.
+// Store of linked lists: the cell of the fragment becomes the head of its list; the list is unsorted.
 // Invariant: following `next` from the head visits every fragment of the list once.
 // Source: Yang et al. 2010; gpupro5_ch1 §1.2.1, Listing 1.1.
+// Buffers: updates next; writes cells.
 #include "scene/fragment.glsl"
 #include "methods/list/alloc.glsl"
 #include "methods/list/choose.glsl"

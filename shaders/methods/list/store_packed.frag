@@ -1,6 +1,7 @@
-// Linked lists with depth and link in one 64-bit record, store: one exchange links the new cell.
-// Invariant: records[x] holds the link and inverted depth of the fragment that follows x; 0 ends the list.
+// Store of linked lists with depth and link in one 64-bit record: one atomic exchange links the new cell.
+// Invariant: records[x] is the link to, and the inverted depth of, the fragment that follows x; 0 ends the list.
 // Source: gpupro5_ch1 §1.2.2, Listing 1.2.
+// Buffers: updates records; writes payload.
 #define WIDE records
 #include "scene/fragment.glsl"
 #include "common/atomic64.glsl"

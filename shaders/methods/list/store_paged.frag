@@ -1,6 +1,8 @@
-// Linked lists of pages, store: each fragment takes the next cell of its pixel's page, the first links the page.
-// Invariant: page_link[i] is place[p] from before page i was taken, so that the pages before it are read as full.
+// Store of linked lists of pages: each fragment takes the next cell of its pixel's page; the fragment that takes the
+// first cell links the page to the previous one.
+// Invariant: page_link[i] is the value of place[p] before page i was taken, so that earlier pages are read as full.
 // Source: Crassin 2010.
+// Buffers: writes cells, page_link.
 #include "scene/fragment.glsl"
 #include "methods/list/alloc.glsl"
 

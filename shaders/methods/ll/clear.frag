@@ -1,5 +1,6 @@
-// KB-LL, clear: each list is its two sentinels, nearer and further than any fragment.
-// WHOLE: every pixel is cleared, and the first one clears the counter.
+// Clear of KB-LL: makes each list consist of its two sentinels, one nearer and one further than any fragment. With
+// WHOLE every pixel of the viewport is cleared, and the first pixel also clears the counter of cells.
+// Buffers: writes cells, next, cell_counter.
 #include "common/pixel.glsl"
 
 void main() {

@@ -1,4 +1,5 @@
-// Reads the first K fragments of a pixel's list, which is in order of depth.
+// Reads the first K fragments of a pixel's list, which is sorted by depth.
+// Buffers: reads next, cells.
 #include "common/helper.glsl"
 
 uint fetch_node, fetch_left;

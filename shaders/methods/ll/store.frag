@@ -1,9 +1,10 @@
-// KB-LL, store: links the fragment into its pixel's list, in order of depth, if fewer than K are nearer.
-// Nodes: p is the head of pixel p, pixels + p its tail, 2 * pixels + c the cell c.
-// Invariant: links lead from the head through rising depths to the tail. A node is whole before it is linked, and
-// never unlinked, so a failed swap starts again from the same predecessor; after RETRIES of them the fragment is
-// lost, and counted. Every fragment takes a cell, those beyond the K nearest as well.
+// Store of KB-LL: links the fragment into the sorted list of its pixel if fewer than K fragments are nearer. Node p is
+// the head of pixel p, node pixels + p its tail, and node 2 * pixels + c is cell c.
+// Invariant: links lead from the head through increasing depths to the tail. A node is complete before it is linked and
+// is never unlinked, so a failed swap retries at the same predecessor. After RETRIES failed swaps the fragment is
+// counted as lost. Every fragment takes a cell, including those that are not among the K nearest.
 // Source: Yu et al. 2012; kplus_2015 §2, §5.3.
+// Buffers: updates next, cells.
 #include "scene/fragment.glsl"
 #include "common/helper.glsl"
 #include "methods/list/alloc.glsl"

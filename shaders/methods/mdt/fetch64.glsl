@@ -1,4 +1,5 @@
-// Reads the sorted 64-bit elements of a pixel: depth in the high word, colour in the low one.
+// Reads the sorted 64-bit elements of a pixel; the high word is the depth, the low word the colour.
+// Buffers: reads nodes.
 #define WIDE nodes
 #include "common/load64.glsl"
 

@@ -1,6 +1,7 @@
-// What the depth test compares: the bits of the float depth, in its order; or the papers' scaled conversion, which
-// loses what is finer than DEPTH_BITS (kplus_2015 §2, §5.3). Of 32 bits the scale is the largest float that fits.
-// Invariant: no key is EMPTY.
+// Computes the integer that the multi depth test compares. By default it is the bits of the float depth, which have the
+// order of the depths. KEY_FIXED selects the papers' scaled conversion, which loses differences finer than DEPTH_BITS
+// (kplus_2015 §2, §5.3); with 32 bits the scale is the largest float below 2^32.
+// Invariant: no key equals EMPTY.
 uint depth_key(uint depth) {
 #if KEY_FIXED
 #if DEPTH_BITS == 32

@@ -1,7 +1,9 @@
-// Multi depth test in one pass: a cascade of 64-bit atomic minima leaves the K nearest fragments in order.
-// Invariant: no slot ever grows; what a slot gives up moves on to the next. The high word is the depth, the low one
-// the colour: equal depths are ordered by colour, and equal fragments pass each other, one slot each.
+// Multi depth test in one pass: a cascade of 64-bit atomic minima leaves the K nearest fragments in order. The high
+// word is the depth, the low word the colour, so fragments of equal depth are ordered by colour.
+// Invariant: no slot ever increases, and the value that a slot gives up moves on to the next slot. Equal fragments pass
+// each other and take one slot each.
 // Source: Kubisch 2014; kplus_2015 §2.
+// Buffers: updates nodes.
 #define WIDE nodes
 #include "scene/fragment.glsl"
 #include "common/atomic64.glsl"

@@ -1,6 +1,8 @@
-// Multi depth test, second pass: each fragment among the K nearest writes its colour beside its depth.
-// Invariant: colours[i] belongs to depths[i]. Fragments of equal depth collide in the first slot of that depth.
+// Second pass of the multi depth test: each fragment that is among the K nearest writes its colour into the slot of its
+// depth.
+// Invariant: colours[i] belongs to depths[i]. Fragments of equal depth collide in the first slot with that depth.
 // Source: Maule et al. 2013; kplus_2015 §2.
+// Buffers: reads depths; writes colours.
 #include "scene/fragment.glsl"
 #include "methods/mdt/key.glsl"
 

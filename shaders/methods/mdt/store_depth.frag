@@ -1,7 +1,8 @@
-// Multi depth test, first pass: a cascade of atomic minima leaves the K nearest depths in order.
-// Invariant: depths[0..K) of the pixel never grow; what a slot gives up moves on to the next.
-// Equal depths pass each other and are kept, one slot each.
+// First pass of the multi depth test: a cascade of atomic minima leaves the K nearest depths in order.
+// Invariant: no slot ever increases, and the value that a slot gives up moves on to the next slot. Equal depths pass
+// each other and take one slot each.
 // Source: Liu et al. 2010; Maule et al. 2013; kplus_2015 §2.
+// Buffers: updates depths.
 #include "scene/fragment.glsl"
 #include "methods/mdt/key.glsl"
 

@@ -1,4 +1,5 @@
-// What two layers are together, as a payload: straight colour, so that a layer which was never merged keeps its bits.
+// Merges two layers into one and encodes the result as a payload with straight alpha, so that the payload of a layer
+// that was never merged keeps its bits.
 #include "common/colour.glsl"
 
 PAYLOAD payload_of_colour(vec4 colour) {
@@ -11,7 +12,7 @@ PAYLOAD payload_of_colour(vec4 colour) {
 #endif
 }
 
-// The merged layer stands where the nearer one stood.
+// The merged layer has the depth of the nearer one.
 FRAGMENT merged(FRAGMENT nearer, FRAGMENT further) {
     return fragment_of(nearer.x, payload_of_colour(under(colour_of(nearer), colour_of(further))));
 }

@@ -1,5 +1,7 @@
-// Multi-layer alpha blending, store: sorted insertion into K layers; of one more the two furthest become one.
-// Invariant: outside the critical section the layers are in order, and together as opaque as all fragments so far.
+// Store of multi-layer alpha blending: inserts the fragment into K sorted layers; if that makes K + 1 layers, the two
+// furthest are merged.
+// Invariant: outside the critical section the layers are sorted, and together they are as opaque as all fragments so
+// far.
 // Source: Salvi and Vaidyanathan 2014, §3.
 #include "scene/fragment.glsl"
 #include "common/lock.glsl"

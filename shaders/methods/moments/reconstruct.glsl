@@ -1,8 +1,9 @@
-// Absorbance in front of a depth, from MOMENTS power moments of the absorbance over depth.
-// Of all measures with these moments, the one with a support point at the depth itself bounds every other: what its
-// points before the depth weigh is the least that can lie there, with the weight at the depth the most. SHARE of that
-// weight is taken, as in the paper. The other support points are the roots of the kernel K(x, z) = v(x) B^-1 v(z), with
-// B the Hankel matrix of the moments and v(x) the powers of x, and the weight of a point x is 1 / K(x, x).
+// Reconstructs the absorbance in front of a depth from MOMENTS power moments of the absorbance over depth. Among all
+// measures with these moments, one has a support point at the depth itself, and it bounds all others: the weight of its
+// support points before the depth is the least that can lie there, and with the weight at the depth added it is the
+// most. As in the paper, SHARE of that weight is added. The other support points are the roots of the kernel K(x, z) =
+// v(x) B^-1 v(z), with B the Hankel matrix of the moments and v(x) the powers of x; the weight of a support point x is
+// 1 / K(x, x).
 // Source: Muenstermann et al. 2018, §3.2; kernel and weights: Christoffel function, Krein and Nudelman 1977.
 #include "methods/moments/roots.glsl"
 
@@ -10,11 +11,11 @@ const int SIDE = MOMENTS / 2 + 1;
 const float SHARE = 0.25;
 const float LEAST_PIVOT = 1e-9;
 
-// B = L D L^T, L with a unit diagonal.
+// Factors of B = L D L^T: L, which has a unit diagonal, and D.
 float lower[SIDE * SIDE], pivot[SIDE];
 
-// Moves the moments by `bias` towards those of a measure that is spread out, so that B stays positive definite in
-// float32; of the paper for single precision.
+// Moves the moments by `bias` towards those of a spread-out measure, so that B stays positive definite in float32. The
+// values are those of the paper for single precision.
 void biased(inout float moment[MOMENTS + 1]) {
 #if MOMENTS == 4
     const float SPREAD[5] = float[](1.0, 0.0, 0.375, 0.0, 0.375);
@@ -37,7 +38,7 @@ void factorize(float moment[MOMENTS + 1]) {
     }
 }
 
-// L^-1 v(x)
+// Solves L y = v(x).
 float[SIDE] forward(float x) {
     float y[SIDE], power = 1.0;
     for (int i = 0; i < SIDE; ++i) {
@@ -54,7 +55,7 @@ float weight_at(float x) {
     return 1.0 / kernel;
 }
 
-// B^-1 v(z): the coefficients of K(x, z) as a polynomial in x.
+// Solves B c = v(z): c are the coefficients of K(x, z) as a polynomial in x.
 float[SIDE] kernel_at(float z) {
     float c[SIDE] = forward(z);
     for (int i = 0; i < SIDE; ++i) c[i] /= pivot[i];
@@ -63,7 +64,7 @@ float[SIDE] kernel_at(float z) {
     return c;
 }
 
-// `moment`: of the absorbances over depth, the 0th their sum.
+// `moment` are the moments of the absorbance over depth; the 0th is the total absorbance.
 float absorbance_before(float z, float moment[MOMENTS + 1]) {
     float total = moment[0];
     for (int i = 0; i <= MOMENTS; ++i) moment[i] /= total;

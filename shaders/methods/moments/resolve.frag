@@ -1,4 +1,4 @@
-// Moment-based OIT, resolve: the shaded colours, scaled so that they are as opaque as all fragments together.
+// Resolve of moment-based OIT: scales the sum of the shaded colours so that it is as opaque as all fragments together.
 // Source: Muenstermann et al. 2018, §3.3.
 void main() {
     ivec2 xy = ivec2(gl_FragCoord.xy);

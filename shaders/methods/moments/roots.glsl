@@ -1,5 +1,6 @@
-// Real roots of the polynomials that the reconstruction meets, all of whose roots are real. One of them may lie at
-// infinity, where the leading coefficient vanishes: what overflows is brought back to FURTHEST, whose weight is nothing.
+// Computes the real roots of the polynomials that the reconstruction needs; all of their roots are real. One root may
+// lie at infinity, if the leading coefficient vanishes; an overflowing root is limited to FURTHEST, where its weight is
+// negligible.
 const float FURTHEST = 1e4;
 
 float bounded(float numerator, float denominator) {
@@ -7,14 +8,15 @@ float bounded(float numerator, float denominator) {
                                                         : FURTHEST * sign(numerator) * (denominator < 0.0 ? -1.0 : 1.0);
 }
 
-// c[0] + c[1] x + c[2] x^2 without cancellation: the root of greater magnitude from the sum, the other from the product.
+// Roots of c[0] + c[1] x + c[2] x^2 without cancellation: the sum of the roots gives the one of greater magnitude,
+// their product the other.
 vec2 quadratic_roots(vec3 c) {
     float q = -0.5 * (c[1] + (c[1] < 0.0 ? -1.0 : 1.0) * sqrt(max(0.0, c[1] * c[1] - 4.0 * c[0] * c[2])));
     return vec2(bounded(q, c[2]), bounded(c[0], q));
 }
 
-// A root of u^3 c[0] + u^2 c[1] + u c[2] + c[3] near 0: the reciprocal of a root of the cubic, 0 for one at infinity.
-// Laguerre's method, which converges to a root from any start where all are real.
+// A root near 0 of u^3 c[0] + u^2 c[1] + u c[2] + c[3]: the reciprocal of a root of the cubic, or 0 for a root at
+// infinity. Laguerre's method converges to a root from any start if all roots are real.
 float reciprocal_root(vec4 c) {
     float u = 0.0;
     for (int i = 0; i < 6; ++i) {
@@ -29,8 +31,8 @@ float reciprocal_root(vec4 c) {
     return u;
 }
 
-// c[0] + c[1] x + c[2] x^2 + c[3] x^3: one root, and those of the quadratic that is left when it is divided out, from
-// the constant term up, which is stable for a root of great magnitude.
+// Roots of c[0] + c[1] x + c[2] x^2 + c[3] x^3: one root, and the roots of the quadratic that is left after dividing it
+// out. The division starts at the constant term, which is stable for a root of great magnitude.
 vec3 cubic_roots(vec4 c) {
     float u = reciprocal_root(c);
     float middle = c[1] + c[0] * u;

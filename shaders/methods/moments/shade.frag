@@ -1,5 +1,5 @@
-// Moment-based OIT, second geometry pass: each fragment adds its colour and alpha, as far as the reconstruction lets
-// them be seen.
+// Second geometry pass of moment-based OIT: each fragment adds its colour and alpha, attenuated by the transmittance
+// that the reconstruction gives for its depth.
 // Source: Muenstermann et al. 2018, §3.3.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"

@@ -1,5 +1,6 @@
-// Moment-based OIT, first geometry pass: additive blending sums the absorbances and their products with powers of depth.
-// Invariant: layer i of `moments` holds the moments 2i + 1 and 2i + 2.
+// First geometry pass of moment-based OIT: additive blending sums the absorbances of the fragments and their products
+// with powers of depth.
+// Invariant: layer i of `moments` contains the moments 2i + 1 and 2i + 2.
 // Source: Muenstermann et al. 2018, §3.1.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"

@@ -1,5 +1,7 @@
-// A cell of the table as (low word, high word): RGBA8; age in 8 bits above inverted depth in 24. 0 is an empty cell.
-// Invariant: of two cells the older is the larger, of equal age the nearer; so a pixel's cells keep their order.
+// A cell of the hash table as (low word, high word): the low word is the RGBA8 colour, the high word an 8-bit age above
+// a 24-bit inverted depth. 0 is an empty cell.
+// Invariant: of two cells the older is the larger, and of cells with equal age the nearer, so the cells of a pixel are
+// ordered.
 // Source: gpupro5_ch1 §1.1.1, §1.3.2-1.3.3.
 #include "common/payload.glsl"
 
@@ -15,12 +17,13 @@ uvec2 aged(uvec2 cell, uint age) {
     return uvec2(cell.x, (cell.y & FURTHEST) | age << 24);
 }
 
-// The last step stands for depth 1, where things far away are, and not for the one below it.
+// The last step represents depth 1, the depth of distant geometry, instead of the depth just below it.
 float depth_at(uint depth_step) {
     return depth_step == FURTHEST ? 1.0 : float(depth_step) / DEPTH_STEPS;
 }
 
-// Without loss for depths on a grid of 2^-24 but 1 - 2^-24. Any other may lose its place, which counts as a loss.
+// Exact for depths on a 2^-24 grid other than 1 - 2^-24. Any other depth is rounded, which may change the order of the
+// fragment, and is counted as a lost fragment.
 uvec2 cell_of(FRAGMENT fragment) {
     float depth = uintBitsToFloat(fragment.x);
     uint depth_step = min(uint(depth * DEPTH_STEPS), FURTHEST);

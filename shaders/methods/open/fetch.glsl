@@ -1,4 +1,6 @@
-// Reads a pixel's fragments from the table: along its probe sequence the cells whose age is that of the probe.
+// Reads the fragments of a pixel from the hash table: walks its probe sequence and returns the cells whose age equals
+// the number of the probe.
+// Buffers: reads cells, ages, and records if 64-bit atomics are emulated.
 #include "methods/open/cell.glsl"
 #include "methods/open/probe.glsl"
 

@@ -1,20 +1,23 @@
-// Open addressing, build: the fragment takes the first cell of its pixel's probe sequence that is empty or holds a
-// younger fragment, which moves on along its own (Robin Hood). ORDER_SORTED begins at the first probe, where of equal
-// ages, that is of one pixel, the nearer stays: the pixel's cells are sorted. Else it begins behind the oldest.
-// Invariant: ages[p] is no less than any age of pixel p; a cell only grows, so that each step is one atomic max.
+// Build of open addressing: the fragment takes the first cell of its pixel's probe sequence that is empty or contains a
+// younger fragment; the displaced fragment moves on along its own sequence (Robin Hood hashing). With ORDER_SORTED the
+// search starts at the first probe, and of two fragments with equal age, which belong to one pixel, the nearer stays,
+// so that the cells of a pixel are sorted. Otherwise the search starts behind the oldest fragment of the pixel.
+// Invariant: ages[p] is at least the age of every fragment of pixel p. A cell only increases, so each step is one
+// atomic maximum.
 // Source: gpupro5_ch1 §1.3.2-1.3.3, Listings 1.4 and 1.5; interruption §1.5.2.
+// Buffers: updates cell_counter, ages.
 #include "scene/fragment.glsl"
 #include "common/early_culling.glsl"
 #include "methods/open/cell.glsl"
 #include "methods/open/table.glsl"
 #include "methods/open/probe.glsl"
 
-// Asks for a larger table: the frame will be redone.
+// Requests a larger table; the frame will be drawn again.
 void interrupt() {
     if (cell_counter[0] <= capacity) atomicMax(cell_counter[0], capacity + 1u);
 }
 
-// Whether more than LOAD_LIMIT / 65536 of the table is taken.
+// Tells whether more than LOAD_LIMIT / 65536 of the table is occupied.
 bool crowded() {
     return cell_counter[0] > (capacity >> 16) * uint(LOAD_LIMIT) + ((capacity & 0xFFFFu) * uint(LOAD_LIMIT) >> 16);
 }

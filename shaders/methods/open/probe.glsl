@@ -1,6 +1,8 @@
-// The probe sequence of a pixel: where its fragment of each age may stand; the same offsets for all pixels.
-// Invariant: capacity >= pixels, so that cell and age name the pixel.
+// Probe sequence of a pixel: gives the cell where its fragment of a certain age may be. All pixels share the same
+// offsets.
+// Invariant: capacity >= pixels, so that a cell and an age identify the pixel.
 // Source: gpupro5_ch1 §1.3.1.
+// Buffers: reads offsets.
 uint probe(uint p, uint age) {
     return (p + offsets[age]) % capacity;
 }

@@ -1,8 +1,11 @@
-// The table to which a fragment is added: the atomic maximum of cells, `met` being what the cell held.
-// ATOMIC64_NATIVE: cells of 64 bits and the device's own. Otherwise a cell is 1 + the index of a record, and
-// compare-and-swap puts the larger in place, or confirms it; records follow their fragments through evictions.
-// Invariant: a record does not change while a cell names it; else it is that of the one invocation that carries it.
-// Source: gpupro5_ch1 §1.3.2; §1.6 emulates atomicMax by a 64-bit compare-and-swap, which GLSL lacks here as well.
+// Adds a fragment to the hash table by an atomic maximum of cells; `met` receives the cell that was there before. With
+// ATOMIC64_NATIVE cells have 64 bits and the device's own atomics are used. Otherwise a cell is 1 + the index of a
+// record, and compare-and-swap installs the larger record or confirms the one that is there; when a fragment is
+// displaced, its record moves along with it.
+// Invariant: a record does not change while a cell refers to it; otherwise only the invocation that carries it uses it.
+// Source: gpupro5_ch1 §1.3.2; §1.6 emulates atomicMax by a 64-bit compare-and-swap, which GLSL does not have here
+// either.
+// Buffers: updates cells; if 64-bit atomics are emulated, updates records, record_counter.
 #include "common/helper.glsl"
 #include "common/less64.glsl"
 

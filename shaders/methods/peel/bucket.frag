@@ -1,13 +1,15 @@
-// Bucket peeling: in every bucket of the pixel's depth range the nearest and the furthest fragment left are peeled,
-// and its edges move inwards. Colours go to storage as they are; one fragment alone matches an edge.
-// Invariant: out_edges (MAX of (-z, z), NONE where nothing is left) encloses what is left of a bucket. All passes
-// are this one program, so that a fragment falls into the same bucket each time.
-// Source: Liu et al. 2009, uniform buckets; two fragments of each per pass: Vasilakis and Fudos 2013; kplus_2015 §2.
+// Bucket peeling: in every bucket of the pixel's depth range, peels the nearest and the furthest fragment that are
+// left, and moves the edges of the bucket inwards. The colour of a peeled fragment is stored unchanged; a bucket with a
+// single fragment left matches it at one edge.
+// Invariant: out_edges (MAX of (-z, z), or NONE if nothing is left) encloses the fragments that are left in the bucket.
+// All passes use this one program, so that a fragment falls into the same bucket each time.
+// Source: uniform buckets, Liu et al. 2009; two fragments per bucket, Vasilakis and Fudos 2013; kplus_2015 §2.
+// Buffers: writes colours.
 #include "scene/fragment.glsl"
 
 const vec4 NONE = vec4(-2.0);
 
-// Never falls with z. The furthest fragment belongs to the last bucket, and all to the first in a range of zero.
+// Never decreases with z. The furthest fragment is in the last bucket; in a range of length zero all are in the first.
 int bucket_of(float z, float nearest, float furthest) {
     float share = furthest > nearest ? (z - nearest) / (furthest - nearest) : 0.0;
     return clamp(int(share * float(BUCKETS)), 0, BUCKETS - 1);

@@ -1,5 +1,7 @@
-// Bucket peeling: what was just peeled joins its bucket's layers, the nearest behind those in front, the furthest
-// in front of those behind. Only pixels with fragments left pass, so that a count of zero ends the peeling.
+// Blend of bucket peeling: composites the fragments just peeled into the layers of their buckets, the nearest one
+// behind the front layers and the furthest one in front of the back layers. Only pixels with fragments left pass, so
+// that an occlusion count of zero ends the peeling.
+// Buffers: reads colours; updates layers.
 #include "common/pixel.glsl"
 #include "common/colour.glsl"
 #include "common/transmittance.glsl"

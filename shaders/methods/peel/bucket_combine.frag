@@ -1,4 +1,6 @@
-// Bucket peeling, end: the buckets from the nearest to the furthest, the front layers of each over its back layers.
+// Last pass of bucket peeling: composites the buckets from the nearest to the furthest, in each the front layers over
+// the back layers.
+// Buffers: reads layers.
 #include "common/pixel.glsl"
 #include "common/transmittance.glsl"
 

@@ -1,6 +1,7 @@
-// Dual depth peeling: the nearest and the furthest fragment left are peeled, the bounds move inwards.
-// Invariant: out_bounds (MAX of (-z, z), below -1 for none: a fragment may be at depth 1) encloses what is left; out_front only grows, so that
-// MAX keeps the peeled value. Where nearest and furthest are one fragment it counts as the front.
+// Dual depth peeling: peels the nearest and the furthest fragment that are left, and moves the bounds inwards.
+// Invariant: out_bounds (MAX of (-z, z)) encloses the fragments that are left; it is below -1 if none is left, because
+// a fragment may be at depth 1. out_front only increases, so that MAX keeps the peeled value. If the nearest and the
+// furthest are the same fragment, it is peeled as the nearest.
 // Source: Bavoil and Myers 2008, as in kplus_2015 §2.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"

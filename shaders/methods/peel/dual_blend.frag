@@ -1,5 +1,5 @@
-// Dual depth peeling: blends the furthest layer just peeled over those behind it.
-// Only pixels with a layer or with fragments left pass, so that a count of zero ends the peeling.
+// Blend of dual depth peeling: blends the furthest layer just peeled over the layers behind it. Only pixels with a
+// layer or with fragments left pass, so that an occlusion count of zero ends the peeling.
 void main() {
     ivec2 xy = ivec2(gl_FragCoord.xy);
     vec4 layer_colour = texelFetch(behind, xy, 0);

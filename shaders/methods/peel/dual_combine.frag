@@ -1,4 +1,4 @@
-// Dual depth peeling, end: the front layers over the back layers.
+// Last pass of dual depth peeling: composites the front layers over the back layers.
 #include "methods/peel/front.glsl"
 
 void main() {

@@ -1,5 +1,5 @@
-// Front-to-back depth peeling: the depth test leaves the nearest fragment beyond the layer peeled before.
-// Invariant: layer i holds the fragment of depth rank i of each pixel. Of equal depths one is kept.
+// Front-to-back depth peeling: the depth test leaves the nearest fragment beyond the layer that was peeled before.
+// Invariant: layer i is the fragment with depth rank i of each pixel. Of fragments with equal depth one is kept.
 // Source: Everitt 2001, as in kplus_2015 §2.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"

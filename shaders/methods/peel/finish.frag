@@ -1,4 +1,5 @@
-// The image holds the transmittance in place of the opacity: blending puts 1 minus it there, and leaves the colour.
+// Converts the alpha channel of the image from transmittance to opacity: blending writes 1 minus the transmittance and
+// leaves the colour as it is.
 void main() {
     out_image = vec4(0.0, 0.0, 0.0, 1.0);
 }

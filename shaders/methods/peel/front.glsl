@@ -1,5 +1,5 @@
-// The front colours of dual peeling are kept by MAX blending, so they may only grow: the transmittance stands there
-// negated. Its own inverse.
+// Converts a front colour of dual peeling for MAX blending and back (the function is its own inverse). Under MAX
+// blending a channel can only increase, whereas transmittance decreases; it is therefore stored negated.
 #include "common/transmittance.glsl"
 
 vec4 in_front(vec4 colour) {

@@ -1,5 +1,5 @@
-// Counts the layers that a bucket peel takes from a pixel: of each bucket with fragments left its nearest, and its
-// furthest where that is another. Runs outside timed frames.
+// Counts the layers that bucket peeling takes from a pixel: in each bucket with fragments left the nearest, and the
+// furthest if that is a different fragment. This pass runs outside timed frames.
 void main() {
     uint held = 0u;
     for (int bucket = 0; bucket < BUCKETS; ++bucket) {

@@ -1,5 +1,6 @@
-// Prefix sum by compute, last step: each pixel adds what lies before its block.
-// Invariant: address[p] is the sum of all counters before p.
+// Last step of the prefix sum in compute shaders: adds to each pixel the sum of all blocks before its own.
+// Invariant: afterwards address[p] is the sum of all counters before p.
+// Buffers: reads block_sum; updates address.
 layout(local_size_x = SCAN_LANES) in;
 
 void main() {

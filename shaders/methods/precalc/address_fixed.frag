@@ -1,5 +1,6 @@
-// PreCalc_Fixed, memory referencing: every pixel has room for N fragments, so its range needs no sum.
+// Memory referencing of PreCalc_Fixed: every pixel has room for N fragments, so its address needs no prefix sum.
 // Source: sbuffer_2012 §4.
+// Buffers: writes address.
 #include "common/pixel.glsl"
 
 void main() {

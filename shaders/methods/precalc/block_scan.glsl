@@ -1,4 +1,4 @@
-// Exclusive prefix sum of one block in shared memory, in place; returns the block's total.
+// Replaces one block in shared memory by its exclusive prefix sum and returns the total of the block.
 // Source: Blelloch 1990, as in the parallel prefix sum that sbuffer_2012 §4 takes from OpenCL.
 layout(local_size_x = SCAN_LANES) in;
 

@@ -1,4 +1,5 @@
-// Reads a pixel's range of N slots as far as its counter.
+// Reads the fragments of a pixel from its range of N slots; the counter of the pixel ends them.
+// Buffers: reads counter, address, nodes.
 #define FETCH_COUNT(p) min(counter[p], uint(N))
 
 uint fetch_at, fetch_end;

@@ -1,5 +1,7 @@
-// Prefix sum by compute, first step: each block of pixels by itself.
-// Invariant: address[p] is the sum of the counters before p in its block; block_sum[b] is block b's total.
+// First step of the prefix sum in compute shaders: computes the prefix sum of each block of pixels by itself.
+// Invariant: afterwards address[p] is the sum of the counters before p in its block; block_sum[b] is the total of block
+// b.
+// Buffers: reads counter; writes address, block_sum.
 #include "methods/precalc/block_scan.glsl"
 
 uint counted(uint p) {

@@ -1,5 +1,7 @@
-// Prefix sum by compute, second step: one work group sums the blocks' totals, a block of totals at a time.
-// Invariant: block_sum[b] becomes the number of fragments before block b.
+// Second step of the prefix sum in compute shaders: one work group scans the totals of all blocks, SCAN_BLOCK at a
+// time.
+// Invariant: afterwards block_sum[b] is the number of fragments before block b.
+// Buffers: updates block_sum.
 #include "methods/precalc/block_scan.glsl"
 
 void main() {

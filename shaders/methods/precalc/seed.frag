@@ -1,5 +1,6 @@
-// Prefix sum over all pixels, start: each pixel holds the counter of the one before it, so that the
-// inclusive sums below are the exclusive sums of the counters.
+// Start of the full-screen prefix sum: gives each pixel the counter of the pixel before it, so that the inclusive sums
+// of the following steps are the exclusive sums of the counters.
+// Buffers: reads counter; writes address.
 #include "common/pixel.glsl"
 
 void main() {

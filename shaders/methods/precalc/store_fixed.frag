@@ -1,6 +1,7 @@
-// PreCalc_Fixed, store: the pixel's counter gives each fragment a slot of its range.
-// Invariant: slots 0 .. counter[p]-1 of pixel p are written; a fragment beyond slot N-1 is lost, and counted.
+// Store of PreCalc_Fixed: the counter of the pixel gives each fragment a slot of the pixel's range.
+// Invariant: slots 0 .. counter[p] - 1 of pixel p are written; a fragment beyond slot N - 1 is counted as lost.
 // Source: sbuffer_2012 §4.
+// Buffers: reads address; updates counter; writes nodes.
 #include "scene/fragment.glsl"
 
 void main() {

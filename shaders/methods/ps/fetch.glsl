@@ -1,4 +1,5 @@
-// Reads the sorted fragments of a pixel.
+// Reads the sorted slots of a pixel.
+// Buffers: reads nodes.
 FRAGMENT slot_fragment(uint at) {
     return nodes[at];
 }

@@ -1,5 +1,6 @@
-// The K slots of a pixel in KB-PS and KB, where hazards spare them: its nearest fragments in order of depth, then empty
-// slots.
+// Layout of the K slots of a pixel in KB-PS and KB: the nearest fragments in order of depth, followed by empty slots.
+// KB guarantees that order only if no hazard has occurred.
+// Buffers: reads and writes nodes.
 #define SLOT(p, slot) nodes[(slot) * pixels + (p)]
 
 FRAGMENT read_slot(uint p, uint slot) {

@@ -1,7 +1,8 @@
-// KB-PS, store: sorted insertion into K slots, one fragment of a pixel at a time.
-// Invariant: outside the critical section the slots are in order, and the last of them only gets nearer: a value of
-// it that is out of date lets a fragment through, and never refuses one that belongs.
-// Source: Salvi 2013; kplus_2015 §2; the culling is that of §5.1.1.
+// Store of KB-PS: inserts the fragment into K sorted slots, one fragment of a pixel at a time.
+// Invariant: outside the critical section the slots are sorted, and the fragment of the last slot only gets nearer. An
+// outdated value of it may let a fragment through, but never refuses one that belongs into the slots.
+// Source: Salvi 2013; kplus_2015 §2; culling, kplus_2015 §5.1.1.
+// Buffers: reads nodes.
 #include "scene/fragment.glsl"
 #include "common/lock.glsl"
 #include "methods/ps/slots.glsl"

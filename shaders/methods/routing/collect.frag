@@ -1,6 +1,8 @@
-// Stencil routing in several passes: appends the samples just taken to the pixel's array.
-// Invariant: resume[p] is the first primitive not yet captured, EMPTY where all are: a pass that leaves a sample
-// empty has met every fragment. Only pixels with all samples taken pass, so that a count of zero ends the passes.
+// Collects the samples of one stencil-routing pass: appends them to the array of the pixel.
+// Invariant: resume[p] is the first primitive that is not captured yet, or EMPTY if all are; a pass that leaves a
+// sample empty has processed every fragment. Only pixels whose samples are all used pass, so that an occlusion count of
+// zero ends the passes.
+// Buffers: updates counter; writes nodes, resume.
 #include "common/pixel.glsl"
 
 void main() {

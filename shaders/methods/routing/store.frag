@@ -1,6 +1,7 @@
-// Stencil routing, store: the stencil test sends the fragment to the sample whose turn it is.
-// With `resume` only what was submitted after the fragments of the passes before takes part.
+// Store by stencil routing: the stencil test passes only for the sample whose turn it is, so the fragment is written
+// there. With MULTI_PASS only primitives from resume[p] on, which earlier passes have not captured, take part.
 // Source: Myers and Bavoil 2007; Bavoil and Myers 2008.
+// Buffers: reads resume.
 #include "scene/fragment.glsl"
 
 void main() {

@@ -1,4 +1,5 @@
-// Reads a pixel's contiguous range, which ends at its address.
+// Reads the contiguous range of a pixel; after the store its address is the end of the range.
+// Buffers: reads counter, address, nodes.
 #define FETCH_COUNT(p) counter[p]
 
 uint fetch_at, fetch_end;

@@ -1,8 +1,8 @@
-// The group of a pixel: which of the COUNTERS shared counters it draws its address from.
-// Invariant: below COUNTERS for every pixel of every resolution.
+// Gives the group of a pixel: which of the COUNTERS shared counters the pixel takes its address from.
+// Invariant: the group is below COUNTERS for every pixel of every resolution.
 uint pixel_group(uint p) {
 #if HASH_TILE
-    // A grid of square-ish tiles that follows the resolution (kplus_2015 §4.1).
+    // A grid of nearly square tiles whose size follows the resolution (kplus_2015 §4.1).
     uint columns = uint(sqrt(float(COUNTERS)));
     uint rows = uint(COUNTERS) / columns;
     uvec2 tile = (uvec2(width, height) + uvec2(columns, rows) - 1u) / uvec2(columns, rows);

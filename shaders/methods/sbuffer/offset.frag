@@ -1,7 +1,8 @@
-// S-buffer referencing, second half: adds the sum of the groups before the pixel's own.
-// With inverse mapping the upper half of the groups sums from the end, which halves the longest sum.
-// Invariant: the ranges of all pixels fill [0, capacity) without overlap. With BOUNDED, the first cell of each is empty.
-// Source: sbuffer_2012 §3.2, Eq. 1, with the range's first cell in place of its last.
+// Second half of the S-buffer's referencing: adds to each address the totals of the groups before the pixel's own. With
+// MAPPING_INVERSE the upper half of the groups is placed from the end, which halves the longest sum.
+// Invariant: the ranges of all pixels fill [0, capacity) without overlap. With BOUNDED the first cell of each is empty.
+// Source: sbuffer_2012 §3.2, Eq. 1, with the first cell of the range in place of the last.
+// Buffers: reads group_total, counter; updates address; writes nodes.
 #include "common/pixel.glsl"
 #include "common/payload.glsl"
 #include "methods/sbuffer/group.glsl"

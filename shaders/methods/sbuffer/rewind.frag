@@ -1,5 +1,7 @@
-// Takes the address of each pixel, which the store of the frame before moved to the end of its range, back to the first.
-// Invariant: afterwards the range of a non-empty pixel is [address, address + counter).
+// Moves the address of each pixel from the end of its range, where the store of the previous frame has left it, back to
+// the first cell.
+// Invariant: afterwards the range of a pixel with fragments is [address, address + counter).
+// Buffers: reads counter; updates address.
 #include "common/pixel.glsl"
 
 void main() {

@@ -1,6 +1,7 @@
-// Store into the pixel's contiguous range: the address moves on with every fragment.
-// Invariant: afterwards the range is [address - counter, address).
+// Store into contiguous ranges: each fragment takes the cell at the address of its pixel and increments the address.
+// Invariant: afterwards the range of the pixel is [address - counter, address).
 // Source: sbuffer_2012 §3.3.
+// Buffers: updates address; writes nodes.
 #include "scene/fragment.glsl"
 
 void main() {

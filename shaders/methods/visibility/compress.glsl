@@ -1,9 +1,9 @@
-// Makes K nodes of K + 1: a step of the visibility function moves to the node before it, the step whose move takes the
-// least from the area below the function.
-// Invariant: nodes stay in order, and the transmittance behind the last of them stays what it was.
+// Reduces K + 1 nodes of a visibility function to K: removes one step by moving it to the node before it, namely the
+// step whose move takes the least area from under the function.
+// Invariant: nodes stay in order, and the transmittance behind the last of them does not change.
 // Source: Salvi et al. 2011, §3.2.
 
-// The last of the K + 1 nodes is `beyond`, which has no slot.
+// The last of the K + 1 nodes is `beyond`, which is not in a slot.
 FRAGMENT node_at(uint p, uint slot, FRAGMENT beyond) {
     return slot < uint(K) ? read_slot(p, slot) : beyond;
 }

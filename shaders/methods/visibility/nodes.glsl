@@ -1,5 +1,6 @@
-// Nodes of a pixel's visibility function in the slots of common/insert_sorted.glsl: depth bits, and the bits of the
-// factor by which the transmittance falls there. In order of depth, then empty slots.
+// Nodes of a pixel's visibility function, stored in the slots of common/insert_sorted.glsl in order of depth, followed
+// by empty slots. A node is (depth bits, bits of the factor by which the transmittance decreases at that depth).
+// Buffers: reads nodes.
 #define NODE(p, slot) nodes[(slot) * pixels + (p)]
 
 float node_depth(FRAGMENT node) {
@@ -10,7 +11,7 @@ float node_factor(FRAGMENT node) {
     return uintBitsToFloat(node.y);
 }
 
-// The transmittance in front of `depth`: nodes at that depth do not count.
+// The transmittance in front of `depth`; nodes at that depth do not contribute.
 float visibility(uint p, uint depth) {
     float through = 1.0;
     for (uint slot = 0u; slot < uint(K); ++slot) {

@@ -1,5 +1,5 @@
-// Adaptive transparency, between the geometry passes: the image gets the opacity of all fragments, to which shading
-// adds colours.
+// Pass between the two geometry passes of adaptive transparency: writes the opacity of all fragments into the image, to
+// which shading then adds the colours.
 #include "common/pixel.glsl"
 #include "methods/visibility/nodes.glsl"
 

@@ -1,4 +1,5 @@
-// Adaptive transparency, second geometry pass: each fragment adds its colour, as far as the nodes let it be seen.
+// Second geometry pass of adaptive transparency: each fragment adds its colour, attenuated by the visibility function
+// at its depth.
 // Source: Salvi et al. 2011, §3, Eq. 3.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"

@@ -1,4 +1,4 @@
-// Adaptive transparency, first geometry pass: builds the visibility function of each pixel, in K nodes.
+// First geometry pass of adaptive transparency: builds the visibility function of each pixel in K nodes.
 // Source: Salvi et al. 2011, §3.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"

@@ -1,5 +1,5 @@
-// Weighted blended OIT, resolve: the weighted mean of the colours, as opaque as all fragments together.
-// A sum that a half cannot hold counts as the greatest half.
+// Resolve of weighted blended OIT: the image is the weighted mean of the colours, as opaque as all fragments together.
+// A sum that overflows a half counts as the largest half.
 // Source: McGuire and Bavoil 2013, §4, Eq. 6.
 const float GREATEST_HALF = 65504.0;
 

@@ -1,5 +1,5 @@
-// Weighted blended OIT, store: additive blending sums weighted premultiplied colours and weighted alphas,
-// multiplicative blending leaves the product of 1 - alpha.
+// Store of weighted blended OIT: additive blending sums the weighted premultiplied colours and the weighted alphas, and
+// multiplicative blending computes the product of 1 - alpha.
 // Source: McGuire and Bavoil 2013, §4, Eq. 6.
 #include "scene/fragment.glsl"
 #include "common/colour.glsl"

@@ -1,5 +1,6 @@
-// Weight of a fragment in weighted blended OIT, by one of the paper's equations. Eq. 7 to 9 take a distance from the
-// eye and are fitted to 0.1 .. 500; window depth, which is linear in an orthographic view, is spread over that range.
+// Computes the weight of a fragment in weighted blended OIT by one of the paper's equations. Eq. 7 to 9 expect a
+// distance from the eye and are fitted to 0.1 .. 500; window depth, which is linear in an orthographic view, is mapped
+// to that range.
 // Source: McGuire and Bavoil 2013, Eq. 7-10.
 const float NEAR = 0.1, FAR = 500.0;
 const float LEAST_WEIGHT = 1e-2, MOST_WEIGHT = 3e3;

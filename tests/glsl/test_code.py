@@ -1,0 +1,60 @@
+"""What counts as the code of a shader, and what depends on it alone."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mfr_bench import glsl
+from mfr_bench.glsl.code import code_of
+from mfr_bench.methods import catalog
+from mfr_bench.run.jobs import glsl_hash
+
+COUNT = "common/count.frag"
+
+
+@pytest.mark.parametrize(("text", "code"), [
+    ("// A pass.\nuint a;\n", "uint a;"),
+    ("uint a; // its unit\n\n\nuint b;", "uint a;\nuint b;"),
+    ("uint /* no\n  comment ends here */ a;", "uint   a;"),
+    ("#line 100001\nuint a;\n  #line 7\n", "uint a;"),
+    ("#define A(x) \\\n    x + \\\n    1\n", "#define A(x)  x +  1"),
+    ("// a comment that goes on \\\nuint hidden;\nuint a;", "uint a;"),
+    ("a = b / c; // d\n/* e */", "a = b / c;"),
+    ("// only a comment", ""),
+])
+def test_code_is_text_without_comments(text, code):
+    assert code_of(text) == code
+
+
+@given(st.lists(st.sampled_from(["uint a;", "#define B 2", "x = y / z;", "if (a < b) {"]), max_size=8),
+       st.lists(st.sampled_from(["// said", "/* said\n twice */", "", "   ", "#line 300001"]), min_size=8, max_size=8))
+def test_whatever_comments_stand_between_lines_the_code_is_the_same(lines, between):
+    mixed = "\n".join(piece for pair in zip(lines, between, strict=False) for piece in pair)
+    assert code_of(mixed) == code_of("\n".join(lines))
+
+
+@pytest.fixture
+def hash_with(monkeypatch):
+    """The hash of a method's shaders after a change to one of their files."""
+    variant, real = catalog()["ab-precalc"].variant({}), glsl.includes.read
+
+    def hashed(change=lambda text: text):
+        monkeypatch.setattr(glsl.includes, "read", lambda path: change(real(path)) if path == COUNT else real(path))
+        return glsl_hash(variant, "quad")
+    return hashed
+
+
+def test_a_comment_changes_no_key(hash_with):
+    said = hash_with(lambda text: f"// K, N, CLEAR and IS_HELPER are named here.\n\n{text}\n// End.\n")
+    assert said == hash_with()
+
+
+def test_a_change_of_code_changes_the_key(hash_with):
+    assert hash_with(lambda text: text.replace("1u", "2u")) != hash_with()
+
+
+def test_programs_that_differ_in_comments_alone_are_one(device):
+    first, second = (glsl.Source("screen/triangle.vert", f"#version 430 core\n// {word}\nvoid main() {{}}\n", ())
+                     for word in ("one", "two"))
+    drawn = glsl.Source("probe/rasterized.frag", "#version 430 core\nvoid main() {}\n", ())
+    assert device.program((first, drawn), "test") is device.program((second, drawn), "test")
