@@ -210,7 +210,7 @@ CLASSIFIES = {"into": (PIXEL_CLASS.name,), "clears": {PIXEL_CLASS.name: (1.0,)},
 STORE = Pass("store", "geometry", "methods/adaptive/store.frag", writes=("counter", "nodes"))
 
 # After the count: a range for each pixel, the fragments in it, and what counts them; after that the image.
-STORED = (
+STORING = (
     Pass("clear", "clear", writes=("taken",), runs_in=_ranged),
     Pass("clear", "clear", writes=("taken", "draws"), runs_in=_where(_in(RANGES), _classed)),
     Pass("clear", "clear", writes=("draws",), runs_in=_classed_by_counter, when=APPROXIMATE),
@@ -226,7 +226,7 @@ STORED = (
     *(Pass("resolve", "fullscreen", "methods/adaptive/stored.frag", region=True, reads=layout.reads,
            defines=layout.defines, runs_in=layout.runs_in, probes=STORED) for layout in LAYOUTS),
 )
-RESOLVED = _resolves()
+RESOLVING = _resolves()
 
 
 def _at_once(step: Pass) -> Pass:
@@ -269,13 +269,14 @@ METHODS = [
                  state=State(depth_test="always"), runs_in=_cut, when=APPROXIMATE),
             *_whole_and_cut(replace(COUNT, runs_in=lambda plan: plan.path == RANGES and plan.capacity is None)),
             replace(COUNT_LATER, runs_in=lambda plan: plan.path == RANGES and plan.capacity is not None),
-            *map(_at_once, STORED),
+            *map(_at_once, STORING),
             Pass("blend", "geometry", "methods/adaptive/blended.frag", runs_in=_in(DIRECT), probes=STORED),
-            *map(_at_once, RESOLVED),
+            *map(_at_once, RESOLVING),
             Pass("clear", "clear", writes=("sums",), runs_in=_banded, when=BUDGETED),
             Pass("allocate", "fullscreen", "methods/adaptive/sums.frag", region=True, reads=("tally",),
                  writes=("sums",), defines={"SEGMENT": SEGMENT, **TALLY}, runs_in=_banded, when=BUDGETED),
-            Loop(tuple(_of_band(step) for step in (*STORED, *RESOLVED) if not step.defines.get("DENSE")), bands="sums"),
+            Loop(tuple(_of_band(step) for step in (*STORING, *RESOLVING) if not step.defines.get("DENSE")),
+                 bands="sums"),
         ),
     ),
 ]
