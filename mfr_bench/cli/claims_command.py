@@ -5,9 +5,8 @@ from __future__ import annotations
 import click
 
 from ..errors import UsageError
-from .options import JSON
+from .options import FOLDERS, JSON
 from .output import note, say, width
-from .report_commands import FOLDERS
 
 
 @click.command()

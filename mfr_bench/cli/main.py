@@ -13,6 +13,7 @@ from . import (
     claims_command,
     compare_command,
     device_commands,
+    pack_commands,
     page_command,
     race_command,
     report_commands,
@@ -45,7 +46,7 @@ SECTIONS = {
     "Measure": (run_command.run, stress_command.stress),
     "Read what was measured": (report_commands.table, report_commands.plot, advise_command.advise,
                                compare_command.compare, claims_command.claims, report_commands.conformance,
-                               page_command.report),
+                               page_command.report, pack_commands.pack, pack_commands.unpack),
     "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, device_commands.scene,
                     device_commands.render, device_commands.shader, race_command.race),
 }

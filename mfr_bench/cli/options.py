@@ -6,6 +6,8 @@ import click
 
 from ..errors import nearest
 
+FOLDERS = click.argument("folders", nargs=-1, required=True, metavar="DIR...", type=click.Path())
+
 
 class ConfigName(click.ParamType):
     """A file, a folder, or the name of a shipped config."""

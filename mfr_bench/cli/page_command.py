@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from .options import OutPath
+from .options import FOLDERS, OutPath
 from .output import note, say
-from .report_commands import FOLDERS
 
 
 @click.command()

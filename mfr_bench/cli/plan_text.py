@@ -89,7 +89,7 @@ def _kept(todo, folders, keep_failed: bool) -> dict[int, tuple[Any, dict[str, An
     """The folder that has a cell, and its row, by the cell's number."""
     from ..run.ledger import final
 
-    present = [folder for folder in folders if folder.cells_path.is_dir()]
+    present = [folder for folder in folders if folder.has_cells]
     found = {}
     for number, job in enumerate(todo):
         rows = ((folder, final(folder, job.key, keep_failed)) for folder in present)

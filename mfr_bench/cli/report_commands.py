@@ -6,10 +6,8 @@ from pathlib import Path
 
 import click
 
-from .options import OutPath
+from .options import FOLDERS, OutPath
 from .output import note, say, width
-
-FOLDERS = click.argument("folders", nargs=-1, required=True, metavar="DIR...", type=click.Path())
 
 
 def _results(folders: tuple[str, ...]):

@@ -12,6 +12,7 @@ from ..measure.split import Split
 from ..plan import Known, expected_stats, hopeless
 from ..store import ResultFolder
 from ..store.arrays import read_arrays, write_arrays
+from ..store.folder import folders_with_cells
 from ..store.journal import Journal, Partial
 from ..store.status import STATUSES
 from .events import Finished, Sampled
@@ -209,5 +210,5 @@ def plain(value: Any) -> Any:
 def relatives(root: Path | None, own: Iterable[ResultFolder]) -> list[ResultFolder]:
     """The other result folders below a root, whose cells may be the same."""
     taken = {folder.path.resolve() for folder in own}
-    found = sorted(path.parent for path in root.glob("*/cells")) if root else []
+    found = folders_with_cells(root) if root else []
     return [ResultFolder(path) for path in found if path.resolve() not in taken]

@@ -36,7 +36,7 @@ def read_arrays(folder: ResultFolder, key: str) -> dict[str, np.ndarray]:
 
     path = folder.arrays_path(key)
     try:
-        with np.load(path, allow_pickle=False) as found:
+        with np.load(io.BytesIO(folder.content(path.name)), allow_pickle=False) as found:
             arrays = {name: found[name] for name in ARRAYS if name in found.files}
     except FileNotFoundError:
         return {}

@@ -12,7 +12,8 @@ from typing import Any
 from ..errors import StoreError, UsageError, nearest
 from . import columns
 from .files import make_folder, unwritable, write_file
-from .record import ARRAY_FILE, KEY_FILE, SCHEMA, Cell, decoded, fault, plain, read, text
+from .pack import Pack, remove, write_pack
+from .record import KEY_FILE, SCHEMA, Cell, decoded, fault, is_cell_file, parsed, plain, read, schema_of, text
 
 
 def _holder(handle: int) -> str:
@@ -32,14 +33,28 @@ class ResultFolder:
     def __init__(self, path: str | os.PathLike[str]):
         self.path = Path(path)
         self._damaged: dict[Path, str] = {}
+        self._pack: tuple[tuple[int, ...], Pack | None] = (), None  # with what tells it from a later one
+
+    def __getstate__(self) -> dict[str, Any]:
+        return self.__dict__ | {"_pack": ((), None)}  # another process reads it by itself
 
     @property
     def cells_path(self) -> Path:
         return self.path / "cells"
 
+    @property
+    def pack_path(self) -> Path:
+        """The packed form of the cells, see `pack`."""
+        return self.path / "cells.zip"
+
     def arrays_path(self, key: str) -> Path:
-        """Where a cell keeps arrays, if it does."""
+        """Where a cell keeps arrays, if it does, unless they are packed."""
         return self.cells_path / f"{key}.npz"
+
+    @property
+    def has_cells(self) -> bool:
+        """Whether the folder has cells in any form."""
+        return self.cells_path.is_dir() or self.pack_path.is_file()
 
     @property
     def damaged(self) -> list[str]:
@@ -56,7 +71,7 @@ class ResultFolder:
         """Within this no other process measures into the folder, which is made where it is missing.
 
         The kernel ends the lock with the process. Gives None, or a line on why the file system has no locks.
-        Raises StoreError where another process has the lock.
+        Raises StoreError where another process has the lock, or a newer program wrote into the folder.
         """
         try:
             make_folder(self.path)
@@ -64,7 +79,9 @@ class ResultFolder:
         except OSError as error:
             raise StoreError(unwritable(self.path / "manifest.json", error)) from error
         try:
-            yield self._locked(handle)
+            unlocked = self._locked(handle)
+            self.refuse_newer()
+            yield unlocked
         finally:
             os.close(handle)
 
@@ -78,8 +95,14 @@ class ResultFolder:
             return f"{self.path}: cannot be locked ({error.strerror}): let no other run write to it"
         return None
 
+    # --- cells -----------------------------------------------------------------------------------
+
     def write_cell(self, cell: Mapping[str, Any]) -> None:
-        """Store a cell durably. Raises StoreError (disk), ValueError (a record that no reader would take)."""
+        """Store a cell durably.
+
+        Raises StoreError (the disk, or a record of a newer program in its place), ValueError (a record that no
+        reader would take).
+        """
         record = {"schema": SCHEMA} | plain(cell)
         unknown = [name for name in record.get("values", {}) if name not in columns.VALUES]
         if unknown:
@@ -88,6 +111,7 @@ class ResultFolder:
         if wrong:
             raise ValueError(wrong)
         path = self.cells_path / f"{record['key']}.json"
+        self._refuse_newer(path)
         write_file(path, text(record), durable=True)
         self._damaged.pop(path, None)
 
@@ -99,7 +123,7 @@ class ResultFolder:
         """The record of a cell, or None where there is none that can be used."""
         path = self.cells_path / f"{key}.json"
         try:
-            cell = read(path)
+            cell = parsed(self.content(path.name))
         except FileNotFoundError:
             return None
         except OSError as error:
@@ -115,25 +139,103 @@ class ResultFolder:
 
     def cells(self) -> list[Cell]:
         """Every usable cell: those of the manifest in its order, then the others by key."""
-        try:
-            names = sorted(entry.name for entry in os.scandir(self.cells_path) if not entry.name.startswith("."))
-        except FileNotFoundError:
-            names = []
-        except OSError as error:
-            raise StoreError(f"{self.cells_path}: cannot be read: {error.strerror}") from error
-        found = []
-        for name in names:
-            if KEY_FILE.fullmatch(name):
-                found.append(name.removesuffix(".json"))
-            elif not name.endswith(".damaged") and not ARRAY_FILE.fullmatch(name):
-                self.skip(self.cells_path / name, "not named as a cell file")
+        found = [name.removesuffix(".json") for name in self._names() if KEY_FILE.fullmatch(name)]
         planned = {k: i for i, k in enumerate(map(str, self.manifest().get("cells", [])))}
         found.sort(key=lambda k: (planned.get(k, len(planned)), k))
         return [cell for cell in map(self.cell, found) if cell is not None]
 
+    def content(self, name: str) -> bytes:
+        """A file of the cells, loose or packed. Raises FileNotFoundError, OSError, ValueError (damaged in the pack)."""
+        try:
+            return (self.cells_path / name).read_bytes()
+        except (FileNotFoundError, NotADirectoryError):
+            pack = self._packed()
+            if pack is None:
+                raise FileNotFoundError(name) from None
+            return pack.read(name)
+
+    def _names(self) -> list[str]:
+        """Names of the files of cells and arrays, loose or packed, sorted; what else stands there is named."""
+        pack = self._packed()
+        loose = self._loose()
+        for name in loose:
+            if not (is_cell_file(name) or name.endswith(".damaged")):
+                self.skip(self.cells_path / name, "not named as a cell file")
+        return sorted(filter(is_cell_file, {*loose, *(pack.names if pack else ())}))
+
+    def _loose(self) -> list[str]:
+        try:
+            return sorted(entry.name for entry in os.scandir(self.cells_path) if not entry.name.startswith("."))
+        except FileNotFoundError:
+            return []
+        except OSError as error:
+            raise StoreError(f"{self.cells_path}: cannot be read: {error.strerror}") from error
+
+    def _packed(self) -> Pack | None:
+        """The pack, read once; None where there is none that can be used, which is named."""
+        try:
+            status = os.stat(self.pack_path)
+        except OSError:
+            return None
+        mark = status.st_ino, status.st_mtime_ns, status.st_size
+        if self._pack[0] != mark:
+            try:
+                self._pack = mark, Pack(self.pack_path)
+            except ValueError as error:
+                self._pack = mark, self.skip(self.pack_path, str(error))
+        return self._pack[1]
+
+    def pack(self) -> int:
+        """Put every file of usable cells into the pack, and remove them from cells/; how many cells it has.
+
+        Raises StoreError where the disk fails or the pack that is there cannot be read.
+        """
+        if self._packed() is None and self.pack_path.exists():
+            raise StoreError(f"{self.pack_path}: cannot be read; allowed: a pack that 'mfr-bench pack' wrote; "
+                             "move it elsewhere, then run the same command again")
+        files = self._read_packed()
+        loose = self._loose()
+        for name in filter(KEY_FILE.fullmatch, loose):
+            key = name.removesuffix(".json")
+            if self.has(key):
+                files |= {n: self.content(n) for n in (name, f"{key}.npz") if n in loose}
+        if files:
+            write_pack(self.pack_path, files)
+            remove([self.cells_path / name for name in loose if name in files])
+        return sum(name.endswith(".json") for name in files)
+
+    def unpack(self) -> int:
+        """Write the files of the pack into cells/, but for those that are there, and remove it; how many cells it had.
+
+        Raises StoreError where the disk fails or a file of the pack is damaged; the pack then stays.
+        """
+        if self._packed() is None and self.pack_path.exists():
+            raise StoreError(f"{self.pack_path}: cannot be read; nothing was unpacked")
+        files, loose = self._read_packed(), set(self._loose())
+        for name, content in files.items():
+            if name not in loose:
+                write_file(self.cells_path / name, content, durable=True)
+        if files:
+            remove([self.pack_path])
+        return sum(name.endswith(".json") for name in files)
+
+    def _read_packed(self) -> dict[str, bytes]:
+        """Every file of the pack by name. Raises StoreError where one is damaged."""
+        pack = self._packed()
+        files = {}
+        for name in filter(is_cell_file, pack.names if pack else ()):
+            try:
+                files[name] = pack.read(name)
+            except ValueError as error:
+                raise StoreError(f"{self.pack_path}: {name}: {error}; nothing was changed") from error
+        return files
+
+    # --- manifest --------------------------------------------------------------------------------
+
     def write_manifest(self, manifest: Mapping[str, Any]) -> None:
-        """Replace manifest.json. Raises StoreError."""
+        """Replace manifest.json. Raises StoreError, also where a newer program wrote the one that is there."""
         path = self.path / "manifest.json"
+        self._refuse_newer(path)
         write_file(path, text({"schema": SCHEMA} | plain(manifest)), durable=True)
         self._damaged.pop(path, None)
 
@@ -153,11 +255,30 @@ class ResultFolder:
             return {}
         return manifest
 
+    def refuse_newer(self) -> None:
+        """Raise StoreError where a newer program wrote the manifest or a cell, before anything is measured."""
+        self._refuse_newer(self.path / "manifest.json")
+        for name in self._names():
+            if KEY_FILE.fullmatch(name):
+                self._refuse_newer(self.cells_path / name)
+
+    def _refuse_newer(self, path: Path) -> None:
+        try:
+            content = path.read_bytes() if path.parent == self.path else self.content(path.name)
+        except (OSError, ValueError):
+            return
+        schema = schema_of(content)
+        if schema is not None and schema > SCHEMA:
+            raise StoreError(f"{path}: has schema {schema}, and this program writes {SCHEMA}: a newer mfr-bench wrote "
+                             "it; use that one, or choose another folder (--out)")
+
     def skip(self, path: Path, why: str) -> None:
         """Name a file that is left in place and not used."""
         self._damaged[path] = f"{path}: {why}; left in place, not used"
 
     def _set_aside(self, path: Path, why: str) -> None:
+        if not path.exists():  # it is in the pack
+            return self.skip(path, why)
         aside = path.with_name(f"{path.name}.damaged")
         try:
             os.replace(path, aside)
@@ -184,6 +305,11 @@ def find_results(paths: Iterable[str | os.PathLike[str]]) -> list[Path]:
     if mistakes:
         raise UsageError(mistakes)
     return list(found)
+
+
+def folders_with_cells(root: Path) -> list[Path]:
+    """The folders right below `root` that have cells in any form, sorted."""
+    return sorted({path.parent for name in ("cells", "cells.zip") for path in root.glob(f"*/{name}")})
 
 
 def _manifests(start: Path) -> Iterable[Path]:

@@ -25,7 +25,13 @@ REQUIRED: Mapping[str, type | tuple[type, ...]] = {
 }
 TYPES: Mapping[str, tuple[type, ...]] = {"str": (str,), "int": (int,), "float": (int, float), "bool": (bool,)}
 ARRAY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.npz")
+FIRST_MEMBER = re.compile(rb'\{\s*"schema": (\d{1,9}),')  # as `text` writes it
 KEY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.json")
+
+
+def is_cell_file(name: str) -> bool:
+    """Whether a file of this name holds a cell or its arrays."""
+    return bool(KEY_FILE.fullmatch(name) or ARRAY_FILE.fullmatch(name))
 
 
 def key(parts: Mapping[str, Any]) -> str:
@@ -58,12 +64,30 @@ def _refuse_constant(name: str) -> None:
     raise ValueError(f"{name} is not JSON")
 
 
-def read(path: Path) -> Any:
-    """The JSON value in `path`. Raises ValueError where it holds none, OSError where it cannot be read."""
+def parsed(content: bytes) -> Any:
+    """The JSON value in a file's content. Raises ValueError where it holds none."""
     try:
-        return json.loads(path.read_bytes().decode(), parse_constant=_refuse_constant)
+        return json.loads(content.decode(), parse_constant=_refuse_constant)
     except RecursionError:
         raise ValueError("nested too deeply") from None
+
+
+def read(path: Path) -> Any:
+    """The JSON value in `path`. Raises ValueError where it holds none, OSError where it cannot be read."""
+    return parsed(path.read_bytes())
+
+
+def schema_of(content: bytes) -> int | None:
+    """The schema of a file of this or another version; None where it says none."""
+    found = FIRST_MEMBER.match(content)
+    if found:
+        return int(found[1])
+    try:
+        record = parsed(content)
+    except ValueError:
+        return None
+    schema = record.get("schema") if isinstance(record, dict) else None
+    return schema if isinstance(schema, int) else None
 
 
 def _is_number(value: Any) -> bool:
