@@ -38,7 +38,8 @@ class Percentage(click.ParamType):
 @click.option("--across-devices", is_flag=True, help="Compare results of different devices or drivers.")
 @click.option("--absolute", is_flag=True,
               help="Count what all methods of a scene have in common as theirs; else it is taken out.")
-@click.option("--strict", is_flag=True, help="End with status 5 where something could not be told.")
+@click.option("--strict", is_flag=True,
+              help="End with status 5 also where any cell is UNCLEAR, or the machine as a whole moved.")
 @click.option("--all", "whole", is_flag=True, help="Show every cell, those that are the same too.")
 @JSON
 @click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per cell.")
@@ -54,10 +55,12 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
                     of one thing differ by, corrected for the number of cells
     SAME            within the threshold, with 95 % confidence
     UNCLEAR         neither: measure again, longer, or on a quieter machine
+    MISSING         in one of the two folders alone
 
     Two runs differ by more than the intervals within them tell. So what all methods of a scene have in common is taken
     out (a load or a clock does that; --absolute leaves it in), and how far cells scatter between the runs is estimated
     from all of them. A cell that moved alone, against the others of its method, must be four times as far out.
+    One sample is a weak interval, not none: with fewer than 6, the frames of all cells show how far frames lie apart.
 
     \b
     Examples:
@@ -66,8 +69,12 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
       mfr-bench compare results/nvidia-h100 results/nvidia-h200 --across-devices
 
     \b
-    Exit status: 0 no regression; 4 something is slower, or newly wrong or
-    failed, or has a larger error or more memory; 5 with --strict: could not tell.
+    Exit status:
+      4  something is slower, or newly wrong or failed, or has a larger error
+         or more memory
+      5  else, where cells are MISSING, or nothing could be told of any cell;
+         with --strict also where any cell is UNCLEAR
+      0  else: a few UNCLEAR cells are ordinary noise
     """
     from ..compare import compare as compared
     from ..compare import present
@@ -86,7 +93,7 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
         say(present.as_markdown(found, whole) if as_markdown else present.as_text(found, width(), whole))
     for line in (line for side in sides for line in side.damaged):
         note(line)
-    return REGRESSION if found.regressed else DOUBT if strict and found.doubtful else 0
+    return REGRESSION if found.regressed else DOUBT if found.untold or (strict and found.doubtful) else 0
 
 
 def _sides(before: str, after: str):

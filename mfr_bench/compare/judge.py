@@ -9,20 +9,22 @@ from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
 
-from ..report.data import percent
-from ..stats import Interval, ratio_interval
+from ..report.data import Point, percent
+from ..stats import Interval
 from ..store.status import EXACT_ERROR
+from .few import frame_deviation, log_ratio
 from .noise import Noise, Shift, estimate
 from .sides import Entry, Side, changed_environment, refuse_other_devices
 
-FASTER, SLOWER, SAME, UNCLEAR = "FASTER", "SLOWER", "SAME", "UNCLEAR"
-VERDICTS = (SLOWER, FASTER, UNCLEAR, SAME)
+FASTER, SLOWER, SAME, UNCLEAR, MISSING = "FASTER", "SLOWER", "SAME", "UNCLEAR", "MISSING"
+VERDICTS = (SLOWER, FASTER, UNCLEAR, SAME, MISSING)
+TOLD = (SLOWER, FASTER, SAME)
 ERROR_RATE = 0.02  # of a whole comparison: the chance of any false alarm, were the noise as it is estimated
 SAME_RATE = 0.05  # of each cell that is called the same: the chance that it is not
 SUPPORT = 2.0  # deviations by which another cell of the method must have moved the same way
 TOGETHER = 2.0  # and by which, where the cells of the method decide it together
-ALONE = 2.0  # times as far out must a cell be whose method has no other
-AGAINST = 4.0  # and one that no other cell of its method supports
+ALONE = 2.0  # times the noise between runs counts for a cell whose method has no other
+AGAINST = 4.0  # and for one that no other cell of its method supports
 RMSE_GROWTH = 1.1  # a larger error: methods with races have another one in every run
 
 
@@ -56,12 +58,17 @@ class Verdict:
     def record(self) -> dict[str, Any]:
         """The verdict as JSON knows it."""
         low, ratio, high = self.ratio
-        cell = self.after.point.cell
-        return {"experiment": self.experiment, "name": self.name, "method": cell["method"], "params": cell["params"],
-                "scene": cell["scene"], "verdict": self.verdict, "reason": self.reason or None,
-                "before_ms": self.before.point.row["time_ms"], "after_ms": self.after.point.row["time_ms"],
-                "ratio": ratio, "ratio_low": low, "ratio_high": high, "raw_ratio": self.raw,
-                "changes": [{"what": change.text, "worse": change.worse} for change in self.changes]}
+        return _about(self.after) | {
+            "verdict": self.verdict, "reason": self.reason or None,
+            "before_ms": self.before.point.row["time_ms"], "after_ms": self.after.point.row["time_ms"],
+            "ratio": ratio, "ratio_low": low, "ratio_high": high, "raw_ratio": self.raw,
+            "changes": [{"what": change.text, "worse": change.worse} for change in self.changes]}
+
+
+def _about(entry: Entry) -> dict[str, Any]:
+    cell = entry.point.cell
+    return {"experiment": entry.experiment, "name": entry.name, "method": cell["method"], "params": cell["params"],
+            "scene": cell["scene"]}
 
 
 @dataclass(frozen=True)
@@ -80,7 +87,9 @@ class Comparison:
 
     @property
     def counts(self) -> Mapping[str, int]:
-        return Counter(v.verdict for v in self.verdicts if v.verdict)
+        """Cells by verdict; those of one side alone are MISSING."""
+        missing = {MISSING: len(self.missing_before) + len(self.missing_after)}
+        return Counter(v.verdict for v in self.verdicts if v.verdict) + Counter(missing)
 
     @property
     def environment(self) -> list[str]:
@@ -96,11 +105,28 @@ class Comparison:
     def regressed(self) -> bool:
         return any(v.regressed for v in self.verdicts)
 
+    def records(self) -> list[dict[str, Any]]:
+        """Every cell of either side as JSON knows it; a MISSING one has the time of the side that has it."""
+        return [*(v.record() for v in self.verdicts), *(self._missing(e, self.before) for e in self.missing_after),
+                *(self._missing(e, self.after) for e in self.missing_before)]
+
+    def _missing(self, entry: Entry, side: Side) -> dict[str, Any]:
+        time_ms = entry.point.row["time_ms"]
+        return _about(entry) | {
+            "verdict": MISSING, "reason": f"only in {side.path}", "before_ms": time_ms if side is self.before else None,
+            "after_ms": time_ms if side is self.after else None, "ratio": None, "ratio_low": None, "ratio_high": None,
+            "raw_ratio": None, "changes": []}
+
+    @property
+    def untold(self) -> bool:
+        """Whether the comparison cannot vouch for the new side: cells are missing, or of no cell was anything told."""
+        told = any(v.verdict in TOLD or any(c.worse is not None for c in v.changes) for v in self.verdicts)
+        return bool(self.counts.get(MISSING) or not told)
+
     @property
     def doubtful(self) -> bool:
         """Whether something could not be told: a cell that is unclear or missing, a machine that moved."""
-        missing = self.missing_before or self.missing_after
-        return bool(self.counts.get(UNCLEAR) or missing or (self.moved and not self.absolute))
+        return bool(self.untold or self.counts.get(UNCLEAR) or (self.moved and not self.absolute))
 
 
 def compare(before: Side, after: Side, threshold: float = 0.02, across_devices: bool = False,
@@ -129,7 +155,8 @@ class _Timed:
                  alike: bool):
         self._limit, self._same, self._absolute = math.log1p(max(threshold, floor)), math.log1p(threshold), absolute
         self._floor = floor
-        shifts = {id(a): shift for b, a in pairs if (shift := _shift(b, a))}
+        deviation = frame_deviation(_samples(entry) for pair in pairs for entry in pair)
+        shifts = {id(a): shift for b, a in pairs if (shift := _shift(b, a, deviation))}
         self._index = {key: number for number, key in enumerate(shifts)}
         self._shifts = list(shifts.values())
         self._noise: Noise = estimate(self._shifts, floor, alike)
@@ -160,19 +187,29 @@ class _Timed:
         sign = math.copysign(1.0, self._distance(number))
         mine, same_way = sign * self._distance(number), [sign * d for d in distances]
         if not distances[1:]:
-            return mine > ALONE * self._critical
+            return self._beyond_bursts(number, ALONE)
         support = sorted(same_way)[-2]
-        if mine > self._critical * (1.0 if min(support, mine) > SUPPORT else AGAINST):
+        if (mine > self._critical and min(support, mine) > SUPPORT) or self._beyond_bursts(number, AGAINST):
             return True
         capped = [max(-self._critical, min(self._critical, d)) for d in same_way]
         together = sum(capped) / math.sqrt(len(capped))
         return together > self._critical and mine > SUPPORT and support > TOGETHER
 
+    def _beyond_bursts(self, number: int, times: float) -> bool:
+        """Whether a cell that nothing supports moved further than a burst of load: `times` the noise between runs.
+
+        What its own samples leave open is statistics, not a burst, and counts once; where tails are longer than
+        `times`, they count.
+        """
+        noise, stretch = self._noise, self._noise.stretch
+        deviation = math.hypot(stretch * self._shifts[number].error, max(times, stretch) * noise.between)
+        return abs(self._moved(number)) > self._critical * deviation
+
     def judge(self, after: Entry) -> tuple[str, str, Interval, float | None]:
         """Verdict, reason, ratio with its interval, ratio as measured."""
         number = self._index.get(id(after))
         if number is None:
-            return UNCLEAR, "too few samples for an interval", (None, None, None), None
+            return UNCLEAR, "a side has no sample of a time above 0", (None, None, None), None
         moved, deviation = self._moved(number), self._noise.deviations[number]
         reach = self._critical * self._noise.stretch * deviation
         ratio = math.exp(moved - reach), math.exp(moved), math.exp(moved + reach)
@@ -191,16 +228,18 @@ class _Timed:
         return UNCLEAR, "no other cell of the method moved with it: measure both again"
 
 
-def _shift(before: Entry, after: Entry) -> Shift | None:
-    """What became of a cell that has samples enough on both sides, of one timer."""
-    b, a = before.point, after.point
-    if b.row["time_ms"] is None or a.row["time_ms"] is None or b.row["timer"] != a.row["timer"]:
+def _samples(entry: Entry) -> list[float]:
+    """Frame times in ms of a cell whose time counts."""
+    return entry.point.cell.get("samples_ms") or [] if entry.point.row["time_ms"] is not None else []
+
+
+def _shift(before: Entry, after: Entry, deviation: float) -> Shift | None:
+    """What became of a cell that has samples on both sides, of one timer; `deviation`: of a frame, over all cells."""
+    over, under = _samples(after), _samples(before)
+    if not over or not under or before.point.row["timer"] != after.point.row["timer"]:
         return None
-    low, ratio, high = ratio_interval(a.cell.get("samples_ms") or [], b.cell.get("samples_ms") or [])
-    if not (low and ratio and high):
-        return None
-    error = math.log(high / low) / 2 / NormalDist().inv_cdf(0.975)
-    return Shift(after.scene, after.method, math.log(ratio), error)
+    found = log_ratio(over, under, deviation)
+    return Shift(after.scene, after.method, *found) if found else None
 
 
 def _verdict(before: Entry, after: Entry, timed: _Timed) -> Verdict:
@@ -208,10 +247,16 @@ def _verdict(before: Entry, after: Entry, timed: _Timed) -> Verdict:
     changes = tuple(_changes(before, after))
     about = (after.name, after.experiment, before, after)
     if (b.status, a.status) != ("ok", "ok"):
-        return Verdict(*about, None, changes=changes)
+        return Verdict(*about, *_without_times(b, a), changes=changes)
     if b.row["timer"] != a.row["timer"]:
         return Verdict(*about, UNCLEAR, f"timed by {b.row['timer']}, then by {a.row['timer']}", changes=changes)
     return Verdict(*about, *timed.judge(after), changes)
+
+
+def _without_times(before: Point, after: Point) -> tuple[str | None, str]:
+    """Verdict and reason of a cell that has no time on both sides: a fault is a change, a lost measurement is not."""
+    lost = "ok" in (before.status, after.status) and not (before.ending.failed or after.ending.failed)
+    return (UNCLEAR, f"measured on one side alone: {before.status}, then {after.status}") if lost else (None, "")
 
 
 def _changes(before: Entry, after: Entry) -> list[Change]:

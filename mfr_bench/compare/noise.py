@@ -18,6 +18,7 @@ SPREAD_LEAST = 20  # cells, from which on they show their own spread
 PRIOR_CELLS = 10  # cells' worth of evidence that the noise floors are
 LEAST = 1e-6  # deviation: no clock tells times apart to one in a million
 HALF_NORMAL = 0.6745  # median of the absolute value of a normal variable
+MOST_STRETCH = 4.0  # Cauchy's own: cells that many deviations out have changed, and do not hide one another
 TAILS = ((0.8, 1.0), (0.9, 1.0), (0.95, 0.9))  # quantile of the distances, and its weight: the last is of few cells
 
 
@@ -35,11 +36,13 @@ class Shift:
 class Noise:
     """`common`: logarithm that each cell's scene has in common. `deviations`: of each cell between runs, logarithms.
 
-    `stretch`: how much longer the tails are than a normal distribution's, at least 1.
+    `between`: the part of the deviations that is not within the runs. `stretch`: how much longer the tails are than a
+    normal distribution's, from 1 to MOST_STRETCH.
     """
 
     common: tuple[float, ...]
     deviations: tuple[float, ...]
+    between: float
     stretch: float
 
 
@@ -49,14 +52,16 @@ def estimate(shifts: Sequence[Shift], floor: float, alike: bool = True) -> Noise
     Runs that are not `alike`, of two devices, tell nothing of it: each cell is then as far apart as its pair.
     """
     if not alike:
-        return Noise((0.0,) * len(shifts), tuple(max(LEAST, math.hypot(s.error, floor)) for s in shifts), 1.0)
+        return Noise((0.0,) * len(shifts), tuple(max(LEAST, math.hypot(s.error, floor)) for s in shifts), floor,
+                     1.0)
     common = _common(shifts)
     rest = [s.log_ratio - c for s, c in zip(shifts, common, strict=True)]
     errors = [s.error for s in shifts]
     between = _between(rest, errors, floor)
     deviations = tuple(max(LEAST, math.hypot(error, between)) for error in errors)
     distances = sorted(abs(r) / d for r, d in zip(rest, deviations, strict=True))
-    return Noise(common, deviations, _stretch(distances) if len(distances) >= SPREAD_LEAST else 1.0)
+    return Noise(common, deviations, max(LEAST, between),
+                 _stretch(distances) if len(distances) >= SPREAD_LEAST else 1.0)
 
 
 def _common(shifts: Sequence[Shift]) -> tuple[float, ...]:
@@ -94,7 +99,8 @@ def _between(rest: Sequence[float], errors: Sequence[float], floor: float) -> fl
 
 
 def _stretch(distances: Sequence[float]) -> float:
-    """How far out the outer cells are, over how far a normal distribution has them."""
+    """How far out the outer cells are, over how far a normal distribution has them; what is more is no noise."""
     normal = NormalDist()
-    return max([1.0, *(weight * distances[math.ceil(share * len(distances)) - 1] / normal.inv_cdf((1 + share) / 2)
-                       for share, weight in TAILS)])
+    found = (weight * distances[math.ceil(share * len(distances)) - 1] / normal.inv_cdf((1 + share) / 2)
+             for share, weight in TAILS)
+    return min(MOST_STRETCH, max(1.0, *found))

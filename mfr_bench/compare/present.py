@@ -11,7 +11,7 @@ from ..report.data import number, percent
 from ..report.tables import Grid
 from ..stats import Interval
 from ..store import csv_text
-from .judge import SAME, VERDICTS, Comparison, Verdict
+from .judge import MISSING, SAME, VERDICTS, Comparison, Verdict
 from .sides import Entry
 
 COLUMNS = ("experiment", "name", "method", "params", "scene", "verdict", "reason", "before_ms", "after_ms", "ratio",
@@ -24,7 +24,7 @@ MOST_LISTED = 10
 
 
 def as_json(found: Comparison) -> str:
-    """Everything: one object per cell, what is missing, the environments' differences."""
+    """Everything: one object per cell, those of one side too; what is missing; the environments' differences."""
     return json.dumps({
         "before": found.before.path, "after": found.after.path, "threshold": found.threshold,
         "noise_floor_rel": found.floor, "absolute": found.absolute, "common_ratio": found.common,
@@ -32,13 +32,13 @@ def as_json(found: Comparison) -> str:
         "doubtful": found.doubtful, "environment": found.environment,
         "missing_before": [f"{e.experiment}: {e.name}" for e in found.missing_before],
         "missing_after": [f"{e.experiment}: {e.name}" for e in found.missing_after],
-        "cells": [v.record() for v in found.verdicts]}, indent=2, ensure_ascii=False)
+        "untold": found.untold, "cells": found.records()}, indent=2, ensure_ascii=False)
 
 
 def as_csv(found: Comparison) -> str:
-    """A row per cell that both sides have."""
-    return csv_text(COLUMNS, (v.record() | {"changes": "; ".join(c.text for c in v.changes) or None}
-                              for v in found.verdicts)).decode()
+    """A row per cell of either side."""
+    return csv_text(COLUMNS, (record | {"changes": "; ".join(c["what"] for c in record["changes"]) or None}
+                              for record in found.records())).decode()
 
 
 def as_text(found: Comparison, width: int, whole: bool = False) -> str:
@@ -104,8 +104,8 @@ def _lists(found: Comparison) -> Iterable[tuple[str, list[str]]]:
     unsteady = [*found.before.unsteady, *found.after.unsteady]
     for title, lines in (("Why", [f"{count} {reason}" for reason, count in why.most_common()]),
                          ("Images, memory and status", changes),
-                         (f"Only in {found.before.path}", _named(found.missing_after)),
-                         (f"Only in {found.after.path}", _named(found.missing_before)),
+                         (f"{MISSING}: only in {found.before.path}", _named(found.missing_after)),
+                         (f"{MISSING}: only in {found.after.path}", _named(found.missing_before)),
                          ("Where they were measured", found.environment), ("Unsteady runs", unsteady)):
         if lines:
             yield title, lines
@@ -123,7 +123,7 @@ def _named(entries: Sequence[Entry]) -> list[str]:
 def _end(found: Comparison) -> str:
     counts = ", ".join(f"{found.counts.get(name, 0)} {name}" for name in VERDICTS)
     worse = sum(any(c.worse for c in v.changes) for v in found.verdicts)
-    parts = [f"{len(found.verdicts)} cells in both: {counts}"]
+    parts = [f"{len(found.records())} cells: {counts}"]
     if worse:
         parts.append(f"{worse} worse in image, memory or status")
     if found.moved and not found.absolute:

@@ -23,7 +23,7 @@ def made(path, factor=1.0, memory=2**20, name="planted", methods=("a", "b"), **m
 @pytest.mark.parametrize(("change", "options", "status"), [
     ({}, [], 0), ({}, ["--strict"], 0), ({"factor": 1.1}, [], 4), ({"factor": 0.9}, [], 0),
     ({"factor": 1.1}, ["--threshold", "20"], 0), ({"memory": 2**21}, [], 4), ({"memory": 2**19}, [], 0),
-    ({"methods": ("a",)}, [], 0), ({"methods": ("a",)}, ["--strict"], 5),
+    ({"methods": ("a",)}, [], 5), ({"methods": ("a", "b", "c")}, [], 5), ({"methods": ("a",)}, ["--strict"], 5),
     ({"factor": 1.1, "methods": ("a",)}, ["--strict"], 4)])
 def test_the_exit_status_tells_of_regressions_and_doubts(mfr, here, change, options, status):
     ended = mfr("compare", made(here / "old"), made(here / "new", **change), *options)
@@ -37,7 +37,7 @@ def test_it_says_what_changed_and_counts_the_rest(mfr, here):
     assert any(line.startswith("a, n 16") and "SLOWER" in line and "1.100 [1.0" in line for line in lines)
     assert not any(line.startswith("b, n 16") for line in lines)
     assert "- mesa: unknown -> 23" in lines
-    assert lines[-1] == "4 cells in both: 2 SLOWER, 0 FASTER, 0 UNCLEAR, 2 SAME"
+    assert lines[-1] == "4 cells: 2 SLOWER, 0 FASTER, 0 UNCLEAR, 2 SAME, 0 MISSING"
     assert any(line.startswith("b, n 16") for line in
                mfr("compare", here / "old", here / "new", "--all").out.splitlines())
 
@@ -45,7 +45,7 @@ def test_it_says_what_changed_and_counts_the_rest(mfr, here):
 def test_other_forms_hold_every_cell(mfr, here):
     folders = made(here / "old"), made(here / "new", 1.1)
     found = json.loads(mfr("compare", *folders, "--json").out)
-    assert found["counts"] == {"SLOWER": 2, "FASTER": 0, "UNCLEAR": 0, "SAME": 2}
+    assert found["counts"] == {"SLOWER": 2, "FASTER": 0, "UNCLEAR": 0, "SAME": 2, "MISSING": 0}
     slower = found["cells"][0]
     assert slower["verdict"] == "SLOWER" and slower["ratio_low"] < slower["ratio"] < slower["ratio_high"]
     rows = list(csv.DictReader(io.StringIO(mfr("compare", *folders, "--csv").out)))

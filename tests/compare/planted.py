@@ -44,16 +44,22 @@ def sampled(random, middle, machine):
     return frames(random, middle, machine.cv * random.uniform(0.5, 1.5), int(random.choice([10, 15, 22, 33, 49])))
 
 
-def run(machine, seed, slower=None, factor=1.0, path="run", methods=METHODS, device=None):
-    """One run as a side of a comparison; `slower`: the number of a method whose times are `factor` as long."""
+def run(machine, seed, slower=None, factor=1.0, path="run", methods=METHODS, device=None, alone=None, counts=None):
+    """One run as a side of a comparison; `slower`: the number of a method whose times are `factor` as long.
+
+    `alone`: the scene in which they are, of all by default. `counts`: frames of each cell, and of those that
+    are slower.
+    """
     random = np.random.default_rng(seed)
     run_load = np.exp(machine.load * random.standard_normal())
     cells = []
     for scene in SCENES:
         scene_load = run_load * np.exp(machine.load / 2 * random.standard_normal())
         for method, shift in enumerate(machine.shifts(random, methods)):
-            middle = (1 + method / 7) * scene / 16 * scene_load * np.exp(shift) * (factor if method == slower else 1)
-            cells.append(cell(f"m{method}", sampled(random, middle, machine), {"depth_complexity": scene}, device))
+            changed = method == slower and alone in (None, scene)
+            middle = (1 + method / 7) * scene / 16 * scene_load * np.exp(shift) * (factor if changed else 1)
+            samples = sampled(random, middle, machine)[:counts and counts[changed]]
+            cells.append(cell(f"m{method}", samples, {"depth_complexity": scene}, device))
     return side(cells, path, aa(random, machine))
 
 

@@ -1,0 +1,94 @@
+"""`compare` as a gate: a slowdown in one of 28 cells, and none, on machines that are never twice the same."""
+
+import pytest
+
+from mfr_bench.compare import compare
+from mfr_bench.compare.judge import FASTER, SAME, SLOWER
+from mfr_bench.compare.noise import MOST_STRETCH, Shift, estimate
+
+from .planted import SCENES, Machine, cell, run, side
+
+METHODS = 14  # in two scenes: 28 cells
+SEEDS = 50
+MACHINES = {"quiet": Machine(cv=0.005, shift=0.004), "usual": Machine(cv=0.01, shift=0.006),
+            "noisy": Machine(cv=0.03, shift=0.02, load=0.2)}
+TAILS = ("normal", "laplace", "t3", "bursts")
+MANY = None  # frames of a cell: 10 to 49
+
+
+def gate(machine, factor, seed, before=MANY, after=MANY, slowed=MANY):
+    """Whether the slowed cell is found, and whether any other is called a change.
+
+    `before`, `after`: frames of each cell of a side; `slowed`: of the slowed cell, after.
+    """
+    method, scene = seed % METHODS, SCENES[seed % 2]
+    old = run(machine, 2 * seed, methods=METHODS, counts=(before, before))
+    new = run(machine, 2 * seed + 1, slower=method, factor=factor, methods=METHODS, alone=scene,
+              counts=(after, slowed))
+    called = [(v.after.point.method, v.after.point.cell["scene"]["depth_complexity"], v.verdict)
+              for v in compare(old, new).verdicts if v.verdict in (SLOWER, FASTER)]
+    planted = (f"m{method}", scene, SLOWER)
+    return planted in called, any(c != planted or factor == 1 for c in called)
+
+
+def gates(machine, factor, **counts):
+    """Of SEEDS comparisons: those that find the slowdown, and those that call something else a change."""
+    found = [gate(machine, factor, seed, **counts) for seed in range(SEEDS)]
+    return sum(hit for hit, _ in found), sum(alarm for _, alarm in found)
+
+
+@pytest.fixture(params=[(name, tails) for name in MACHINES for tails in TAILS], ids="-".join)
+def machine(request):
+    name, tails = request.param
+    planted = MACHINES[name]
+    return Machine(planted.cv, planted.shift, tails, planted.load)
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.05, 1.3])
+def test_at_most_1_comparison_in_20_calls_a_change_that_is_none(machine, factor):
+    assert gates(machine, factor)[1] <= SEEDS / 20
+
+
+def test_a_run_of_single_samples_raises_no_more_alarms(machine):
+    assert gates(machine, 1.0, before=1, after=1, slowed=1)[1] <= SEEDS / 20
+
+
+def test_twice_the_time_is_found_from_7_samples_a_side(machine):
+    found, alarms = gates(machine, 2.0, before=7, after=7, slowed=7)
+    assert found >= 0.95 * SEEDS and alarms <= SEEDS / 20
+
+
+@pytest.mark.parametrize("factor", [10.0, 100.0])
+@pytest.mark.parametrize("counts", [{"slowed": 1}, {"before": 1, "after": 1, "slowed": 1}],
+                         ids=["one-sample-of-the-slow-cell", "one-sample-of-each"])
+def test_10_and_100_times_the_time_are_always_found_from_one_sample(machine, factor, counts):
+    found, alarms = gates(machine, factor, **counts)
+    assert found == SEEDS and alarms <= SEEDS / 20
+
+
+@pytest.mark.parametrize("samples", [1, 2, 5])
+def test_100_times_the_time_is_slower_with_nothing_else_to_go_by(samples):
+    old, new = (side([cell("a", [ms] * samples, {"depth_complexity": 16})], noise=None) for ms in (8.88, 888.0))
+    (verdict,) = compare(old, new).verdicts
+    assert verdict.verdict == SLOWER
+    low, ratio, high = verdict.ratio
+    assert 1 < low < 100 < high and ratio == pytest.approx(100)
+
+
+def test_few_samples_are_not_called_the_same():
+    old, new = (run(MACHINES["quiet"], seed, methods=METHODS, counts=(3, 3)) for seed in (1, 2))
+    many = compare(run(MACHINES["quiet"], 1, methods=METHODS), run(MACHINES["quiet"], 2, methods=METHODS))
+    assert compare(old, new).counts[SAME] < many.counts[SAME]
+
+
+def test_cells_that_changed_do_not_hide_one_another():
+    """A tenth of the cells 100 times slower is a change, not the length of the noise's tails."""
+    shifts = [Shift("scene", i, 4.6 if i < 4 else 0.01 * ((7 * i) % 11 - 5) / 5, 0.003) for i in range(40)]
+    assert estimate(shifts, 0.01).stretch == MOST_STRETCH
+    quiet = MACHINES["quiet"]
+    old, new = run(quiet, 1, methods=METHODS), run(quiet, 2, methods=METHODS)
+    for entry in new.entries.values():
+        if entry.point.method in ("m3", "m4"):
+            entry.point.cell["samples_ms"] = [100 * entry.point.cell["samples_ms"][0]]
+    slower = {v.after.point.method for v in compare(old, new).verdicts if v.verdict == SLOWER}
+    assert slower == {"m3", "m4"}
