@@ -12,7 +12,7 @@ from typing import Any
 from ..report.data import Point, percent
 from ..stats import Interval
 from ..store.status import EXACT_ERROR
-from .few import frame_deviation, log_ratio
+from .few import Frames, log_ratio
 from .noise import Noise, Shift, estimate
 from .sides import Entry, Side, changed_environment, refuse_other_devices
 
@@ -24,6 +24,7 @@ SAME_RATE = 0.05  # of each cell that is called the same: the chance that it is 
 SUPPORT = 2.0  # deviations by which another cell of the method must have moved the same way
 TOGETHER = 2.0  # and by which, where the cells of the method decide it together
 ALONE = 2.0  # times the noise between runs counts for a cell whose method has no other
+MOST_BURST = 8.0  # times as long: the longest that two cores, shared with other work, made a cell that did not change
 AGAINST = 4.0  # and for one that no other cell of its method supports
 RMSE_GROWTH = 1.1  # a larger error: methods with races have another one in every run
 
@@ -155,8 +156,8 @@ class _Timed:
                  alike: bool):
         self._limit, self._same, self._absolute = math.log1p(max(threshold, floor)), math.log1p(threshold), absolute
         self._floor = floor
-        deviation = frame_deviation(_samples(entry) for pair in pairs for entry in pair)
-        shifts = {id(a): shift for b, a in pairs if (shift := _shift(b, a, deviation))}
+        frames = Frames(_samples(entry) for pair in pairs for entry in pair)
+        shifts = {id(a): shift for b, a in pairs if (shift := _shift(b, a, frames))}
         self._index = {key: number for number, key in enumerate(shifts)}
         self._shifts = list(shifts.values())
         self._noise: Noise = estimate(self._shifts, floor, alike)
@@ -186,24 +187,27 @@ class _Timed:
         distances = [self._distance(i) for i in self._of_method[self._shifts[number].method]]
         sign = math.copysign(1.0, self._distance(number))
         mine, same_way = sign * self._distance(number), [sign * d for d in distances]
+        if abs(self._moved(number)) > self._burst_reach(number):
+            return True
         if not distances[1:]:
-            return self._beyond_bursts(number, ALONE)
+            return False
         support = sorted(same_way)[-2]
-        if (mine > self._critical and min(support, mine) > SUPPORT) or self._beyond_bursts(number, AGAINST):
+        if mine > self._critical and min(support, mine) > SUPPORT:
             return True
         capped = [max(-self._critical, min(self._critical, d)) for d in same_way]
         together = sum(capped) / math.sqrt(len(capped))
         return together > self._critical and mine > SUPPORT and support > TOGETHER
 
-    def _beyond_bursts(self, number: int, times: float) -> bool:
-        """Whether a cell that nothing supports moved further than a burst of load: `times` the noise between runs.
+    def _burst_reach(self, number: int) -> float:
+        """How far a cell that nothing supports may move by a burst of load that outlasts its sampling, logarithmic.
 
-        What its own samples leave open is statistics, not a burst, and counts once; where tails are longer than
-        `times`, they count.
+        That is several times the noise between runs, or the length of its tails; or what it did to the slowest frames.
+        What the cell's own samples leave open is statistics and counts once.
         """
-        noise, stretch = self._noise, self._noise.stretch
-        deviation = math.hypot(stretch * self._shifts[number].error, max(times, stretch) * noise.between)
-        return abs(self._moved(number)) > self._critical * deviation
+        shift, noise = self._shifts[number], self._noise
+        times = AGAINST if self._of_method[shift.method][1:] else ALONE
+        burst = max(shift.burst, self._critical * max(times, noise.stretch) * noise.between)
+        return math.hypot(self._critical * shift.error, min(math.log(MOST_BURST), burst))
 
     def judge(self, after: Entry) -> tuple[str, str, Interval, float | None]:
         """Verdict, reason, ratio with its interval, ratio as measured."""
@@ -211,7 +215,7 @@ class _Timed:
         if number is None:
             return UNCLEAR, "a side has no sample of a time above 0", (None, None, None), None
         moved, deviation = self._moved(number), self._noise.deviations[number]
-        reach = self._critical * self._noise.stretch * deviation
+        reach = min(self._critical * self._noise.stretch * deviation, self._burst_reach(number))
         ratio = math.exp(moved - reach), math.exp(moved), math.exp(moved + reach)
         verdict, reason = self._decided(number, moved, deviation, reach)
         return verdict, reason, ratio, math.exp(self._shifts[number].log_ratio)
@@ -233,13 +237,14 @@ def _samples(entry: Entry) -> list[float]:
     return entry.point.cell.get("samples_ms") or [] if entry.point.row["time_ms"] is not None else []
 
 
-def _shift(before: Entry, after: Entry, deviation: float) -> Shift | None:
-    """What became of a cell that has samples on both sides, of one timer; `deviation`: of a frame, over all cells."""
+def _shift(before: Entry, after: Entry, frames: Frames) -> Shift | None:
+    """What became of a cell that has samples on both sides, of one timer; `frames`: of all cells."""
     over, under = _samples(after), _samples(before)
     if not over or not under or before.point.row["timer"] != after.point.row["timer"]:
         return None
-    found = log_ratio(over, under, deviation)
-    return Shift(after.scene, after.method, *found) if found else None
+    found = log_ratio(over, under, frames)
+    burst = frames.burst(min(before.point.row["time_ms"], after.point.row["time_ms"]))
+    return Shift(after.scene, after.method, *found, burst) if found else None
 
 
 def _verdict(before: Entry, after: Entry, timed: _Timed) -> Verdict:

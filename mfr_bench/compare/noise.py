@@ -24,12 +24,16 @@ TAILS = ((0.8, 1.0), (0.9, 1.0), (0.95, 0.9))  # quantile of the distances, and 
 
 @dataclass(frozen=True)
 class Shift:
-    """What became of one cell: logarithm of the ratio of its times, and the standard error of that within the runs."""
+    """What became of one cell: logarithm of the ratio of its times, and the standard error of that within the runs.
+
+    `burst`: logarithm of how many times as long the slowest frames of such a time are.
+    """
 
     scene: Hashable
     method: Hashable
     log_ratio: float
     error: float
+    burst: float = 0.0
 
 
 @dataclass(frozen=True)

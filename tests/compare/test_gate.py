@@ -1,8 +1,10 @@
 """`compare` as a gate: a slowdown in one of 28 cells, and none, on machines that are never twice the same."""
 
+import numpy as np
 import pytest
 
 from mfr_bench.compare import compare
+from mfr_bench.compare.few import Frames
 from mfr_bench.compare.judge import FASTER, SAME, SLOWER
 from mfr_bench.compare.noise import MOST_STRETCH, Shift, estimate
 
@@ -73,6 +75,24 @@ def test_100_times_the_time_is_slower_with_nothing_else_to_go_by(samples):
     assert verdict.verdict == SLOWER
     low, ratio, high = verdict.ratio
     assert 1 < low < 100 < high and ratio == pytest.approx(100)
+
+
+def test_a_stall_tells_of_frames_as_long_as_it_was_found_in():
+    """A stall of 5 ms is 10 times a frame of 0.5 ms, and a twentieth of one of 100 ms."""
+    frames = Frames([[0.5] * 95 + [5.5] * 5, [100.0, 105.0] * 50])
+    assert frames.deviation(0.5) > 0.5 and frames.burst(0.5) > 1.0
+    for as_long_or_longer in (100.0, 5000.0):
+        assert frames.deviation(as_long_or_longer) < 0.06 and frames.burst(as_long_or_longer) < 0.03
+
+
+def test_a_stalled_frame_of_seven_does_not_hide_ten_times_the_time():
+    """Under load: the interval of 7 frames reaches to the stalled one, the median of the others stands."""
+    random = np.random.default_rng(1)
+    old, new = ([cell(f"m{m}", (np.exp(0.03 * random.standard_normal(7)) * (1 + 4 * (np.arange(7) == m % 7))).tolist(),
+                      {"depth_complexity": n}) for m in range(METHODS) for n in SCENES] for _ in range(2))
+    new[3]["samples_ms"] = [10 * s for s in new[3]["samples_ms"]]
+    called = [v.name for v in compare(side(old), side(new)).verdicts if v.verdict == SLOWER]
+    assert called == ["m1, n 32"]
 
 
 def test_few_samples_are_not_called_the_same():
