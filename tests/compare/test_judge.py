@@ -146,3 +146,21 @@ def test_a_few_cells_that_changed_do_not_widen_the_noise():
     plain, planted = estimate(shifts, 0.01), estimate([*shifts, *changed], 0.01)
     assert planted.deviations[0] == pytest.approx(plain.deviations[0], rel=0.15)
     assert planted.common[0] == pytest.approx(plain.common[0], abs=0.002)
+
+
+def test_a_comparison_that_tells_nothing_says_so():
+    """All cells unclear, or only lost ones: nobody may take it for a pass. A few unclear cells are ordinary."""
+    gpu, none = side(cells(values={"timer": "gpu"})), side(cells(status="unsupported", reason="needs int64"))
+    assert compare(side(cells()), gpu).untold and compare(side(cells()), none).untold
+    assert {v.verdict for v in compare(side(cells()), none).verdicts} == {UNCLEAR}
+    assert not compare(side(cells()), side(cells(status="wrong", reason="lost"))).untold
+    some = compare(side(cells(), noise=0.002), side(cells({"a": 1.019, "b": 2.0}), noise=0.002))
+    assert some.counts[UNCLEAR] and not some.untold and some.doubtful
+
+
+def test_cells_of_one_side_are_missing_in_every_count_and_record():
+    found = compare(side(cells(), "old"), side(cells({"a": 1.0, "c": 1.0}), "new"))
+    assert found.counts["MISSING"] == 4 and found.untold
+    assert [(r["name"], r["reason"], r["before_ms"] is None) for r in found.records() if r["verdict"] == "MISSING"] == [
+        ("b, n 16", "only in old", False), ("b, n 32", "only in old", False),
+        ("c, n 16", "only in new", True), ("c, n 32", "only in new", True)]
