@@ -13,6 +13,7 @@ DIAGNOSTICS = ("lost_fragments", "shaded_fragments", "stored_fragments")  # coun
 # The uniform block `Frame`, one uint each, in order.
 FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k")
 FRAME_BINDING = 0
+OPAQUE_UNIT = 15  # of the scene's opaque depth: GL guarantees sixteen texture units to a fragment shader
 COLOURS_BINDING = 1  # of the uniform block `Colours`: the base colours of a payload of two channels, as light
 # Fields after these, for methods that plan their frames: the rectangle that bounds the geometry, whose first pixel
 # would have the index region_first if the rectangle began at the origin.

@@ -30,6 +30,7 @@ from .bindings import (
     EDGE_FIELDS,
     FRAME_BINDING,
     FRAME_FIELDS,
+    OPAQUE_UNIT,
     REGION_FIELDS,
     buffer_bindings,
     colour_refs,
@@ -63,7 +64,7 @@ def define_values(fitted: Fitted, step: Pass) -> dict[str, int]:
     values: dict[str, int] = {
         "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
         "N": stats.n, "KEEP": fitted.value("keep"), "LOCAL": fitted.value("keep"),
-        "REJECTS": int(stats.rejects), "LEAST": stats.least, "QUADS": stats.primitives,
+        "REJECTS": int(stats.rejects), "OCCLUDED": int(stats.occluded), "LEAST": stats.least, "QUADS": stats.primitives,
         "COMPUTE": int(step.kind == "compute"),
         "PAYLOAD_RGBA16F": 0, "CULLS": 0, "BY_TILE": int(step.by_tile), "REGION": int(step.region),
         "STOP_OPACITY": 1.0,
@@ -172,6 +173,8 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
         targets = {t.name: t for t in variant.targets}
         prelude += [f"layout(binding = {b.index}) uniform {_sampler(targets.get(split_ref(b.ref)[0]))} {b.name};"
                     for b in texture_bindings(variant, step)]
+        if fitted.stats.occluded and "opaque_depth" in words:
+            prelude.append(f"layout(binding = {OPAQUE_UNIT}) uniform sampler2D opaque_depth;")
         prelude += [macro] if "CLEAR" in words else []
         prelude += _outputs(fitted, step)
         prelude += ["layout(early_fragment_tests) in;"] if step.state.early else []

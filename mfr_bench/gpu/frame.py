@@ -131,6 +131,7 @@ class Frame:
             self._begin(self._schedule.next_plan(self._shown))
         self._uniforms.bind()
         self.diagnostics.bind()
+        self.scene_buffer.bind_opaque()
         if self.variant.two_channel:
             self.scene_buffer.two_channel[1].bind_to_uniform_block(COLOURS_BINDING)
         iteration = 0

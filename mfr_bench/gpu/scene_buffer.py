@@ -1,19 +1,58 @@
-"""A scene's primitives in device memory, as vertex attributes."""
+"""A scene's primitives in device memory, as vertex attributes, and the depth of what is opaque in it."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
 
+from ..glsl import Source, read
+from ..glsl.bindings import OPAQUE_UNIT
 from ..oracle import twochannel
 from ..scene import Geometry
+from . import rawgl
 from .device import Device
+from .targets import Framebuffer, Texture
 
-# By the geometry of a scene: each attribute, its moderngl format, the padding in its place where a program does not
-# use it, and its field of the packed primitive.
-COLOUR = ("in_rgba", "4f1", "4x", ("rgba", "u1", 4))
-LAYOUTS = {
-    "quad": (("in_rect", "4i", "16x", ("rect", "<i4", 4)), ("in_depth", "1f", "4x", ("depth", "<f4")), COLOUR),
-    "strip": (*((f"in_corner{i}", "4f", "16x", (f"corner{i}", "<f4", 4)) for i in range(4)), COLOUR),
+TRIANGLE_STRIP, TRIANGLES = 5, 4  # GL's modes
+VERTEX_VERSION = "#version 430 core\n"
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """A vertex attribute: its name in GLSL, its moderngl format, and its field of a packed record.
+
+    padding: the format in its place where a program does not use it.
+    """
+
+    name: str
+    format: str
+    padding: str
+    field: tuple
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How the primitives of a geometry reach the device.
+
+    mode and vertices: GL's mode, and vertices of a primitive. per_vertex: whether a record is one vertex of a
+    primitive; else it is a whole primitive, drawn as an instance.
+    """
+
+    mode: int
+    vertices: int
+    per_vertex: bool
+    attributes: tuple[Attribute, ...]
+
+
+COLOUR = Attribute("in_rgba", "4f1", "4x", ("rgba", "u1", 4))
+LAYOUTS: Mapping[str, Layout] = {
+    "quad": Layout(TRIANGLE_STRIP, 4, False, (Attribute("in_rect", "4i", "16x", ("rect", "<i4", 4)),
+                                              Attribute("in_depth", "1f", "4x", ("depth", "<f4")), COLOUR)),
+    "strip": Layout(TRIANGLE_STRIP, 4, False, (*(Attribute(f"in_corner{i}", "4f", "16x", (f"corner{i}", "<f4", 4))
+                                                 for i in range(4)), COLOUR)),
+    "triangle": Layout(TRIANGLES, 3, True, (Attribute("in_corner", "4f", "16x", ("corner", "<f4", 4)), COLOUR)),
 }
 
 
@@ -22,39 +61,95 @@ class SceneBuffer:
 
     def __init__(self, device: Device, scene: Geometry):
         self.device, self.scene = device, scene
+        self._layout = LAYOUTS[scene.geometry]
         self.buffer = device.ctx.buffer(_packed(scene))
         self._two_channel: tuple | None = None  # for payloads of two channels: codes of the primitives, base colours
+        self._opaque = OpaqueDepth(device, scene.viewport) if scene.occluded else None
+        if self._opaque:
+            self._opaque.draw(scene)
 
     def attributes(self, program) -> list[tuple]:
-        """The per-instance attributes that the program uses, as moderngl's vertex_array takes them."""
-        layout = LAYOUTS[self.scene.geometry]
-        used = [name for name, *_ in layout if name in program]
-        formats = " ".join(form if name in used else padding for name, form, padding, _ in layout)
-        codes = [(self.two_channel[0], "4f1 /i", "in_code")] if "in_code" in program else []
-        return [(self.buffer, f"{formats} /i", *used), *codes]
+        """The attributes that the program uses, as moderngl's vertex_array takes them."""
+        attributes, per = self._layout.attributes, "/v" if self._layout.per_vertex else "/i"
+        used = [a.name for a in attributes if a.name in program]
+        formats = " ".join(a.format if a.name in used else a.padding for a in attributes)
+        codes = [(self.two_channel[0], f"4f1 {per}", "in_code")] if "in_code" in program else []
+        return [(self.buffer, f"{formats} {per}", *used), *codes]
 
     def draw(self, vertex_array) -> None:
-        """Draw every primitive, as an instance of a triangle strip of four vertices."""
-        vertex_array.render(mode=5, vertices=4, instances=len(self.scene))  # GL_TRIANGLE_STRIP
+        """Draw every primitive."""
+        vertices, count = self._layout.vertices, len(self.scene)
+        if self._layout.per_vertex:
+            vertex_array.render(mode=self._layout.mode, vertices=vertices * count)
+        else:
+            vertex_array.render(mode=self._layout.mode, vertices=vertices, instances=count)
+
+    def bind_opaque(self) -> None:
+        """Let the shaders of the next draws see the depth of what is opaque, where anything is."""
+        if self._opaque:
+            self._opaque.texture.bind(OPAQUE_UNIT)
 
     @property
     def two_channel(self) -> tuple:
         """The buffers of the primitives' codes and of the base colours."""
         if self._two_channel is None:
-            self._two_channel = tuple(map(self.device.ctx.buffer, _encoded(self.scene)))
+            self._two_channel = tuple(map(self.device.ctx.buffer, self._encoded()))
         return self._two_channel
 
     def replace(self, scene: Geometry) -> None:
         """Upload the next frame of an animation."""
         self.scene = scene
         _write(self.buffer, _packed(scene))
-        for buffer, data in zip(self._two_channel or (), _encoded(scene) if self._two_channel else (), strict=True):
+        for buffer, data in zip(self._two_channel or (), self._encoded() if self._two_channel else (), strict=True):
             _write(buffer, data)
+        if self._opaque:
+            self._opaque.draw(scene)
+
+    def _encoded(self) -> tuple[bytes, bytes]:
+        """The codes of the records, and the two base colours as vec4."""
+        encoding, stored = twochannel.words(self.scene.rgba)
+        if self._layout.per_vertex:
+            stored = np.repeat(stored, self._layout.vertices, axis=0)
+        return stored.tobytes() or bytes(4), np.float32([[*encoding.a, 0], [*encoding.b, 0]]).tobytes()
 
     def release(self) -> None:
         """Free the device memory."""
-        for buffer in (self.buffer, *(self._two_channel or ())):
+        for buffer in (self.buffer, *(self._two_channel or ()), *([self._opaque] if self._opaque else ())):
             buffer.release()
+
+
+class OpaqueDepth:
+    """A depth buffer of the viewport's size with a scene's opaque triangles, drawn outside every timed region."""
+
+    def __init__(self, device: Device, viewport: tuple[int, int]):
+        self._device = device
+        self.texture = Texture(device.gl, "depth32f", viewport)
+        self._framebuffer = Framebuffer(device.gl, [self.texture])
+        sources = tuple(Source(entry, VERTEX_VERSION + read(entry), ("prelude", entry))
+                        for entry in ("scene/opaque.vert", "scene/opaque.frag"))
+        self._program = device.program(sources, "opaque triangles")
+
+    def draw(self, scene: Geometry) -> None:
+        """Draw the opaque triangles of the scene."""
+        gl, ctx = self._device.gl, self._device.ctx
+        corners = np.ascontiguousarray(scene.opaque, dtype="<f4").reshape(-1, 4)
+        buffer = ctx.buffer(corners.tobytes())
+        vertices = ctx.vertex_array(self._program, [(buffer, "4f /v", "in_corner")])
+        self._framebuffer.use(colour=False, depth=True)
+        self._framebuffer.clear(self.texture, (1.0,))
+        gl.glDisable(rawgl.BLEND)
+        gl.glEnable(rawgl.DEPTH_TEST)
+        gl.glDepthFunc(rawgl.DEPTH_FUNCTIONS["less"])
+        gl.clip_depths_from_zero(False)
+        vertices.render(mode=TRIANGLES, vertices=len(corners))
+        gl.glDisable(rawgl.DEPTH_TEST)
+        vertices.release()
+        buffer.release()
+
+    def release(self) -> None:
+        """Free the device memory."""
+        self._framebuffer.release()
+        self.texture.release()
 
 
 def _write(buffer, data: bytes) -> None:
@@ -63,18 +158,20 @@ def _write(buffer, data: bytes) -> None:
     buffer.write(data)
 
 
-def _encoded(scene: Geometry) -> tuple[bytes, bytes]:
-    """The codes of the primitives, and the two base colours as vec4."""
-    encoding, stored = twochannel.words(scene.rgba)
-    return stored.tobytes() or bytes(4), np.float32([[*encoding.a, 0], [*encoding.b, 0]]).tobytes()
-
-
 def _packed(scene: Geometry) -> bytes:
-    """The primitives one after the other; room for one where there is none."""
-    primitives = np.zeros(len(scene), dtype=[field for *_, field in LAYOUTS[scene.geometry]])
-    arrays = scene.arrays()
-    if "position" in arrays:
-        arrays |= {f"corner{i}": scene.position[:, i] for i in range(4)}
-    for name in primitives.dtype.names:
-        primitives[name] = arrays[name]
-    return primitives.tobytes() or bytes(primitives.itemsize)
+    """The records one after the other; room for one primitive where there is none."""
+    layout = LAYOUTS[scene.geometry]
+    repeats = layout.vertices if layout.per_vertex else 1
+    records = np.zeros(len(scene) * repeats, dtype=[attribute.field for attribute in layout.attributes])
+    for name, values in _fields(scene).items():
+        records[name] = values
+    return records.tobytes() or bytes(records.itemsize * repeats)
+
+
+def _fields(scene: Geometry) -> dict[str, np.ndarray]:
+    """The fields of the records by name."""
+    if scene.geometry == "quad":
+        return {"rect": scene.rect, "depth": scene.depth, "rgba": scene.rgba}
+    if scene.geometry == "triangle":
+        return {"corner": scene.position.reshape(-1, 4), "rgba": np.repeat(scene.rgba, 3, axis=0)}
+    return {f"corner{i}": scene.position[:, i] for i in range(4)} | {"rgba": scene.rgba}

@@ -10,8 +10,9 @@ from .quads import Scene, flat_quads
 from .slanted import slanted
 from .strips import Strips
 from .temple import temple
+from .triangles import Triangles
 
-Geometry = Scene | Strips
+Geometry = Scene | Strips | Triangles
 
 OBJECTS = {"hairball": hairball, "needles": needles, "temple": temple}
 
@@ -24,4 +25,4 @@ def generate(config: SceneConfig, frame: int = 0) -> Geometry:
     return flat_quads(config, seed) if is_flat(config) else slanted(config, seed)
 
 
-__all__ = ["Geometry", "Scene", "Strips", "generate"]
+__all__ = ["Geometry", "Scene", "Strips", "Triangles", "generate"]

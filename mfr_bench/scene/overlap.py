@@ -1,10 +1,33 @@
-"""How many of a scene's primitives can meet in a pixel, as the host finds it without drawing."""
+"""Where a scene's primitives can be on the screen, and how many can meet in a pixel, found without drawing."""
 
 from __future__ import annotations
 
 import numpy as np
 
 CELL = 8  # pixels, side of the squares in which rectangles are counted
+MARGIN = 1  # pixels to spare for what a device rounds
+
+
+def boxes_of(position: np.ndarray, viewport: tuple[int, int]) -> np.ndarray:
+    """int32 (n, 4): the pixels of the viewport that bound each primitive, x0 y0 x1 y1, half-open, with MARGIN.
+
+    position: (n, corners, 4), clip space. A primitive with a corner at or behind the eye has the whole viewport.
+    """
+    corners = position.astype(np.float64)
+    behind = corners[..., 3].min(axis=1, initial=np.inf) <= 0
+    corners[behind] = 1.0
+    window = (corners[..., :2] / corners[..., 3:] + 1.0) / 2.0 * viewport
+    edges = np.hstack([np.floor(window.min(axis=1)) - MARGIN, np.ceil(window.max(axis=1)) + MARGIN])
+    boxes = np.clip(edges, 0, np.tile(viewport, 2)).astype(np.int32)
+    return np.where(behind[:, None], np.array([0, 0, *viewport], dtype=np.int32), boxes)
+
+
+def bounds_of(boxes: np.ndarray) -> tuple[int, int, int, int]:
+    """Left, bottom, width and height in pixels of the rectangle around all boxes; all 0 where there is none."""
+    if not len(boxes):
+        return 0, 0, 0, 0
+    (left, bottom), (right, top) = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
+    return int(left), int(bottom), int(right - left), int(top - bottom)
 
 
 def most_over(rects: np.ndarray, viewport: tuple[int, int]) -> int:

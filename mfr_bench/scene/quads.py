@@ -34,6 +34,7 @@ class Scene:
     """
 
     geometry: ClassVar[str] = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
+    occluded: ClassVar[bool] = False  # nothing opaque is drawn first
 
     viewport: tuple[int, int]
     rect: np.ndarray

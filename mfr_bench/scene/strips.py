@@ -15,10 +15,9 @@ import numpy as np
 from ..config.model import Scene as SceneConfig
 from ..hashing import hash3
 from .colours import rgba
-from .overlap import most_over
+from .overlap import bounds_of, boxes_of, most_over
 from .streams import ORDER
 
-MARGIN = 1  # pixels
 NEAREST, FURTHEST = 0.5 + 2.0**-10, 1.0 - 2.0**-10  # window depth of any corner
 
 
@@ -32,6 +31,7 @@ class Strips:
 
     geometry: ClassVar[str] = "strip"
     least: ClassVar[int] = 0  # no pixel draws its number of fragments
+    occluded: ClassVar[bool] = False  # nothing opaque is drawn first
 
     viewport: tuple[int, int]
     position: np.ndarray
@@ -54,26 +54,13 @@ class Strips:
 
     @cached_property
     def boxes(self) -> np.ndarray:
-        """int32 (n, 4): the pixels of the viewport that bound each strip, x0 y0 x1 y1, half-open.
-
-        They have MARGIN pixels to spare for what a device rounds. The viewport where a corner lies behind the eye.
-        """
-        whole = np.array([0, 0, *self.viewport], dtype=np.int32)
-        corners = self.position.astype(np.float64)
-        behind = corners[..., 3].min(axis=1, initial=np.inf) <= 0
-        corners[behind] = 1.0
-        window = (corners[..., :2] / corners[..., 3:] + 1.0) / 2.0 * self.viewport
-        edges = np.hstack([np.floor(window.min(axis=1)) - MARGIN, np.ceil(window.max(axis=1)) + MARGIN])
-        boxes = np.clip(edges, 0, np.tile(self.viewport, 2)).astype(np.int32)
-        return np.where(behind[:, None], whole, boxes)
+        """int32 (n, 4): the pixels of the viewport that bound each strip, x0 y0 x1 y1, half-open; see `boxes_of`."""
+        return boxes_of(self.position, self.viewport)
 
     @cached_property
     def bounds(self) -> tuple[int, int, int, int]:
         """Left, bottom, width and height in pixels of a rectangle that bounds the strips in the viewport."""
-        if not len(self):
-            return 0, 0, 0, 0
-        (left, bottom), (right, top) = self.boxes[:, :2].min(axis=0), self.boxes[:, 2:].max(axis=0)
-        return int(left), int(bottom), int(right - left), int(top - bottom)
+        return bounds_of(self.boxes)
 
     @cached_property
     def layers(self) -> int:

@@ -22,6 +22,7 @@ class SceneStats:
     area: int | None = None  # pixels of the rectangle that bounds the geometry; None: of the viewport
     layers: int | None = None  # most fragments that a pixel can have by the geometry; None: those of every primitive
     reach: int | None = None  # most fragments that the geometry can have; None: every layer in every pixel
+    occluded: bool = False  # opaque triangles in a depth buffer of their own may hide fragments
     least: int = 0  # fewest fragments that a pixel draws of those of all primitives; 0: every pixel has all
 
     @property
@@ -37,7 +38,7 @@ class SceneStats:
     @property
     def most_layers(self) -> int:
         """Most fragments that a pixel can have by the geometry alone: a strip of two triangles may cover it twice."""
-        return self.layers if self.layers is not None else self.primitives * (1 if self.geometry == "quad" else 2)
+        return self.layers if self.layers is not None else self.primitives * (2 if self.geometry == "strip" else 1)
 
     def bounded(self, k: int) -> int:
         """Fragments left when each pixel keeps at most `k`: the sum of min(f, k) over the pixels."""

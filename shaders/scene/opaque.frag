@@ -1,0 +1,3 @@
+// Writes nothing: opaque triangles leave only their depth.
+void main() {
+}
