@@ -6,6 +6,7 @@ import pytest
 
 from mfr_bench.config import Scene
 from mfr_bench.glsl import read, stages
+from mfr_bench.gpu.scene_buffer import LAYOUTS
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Fitted, SceneStats, evaluate
 from mfr_bench.plan import expected_stats
@@ -105,7 +106,7 @@ def test_entry_points_have_one_main_and_includes_none(path):
 
 
 def test_every_shader_is_used():
-    used = {"scene/quad.vert", "scene/strip.vert", "screen/triangle.vert"}
+    used = {"screen/triangle.vert", *(f"scene/{name}.vert" for name in LAYOUTS), "scene/opaque.vert", "scene/opaque.frag"}
     for method in every_method():
         weakened = [method.variant({p.name: 0.5}) for p in method.params if p.real and p.weakens]
         for variant in (*variants(method), *weakened):
