@@ -28,7 +28,7 @@ EXPERIMENTS = (
     "kplus2015-table1", "kplus2015-fig3", "kplus2015-fig4", "kplus2015-fig6", "kplus2015-fig7", "kplus2015-fig8",
     "kplus2015-fig8-full", "kplus2015-zbuffer", "kplus2015-generic",
     "kplus2015-fig9-sync", "kplus2015-fig9-abuffer", "kplus2015-fig10", "kplus2015-lsort",
-    "gpupro5-fig1", "gpupro5-cas",
+    "gpupro5-fig1", "gpupro5-cas", "gpupro5-allocation", "gpupro5-renders",
     "gpupro5-fig3", "gpupro5-fig4", "gpupro5-fig5", "gpupro5-fig6", "gpupro5-fig7", "gpupro5-local-array",
     "occupancy2015-fig1", "occupancy2015-fig4", "occupancy2015-fig5", "twochannel-fig4",
 )

@@ -9,18 +9,25 @@ from .spec import Buffer, Method, Param, Pass
 ORDER = 2
 
 
+ROOM = Param("room", 0, "slots of a pixel; 0: as many as the deepest has fragments (kplus_2015 §5.3 has too few)",
+             low=0, high=65536,
+             weakens={"1-65536": "of more fragments of a pixel than `room`, those that come later are lost"})
+SLOTS = {"SLOTS": "min(room or n, n)"}
+
+
 def array(method_id: str, name: str, source: str, summary: str, *params: Param, select: bool = False,
           **more) -> Method:
     """Slots for as many fragments as the deepest pixel has; with `select` the resolve picks the k nearest."""
-    store = Pass("store", "geometry", "methods/array/store.frag", writes=("counter", "nodes"))
+    store = Pass("store", "geometry", "methods/array/store.frag", writes=("counter", "nodes"), defines=SLOTS)
     return Method(
         id=method_id, name=name, family="array", source=source, summary=summary, words="2*n + 1",
-        params=(*params, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
-        buffers=(Buffer("counter", "P", clear="0u"), Buffer("nodes", "2*n*P", type="FRAGMENT")),
+        beside="with `room` below n, as many words fewer",
+        params=(*params, ROOM, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
+        buffers=(Buffer("counter", "P", clear="0u"), Buffer("nodes", "2*min(room or n, n)*P", type="FRAGMENT")),
         steps=touching(
             clear("counter"),
             *(occupied(store) if select else (store,)),
-            resolve("counter", "nodes", fetch="methods/array/fetch.glsl", select=select, defines={"SLOTS": "n"}),
+            resolve("counter", "nodes", fetch="methods/array/fetch.glsl", select=select, defines=SLOTS),
         ),
         **more,
     )

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from math import inf
 
 from .sbuffer import ADDRESS, COUNTERS, HASH, MAPPING, SHARED_COUNTERS, referencing
 from .shared import (
@@ -32,7 +33,7 @@ from .shared import (
     once,
     resolve,
 )
-from .shared.prediction import BINS, fragments_in, predict_k
+from .shared.prediction import BINS, fragments_in, largest_k, predict_k
 from .shared.touched import TOUCHED, touching
 from .spec import PAYLOAD_WORDS, UNDER, Buffer, Choice, Counted, Decided, Loop, Method, Param, Params, Pass, State, when
 
@@ -114,6 +115,37 @@ def predicted(counts: Sequence[int], fragments: int, pixels: int, params: Params
     return predict_k(counts, fragments, float(params["hit_ratio"]), room)
 
 
+def predicted_slots(counts: Sequence[int], fragments: int, pixels: int, params: Params) -> Choice:
+    """k of a k+-buffer of fixed slots: Eq. 6 up to the k_b of Eq. 5, with counter and semaphore in each pixel."""
+    pixel_bytes = 8 if params["sync"] == "spin" else 4
+    fragment_bytes = 4 * (1 + PAYLOAD_WORDS[str(params["payload"])])
+    most = min(BINS, largest_k(float(params["memory_mb"]), pixels, fragment_bytes, pixel_bytes))
+    k = predict_k(counts, fragments, float(params["hit_ratio"]), inf, most).k
+    return Choice(k, k * pixels)
+
+
+def slotted_dynamic(method_id: str, name: str, structure: str) -> Method:
+    """A k+-buffer of k slots per pixel whose k is predicted within the frame, from a further geometry pass."""
+    return Method(
+        id=method_id, name=name, family="kplus", source="kplus_2015 §4.2, Eq. 4 to 6",
+        summary=f"max-{structure} with k from the depth-complexity histogram, by a memory budget that bounds the slots "
+                "of every pixel and a hit ratio",
+        guarantee="exact k nearest", ties=TIES, words="2*k + 2", local=f"min(n, {BINS})",
+        beside="counter and semaphore are the 2 words; 4 KiB of histogram per frame (§5.2)",
+        fixed=(STRUCTURE.at(structure), CRITERION), capacity=Decided("histogram", predicted_slots),
+        params=(MEMORY_MB, HIT_RATIO, SYNC, CULLING, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
+        buffers=(COUNTER, SEMAPHORE, replace(NODES, words="2*capacity"), HISTOGRAM),
+        steps=touching(
+            clear("counter", shared=("histogram",)),
+            count(),
+            HISTOGRAM_PASS,
+            clear("counter", "semaphore", "nodes"),
+            *occupied(store(defines=PER_PIXEL)),
+            resolve("counter", "nodes", fetch=FETCH, defines=PER_PIXEL),
+        ),
+    )
+
+
 COUNT = replace(count(), shader="methods/kplus/count.frag")
 HISTOGRAM_PASS = Pass("histogram", "fullscreen", "methods/kplus/histogram.frag", reads=("counter",),
                       writes=("histogram",), decides=True)
@@ -165,5 +197,7 @@ METHODS = [
            (count(), HISTOGRAM_PASS), (MEMORY_MB, HIT_RATIO), (HISTOGRAM,),
            capacity=Decided("histogram", predicted), words="2*f_k + 3", local=f"min(n, {BINS})",
            beside=f"{RANGED_WORDS}; 4 KiB of histogram per frame (§5.2)"),
+    slotted_dynamic("kplus-array-dynamic", "dynamic K+B-Array", "array"),
+    slotted_dynamic("kplus-heap-dynamic", "dynamic K+B-Heap", "heap"),
     MULTI_PASS,
 ]

@@ -22,13 +22,14 @@ from .shared import (
     STOP_OPACITY,
     K,
     clear,
+    expanded,
     occupied,
     resolve,
     resolve_sorted,
     wide_buffers,
 )
 from .shared.touched import TOUCHED, touching
-from .spec import ON_OFF, SPARE_CELLS, Buffer, Grown, Method, Param, Pass, when
+from .spec import ON_OFF, SPARE_CELLS, Buffer, Grown, Method, Param, Params, Pass, when
 
 ORDER = 3
 
@@ -58,11 +59,23 @@ MAXIMUM = Param("maximum", "atomic", "how the depth bounds are found: by the dev
                 "by a compare-and-swap in a loop, which emulates them (gpupro5_ch1 §1.6)",
                 choices=("atomic", "compare_and_swap"))
 BUCKETS = Param("buckets", 4, "lists per pixel, by equal ranges of its depths", low=2, high=32)
+RENDERS = Param("renders", 1, "render passes on what one build has left, as slices of a model need (gpupro5_ch1 "
+                "§1.1.2); each sorts anew what is not kept sorted", low=1, high=64)
 ONE_BY_ONE, ONE_LIST = ALLOCATION.at("counter"), BUCKETS.at(1)
 
 
 def store(shader: str, *buffers: str, name: str = "store", **more) -> Pass:
     return Pass(name, "geometry", shader, writes=("cell_counter", *buffers), defines=PAGED, **more)
+
+
+def rendered(step: Pass) -> Pass:
+    """The pass by the name that gpupro5_ch1 gives it, as often as RENDERS says; each leaves the same image."""
+    def expand(made: Pass, scope: Params) -> tuple[Pass, ...]:
+        passes = expanded(made, scope, step.expand)
+        again = tuple(p for p in passes if p.probes is None)
+        return passes + again * (int(scope["renders"]) - 1)
+
+    return replace(step, name="render", expand=expand)
 
 
 def gpupro(method_id: str, name: str, section: str, summary: str, switch: Param, plain: str, wide: str,
@@ -83,8 +96,8 @@ def gpupro(method_id: str, name: str, section: str, summary: str, switch: Param,
             clear("next", "records", "wide_lock", "place", shared=("cell_counter",)),
             store(plain, "next", "cells", "place", name="build", when=narrow),
             store(wide, "records", "payload", "place", "wide_lock", name="build", when=broad),
-            replace(finish("next", "cells", when=narrow), name="render", fetch=FETCH),
-            replace(finish("records", "payload", when=broad), name="render", fetch=FETCH_PACKED),
+            rendered(finish("next", "cells", when=narrow, fetch=FETCH)),
+            rendered(finish("records", "payload", when=broad, fetch=FETCH_PACKED)),
         ),
         **more,
     )
@@ -129,7 +142,7 @@ METHODS = [
     ),
     gpupro("lin-post", "POST-LIN", "§1.2.1-1.2.2", "unsorted linked lists, sorted when they are rendered",
            PACKED, "methods/list/store.frag", "methods/list/store_packed.frag", unsorted=True,
-           params=(PACKED, replace(ATOMIC64, acts=when("packed", "on")), ALLOCATION, *RESOLVE_OPTIONS, TOUCHED,
+           params=(PACKED, replace(ATOMIC64, acts=when("packed", "on")), ALLOCATION, RENDERS, *RESOLVE_OPTIONS, TOUCHED,
                    PAYLOAD),
            fixed=(ONE_LIST,), capacity=GROWN_EITHER_WAY),
     gpupro("lin-pre", "PRE-LIN", "§1.2.3",
@@ -137,9 +150,9 @@ METHODS = [
            INSERT, "methods/list/insert_cas32.frag", "methods/list/insert_max64.frag", unsorted=False,
            cost="each insertion walks the pixel's list in global memory, quadratic in its fragments; early culling "
                 "shortens the walk (gpupro5_ch1 §1.1.2, §1.7.2)",
-           params=(INSERT, replace(ATOMIC64, acts=when("insert", "max64")), EARLY_CULLING, CULLING_OPACITY, STAGE,
-                   STOP_OPACITY, TOUCHED, PAYLOAD),
-           fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN),
+           params=(INSERT, replace(ATOMIC64, acts=when("insert", "max64")), ALLOCATION, EARLY_CULLING, CULLING_OPACITY,
+                   RENDERS, STAGE, STOP_OPACITY, TOUCHED, PAYLOAD),
+           fixed=(ONE_LIST,), capacity=GROWN_EITHER_WAY),
     Method(
         id="kb-ab-ll", name="KB-AB_LL", family="list",
         source="Yu et al. 2012; kplus_2015 §2, §5",

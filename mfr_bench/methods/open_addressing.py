@@ -6,8 +6,9 @@ grid counts as lost, so that no order is wrong without notice. More than 32 bits
 
 Words: 2 per cell, and one per pixel for the table A of ages. The table is made for `load_factor`, which takes the
 number of fragments as known from the frame before; it has a cell per pixel at least, or ages would not name pixels.
-Beside the formula stand 256 probe offsets and the counter. With `atomic64: emulated` a cell is one word, the index
-of a record of two: 3 words per cell. No lock guards it, since fragments of many pixels meet in a cell.
+Beside the formula stand 256 probe offsets, which each frame draws anew from those before (§1.3.1), and the counter.
+With `atomic64: emulated` a cell is one word, the index of a record of two: 3 words per cell. No lock guards it, since
+fragments of many pixels meet in a cell.
 
 A build is interrupted above a load of 10/16 (above `load_factor` where that is more), or where a fragment finds no
 place within 255 ages; the table is then doubled. With a load l all over the viewport ages reach about
@@ -22,6 +23,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from .lists import RENDERS, rendered
 from .shared import (
     ATOMIC64,
     CULLING_OPACITY,
@@ -57,7 +59,7 @@ def open_addressing(method_id: str, name: str, section: str, summary: str, order
         capacity=Grown(start="max(P, ceil(F/load_factor))", counter="cell_counter"),
         buffers=(Buffer("cell_counter", "1", clear="0u", coherent=True),
                  Buffer("ages", "P", clear="0u", coherent=True),
-                 Buffer("offsets", str(MOST_AGES), clear="hash3(i, seed, 0u) % capacity"),
+                 Buffer("offsets", str(MOST_AGES), clear="hash3(i, seed, offsets[i]) % capacity"),
                  Buffer("cells", "2*capacity", type="uint64_t", clear="0", coherent=True, when=NATIVE),
                  Buffer("cells", "capacity", clear="0u", coherent=True, when=EMULATED),
                  Buffer("records", "2*capacity", type="uvec2", coherent=True, when=EMULATED),
@@ -68,7 +70,7 @@ def open_addressing(method_id: str, name: str, section: str, summary: str, order
             Pass("build", "geometry", "methods/open/insert.frag", reads=("offsets",),
                  writes=("cell_counter", "ages", "cells", "records", "record_counter"),
                  defines={"LOAD_LIMIT": "ceil(65536*max(10/16, load_factor))"}),
-            *touching(replace(finish, name="render")),
+            *touching(rendered(finish)),
         ),
         **more,
     )
@@ -82,13 +84,13 @@ METHODS = [
                     "unsorted", resolve(*READS, fetch=FETCH), ties="kept, in no fixed order",
                     cost="fragments are evicted and placed anew, with an atomic maximum for each cell tried, which "
                          "emulated is a loop of its own: open addressing is the slower allocation (gpupro5_ch1 §1.8)",
-                    params=(LOAD_FACTOR, ATOMIC64, *RESOLVE_OPTIONS, TOUCHED)),
+                    params=(LOAD_FACTOR, ATOMIC64, RENDERS, *RESOLVE_OPTIONS, TOUCHED)),
     open_addressing("open-pre", "PRE-OPEN", "§1.3.3",
                     "one hash table for all pixels, evicting younger fragments; kept sorted by the insertion",
                     "sorted", resolve_sorted(*READS, fetch=FETCH), ties="kept, the larger payload as a number first",
                     cost="every fragment traverses its pixel's whole list in global memory by evictions, quadratic in "
                          "its fragments, with an atomic maximum each step: the method that depth complexity hits "
                          "hardest (gpupro5_ch1 §1.7.2, Figure 1.6)",
-                    params=(LOAD_FACTOR, ATOMIC64, EARLY_CULLING, CULLING_OPACITY, STAGE, STOP_OPACITY,
-                            TOUCHED)),
+                    params=(LOAD_FACTOR, ATOMIC64, EARLY_CULLING, CULLING_OPACITY, RENDERS, STAGE,
+                            STOP_OPACITY, TOUCHED)),
 ]

@@ -150,7 +150,7 @@ def test_a_tile_behind_the_list_is_seen(device, plant):
 
 
 @pytest.mark.parametrize(("method", "right", "wrong", "buffer"), [
-    ("ab-array", "slot < uint(N)", "slot <= uint(N)", "nodes"),
+    ("ab-array", "slot < uint(SLOTS)", "slot <= uint(SLOTS)", "nodes"),
     ("ab-array", "nodes[slot * pixels + p]", "nodes[(slot + 1u) * pixels + p]", "nodes"),
     ("kplus-array", "slot < room", "slot <= room", "nodes"),
     ("ab-ll", "cells[cell] = fragment", "cells[cell + 1u] = fragment", "cells"),

@@ -156,6 +156,24 @@ def test_the_host_chooses_what_the_histogram_asks_for(device, memory_mb, hit_rat
         assert kept >= hit_ratio * stats.F > stats.bounded(promise.layers - 1)
 
 
+@pytest.mark.parametrize("method", ["kplus-array-dynamic", "kplus-heap-dynamic"])
+@pytest.mark.parametrize(("memory_mb", "hit_ratio", "bounded"), [(200.0, 0.95, False), (200.0, 0.5, False),
+                                                                 (0.03, 0.95, True), (0.001, 0.95, True)])
+def test_a_budget_bounds_the_slots_of_every_pixel(device, method, memory_mb, hit_ratio, bounded):
+    """Eq. 5 and 6: the least k that keeps the ratio, or k_b; nodes are k slots in every pixel."""
+    stats = stats_of(MIXED)
+    with drawn(device, method, MIXED, frames=2, memory_mb=memory_mb, hit_ratio=hit_ratio) as frame:
+        k = frame.chosen_k
+        assert frame.memory_bytes == Fitted(frame.variant, stats).memory_bytes()
+        assert frame.memory_bytes["nodes"] == 8 * k * stats.P
+        assert frame.lost_fragments() == 0
+        assert np.abs(frame.image() - composite(MIXED, k)).max() < 1e-4
+    bound = max(1, int((memory_mb * 2**20 / stats.P - 8) / 8))
+    enough = next(k for k in range(1, stats.n + 1) if stats.bounded(k) >= hit_ratio * stats.F)
+    assert k == min(bound, enough)
+    assert (k == bound) == bounded
+
+
 def chosen_directly(counts: np.ndarray, memory_mb: float, hit_ratio: float) -> int:
     """k by Eq. 6 and 7 of kplus_2015 from fragments per pixel: x = 8 bytes a fragment, y = 12 a pixel."""
     best = 1

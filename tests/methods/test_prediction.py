@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mfr_bench.methods.shared.prediction import BINS, fragments_in, predict_k
+from mfr_bench.methods.shared.prediction import BINS, fragments_in, largest_k, predict_k
 
 histograms = st.lists(st.integers(0, 1000), max_size=40)
 
@@ -48,3 +48,17 @@ def test_deeper_pixels_count_in_the_last_bin():
 def test_room_is_what_the_pixels_leave():
     """200 MiB at 1024 x 1024 with 12 bytes a pixel and 8 a fragment: 188 MiB, 23.5 fragments a pixel."""
     assert fragments_in(200, 1024**2, 8, 12) == 23.5 * 1024**2
+
+
+@pytest.mark.parametrize(("size", "pixel_bytes", "k"), [
+    ((1024, 768), 8, 32), ((1024, 1024), 8, 24), ((1024, 768), 4, 32), ((16384, 16384), 8, 1)])
+def test_the_most_slots_of_a_budget(size, pixel_bytes, k):
+    """kplus_2015 §4.2: 200 MB result in k_b = 32 by Eq. 5, with 2k + 2 words at 1024 x 768."""
+    assert largest_k(200, size[0] * size[1], 8, pixel_bytes) == k
+
+
+@given(histograms, st.floats(0.01, 0.999), st.integers(1, 60))
+def test_k_is_bounded_by_the_slots_of_a_budget(counts, hit_ratio, most):
+    fragments = sum((i + 1) * pixels for i, pixels in enumerate(counts))
+    free = predict_k(counts, fragments, hit_ratio, float("inf")).k
+    assert predict_k(counts, fragments, hit_ratio, float("inf"), most).k == min(free, most)

@@ -10,15 +10,20 @@ from ..spec import Choice
 BINS = 1024  # of the histogram, and the largest k (kplus_2015 §4.2)
 
 
-def predict_k(counts: Sequence[int], fragments: int, hit_ratio: float, room: float) -> Choice:
-    """The smallest k that keeps `hit_ratio` of the fragments, or the largest that `room` fragments allow.
+def largest_k(memory_mb: float, pixels: int, fragment_bytes: int, pixel_bytes: int) -> int:
+    """k_b, the most slots of every pixel for which a budget in MiB has room (Eq. 4 and 5); at least 1."""
+    return max(1, int(fragments_in(memory_mb, pixels, fragment_bytes, pixel_bytes) / pixels))
+
+
+def predict_k(counts: Sequence[int], fragments: int, hit_ratio: float, room: float, most: int = BINS) -> Choice:
+    """The smallest k that keeps `hit_ratio` of the fragments, or the largest that `room` fragments and `most` allow.
 
     counts[i]: pixels with i + 1 fragments, in the last place also those with more. `fragments`: of the frame.
     Eq. 6 of kplus_2015 with Eq. 7 as its constraint; at least 1, however little room there is.
     """
     kept, deeper = 0, sum(counts)  # fragments kept by k layers; pixels with more than k fragments
     k = 0
-    while deeper and k < BINS:
+    while deeper and k < most:
         if k and (kept >= hit_ratio * fragments or kept + deeper > room):
             break
         kept += deeper

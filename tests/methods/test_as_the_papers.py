@@ -1,0 +1,75 @@
+"""Options by which methods run as the papers' did: too few slots, several render passes, offsets of each frame."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mfr_bench.config import Scene as SceneConfig
+from mfr_bench.methods import catalog
+from mfr_bench.oracle.composite import composite, fragment_counts
+from mfr_bench.scene import generate
+
+from .drawing import drawn
+
+UNEVEN = generate(SceneConfig(size=(24, 20), depth_complexity=9, least_depth=0.2, seed=3))
+
+
+def given(method: str) -> dict:
+    """Parameters with which a method of gpupro5_ch1 runs on any device."""
+    return {"atomic64": "emulated"} if method.startswith("open") else {}
+
+
+def test_a_pixel_with_more_fragments_than_room_loses_those_that_come_later(device):
+    """kplus_2015 §5.3: KB-AB_Array with fewer slots than layers; other pixels keep theirs, and the loss is counted."""
+    counts = fragment_counts(UNEVEN)
+    with drawn(device, "kb-ab-array", UNEVEN, room=4, k=9) as frame:
+        assert frame.lost_fragments() == np.clip(counts - 4, 0, None).sum() > 0
+        image, memory = frame.image(), sum(frame.memory_bytes.values())
+    np.testing.assert_allclose(image[counts <= 4], composite(UNEVEN)[counts <= 4], atol=1e-5)
+    with drawn(device, "kb-ab-array", UNEVEN, k=9) as frame:
+        assert sum(frame.memory_bytes.values()) - memory == 4 * 2 * 5 * counts.size
+
+
+def test_more_room_than_fragments_allocates_no_more(device):
+    sizes = []
+    for room in (0, 9, 100):
+        with drawn(device, "ab-array", UNEVEN, room=room) as frame:
+            assert frame.lost_fragments() == 0
+            sizes.append(sum(frame.memory_bytes.values()))
+    assert len(set(sizes)) == 1
+
+
+@pytest.mark.parametrize("method", ["lin-post", "lin-pre", "open-post", "open-pre"])
+def test_several_render_passes_leave_one_image(device, method):
+    """gpupro5_ch1 §1.1.2: the build is drawn once, the render pass as often as asked for."""
+    images = []
+    for renders in (1, 3):
+        variant = catalog()[method].variant({**given(method), "renders": renders})
+        assert [p.name for p in variant.passes if p.probes is None].count("render") == renders
+        with drawn(device, method, UNEVEN, renders=renders, **given(method)) as frame:
+            images.append(frame.image())
+            assert frame.lost_fragments() == 0
+            assert frame.probe()["stored_fragments"] == fragment_counts(UNEVEN).sum()
+    np.testing.assert_array_equal(*images)
+
+
+@pytest.mark.parametrize("insert", ["cas32", "max64"])
+def test_sorted_lists_take_cells_in_pages(device, insert):
+    """gpupro5_ch1 §1.5.1: PRE-LIN with paged allocation and a cleared array of each pixel's free cell."""
+    wide = {"atomic64": "emulated"} if insert == "max64" else {}
+    with drawn(device, "lin-pre", UNEVEN, insert=insert, allocation="paged", **wide) as frame:
+        np.testing.assert_allclose(frame.image(), composite(UNEVEN), atol=1e-5)
+        assert frame.lost_fragments() == 0
+
+
+def test_probe_offsets_are_drawn_anew_before_each_frame(device):
+    """gpupro5_ch1 §1.3.1; the image stays the same."""
+    offsets, images = [], []
+    with drawn(device, "open-post", UNEVEN, atomic64="emulated") as frame:
+        for _ in range(3):
+            frame.draw_fitting()
+            offsets.append(frame.words("offsets"))
+            images.append(frame.image())
+    assert all((a != b).mean() > 0.9 for a, b in ((offsets[0], offsets[1]), (offsets[1], offsets[2])))
+    np.testing.assert_allclose(images[0], images[2], atol=1e-6)
