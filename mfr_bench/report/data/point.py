@@ -16,7 +16,8 @@ from ...store.status import EXACT_ERROR, STATUSES, Status
 from .measures import NOTHING
 from .words import bare
 
-BY_MEMORY = {"ms_per_mib": ("time_ms", -1), "ms_times_mib": ("time_ms", 1), "fps_per_mib": ("fps", -1)}  # of, power of the memory
+# A measure, and the power of the memory that it is multiplied by.
+BY_MEMORY = {"ms_per_mib": ("time_ms", -1), "ms_times_mib": ("time_ms", 1), "fps_per_mib": ("fps", -1)}
 
 
 @dataclass(frozen=True)
