@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from ...environment import MIB
 from ...methods import FLOOR
-from ...stats import Interval, interleaved_ratio, median_interval, ratio_interval, real
+from ...stats import Interval, interleaved_ratio, median_interval, ratio_interval, real, sampled_interval
 from ...store import Cell, ResultFolder, Row
 from ...store.arrays import read_arrays
 from ...store.status import EXACT_ERROR, STATUSES, Status
@@ -151,13 +151,25 @@ class Point:
 def time_ratio(over: Cell, under: Cell, confidence: float = 0.95) -> Interval:
     """The frame time of one cell over that of another; from raw samples, so that the interval keeps its confidence.
 
-    Cells of one scene and settings were sampled in turns: what slowed both down alike is left out of the interval.
+    Cells of one scene and settings were sampled in turns: what slowed both down alike is left out of the interval, and
+    so are samples without a counterpart. Where one stalled frame among few that remain hides what the intervals of
+    both medians tell apart, the interval is that of all samples.
     """
     above, below = (cell.get("samples_ms") or [] for cell in (over, under))
     least, most = (over["measure"].get(name) for name in ("min_samples", "max_samples"))
-    in_turns = all(over[name] == under[name] for name in ("scene", "measure")) and least and most
-    return (interleaved_ratio(above, below, least, most, confidence) if in_turns
-            else ratio_interval(above, below, confidence))
+    of_all = ratio_interval(above, below, confidence)
+    if not (all(over[name] == under[name] for name in ("scene", "measure")) and least and most):
+        return of_all
+    in_turns = interleaved_ratio(above, below, least, most, confidence)
+    hidden = None not in in_turns and in_turns[0] <= 1 <= in_turns[2]
+    return of_all if hidden and _disjoint(above, below, confidence) else in_turns
+
+
+def _disjoint(first: Sequence[float], second: Sequence[float], confidence: float) -> bool:
+    """Whether the intervals of two medians, of which each has one, share nothing."""
+    first_low, _, first_high = sampled_interval(first, confidence)
+    second_low, _, second_high = sampled_interval(second, confidence)
+    return first_low > second_high or second_low > first_high
 
 
 def is_floor(point: Point) -> bool:

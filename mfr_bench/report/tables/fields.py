@@ -6,13 +6,13 @@ from ...methods import FLOOR
 from .. import data
 from ..data import Point, number
 
-ALIKE = "≈ 1"  # a ratio of times that noise alone may make
+ALIKE = "≈"  # before a ratio of times that noise alone may make
 TIME_NOTE = ("median of whole frames, ± half of its 95 % interval; ~ stopped before the target interval; "
              "±? fewer than 6 samples")
 RATIO_NOTE = ("time / time of the same geometry with plain blending, ± half of its 95 % interval; "
-              "≈ 1 where the interval or the noise floor holds 1")
+              "≈ r [low, high]: not told from 1, which the interval or the noise floor holds")
 FASTEST_NOTE = ("of the methods that show every fragment: time / the fastest's, ± half of its 95 % interval; "
-                "≈ 1 where it cannot be told from the fastest")
+                "≈ r [low, high]: not told from the fastest's, for the interval or the noise floor holds 1")
 MEMORY_NOTE = "measured / by the paper's formula"
 
 
@@ -38,18 +38,16 @@ def ratio_field(point: Point) -> str:
 
 
 def told_apart(point: Point, ratio: data.Interval) -> str:
-    """A ratio of times; one that is no more than noise is not told apart from 1."""
+    """A ratio of times; one that noise alone may make is not told apart from 1, and shows its interval."""
     if None in ratio or point.apart(ratio) or point.method == FLOOR:
         return f"{number(ratio[1])} {spread(ratio)}"
-    return ALIKE
+    low, middle, high = map(number, ratio)
+    return f"{ALIKE} {middle} [{low}, {high}]"
 
 
 def beside_fastest(point: Point, fastest: Point) -> str:
-    """Its time over the fastest's. One that was the faster of both while they took turns is not told apart."""
-    if point is fastest:
-        return "fastest"
-    ratio = point.over(fastest)
-    return ALIKE if ratio[1] and ratio[1] < 1 else told_apart(point, ratio)
+    """Its time over the fastest's."""
+    return "fastest" if point is fastest else told_apart(point, point.over(fastest))
 
 
 def memory_field(point: Point) -> str:
