@@ -14,11 +14,13 @@ from mfr_bench.methods import catalog
 
 PACKAGE = Path(mfr_bench.__file__).parent
 
-# From left to right; a module imports only from its own layer and those before it. Longer names bind first.
+# From left to right; a module imports only from its own layer and those before it. Longer names bind first. What shows
+# results knows nothing of configs; configs are checked against what each kind of figure declares of itself.
 LAYERS = (
     "errors", "resources", "hashing", "stats", "environment", "store.status", "store.columns",
-    "methods.spec", "methods.shared", "methods", "config", "plan", "scene", "oracle", "glsl", "race", "gpu", "measure",
-    "store", "report", "claims", "compare", "page", "run", "cli", "__main__",
+    "methods.spec", "methods.shared", "methods", "store", "report", "config", "report.experiments",
+    "plan", "report.settings", "scene", "oracle", "glsl", "race", "gpu", "measure",
+    "claims", "compare", "page", "run", "cli", "__main__",
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "methods", "config", "plan", "scene", "oracle",
               "glsl", "race", "store", "report", "claims", "compare", "page")

@@ -9,8 +9,9 @@ from typing import Any
 
 from ..errors import nearest
 from ..methods.spec import Method, Value
+from ..report.figures.kinds import KINDS, all_keys, keys_of
 from .axes import K, R, measure_at, point_count, points, scene_at
-from .columns import ALONG_BY_KIND, IDENTITY, MEASURED, MEASURED_BY_KIND
+from .columns import IDENTITY, MEASURED
 from .layers import AXES
 from .layout import FULLEST, clustered_depths, has_mean_depth, is_flat, is_float32, quad_count
 from .model import KEPT, MAX_QUADS, Experiment, Measure, MethodEntry, Scene
@@ -18,6 +19,7 @@ from .schema import ConfigFile, allowed, parse
 from .source import Document, Path, Problem, dotted, shown
 
 FLAT_KEYS = ("depth_at", "depth_copies", "odd_depth", "alpha_order", "overhang")  # of quads that have one depth each
+EVERY_KEY = frozenset(key.name for key in all_keys())  # of figures of any kind
 MAX_CELLS = 100_000
 EVERY_METHOD = "all"  # in `methods:`, stands for each method of the catalog at its defaults
 SWEPT_SECTIONS = {"scene": Scene, "measure": Measure}
@@ -216,19 +218,26 @@ class _Checker:
                 self._figure(("figures", i), figure)
 
     def _figure(self, path: Path, figure: dict[str, Any]) -> None:
+        kind = KINDS.get(str(figure.get("kind")))
+        if kind is None:
+            return
         axes = [key for section in AXES for key in self.document.mapping(section)]
-        along = dict.fromkeys((*axes, *self._known(), *IDENTITY, *MEASURED))
-        measured = MEASURED_BY_KIND.get(str(figure.get("kind")), MEASURED)
-        x = ALONG_BY_KIND.get(str(figure.get("kind")), along)
-        if figure.get("kind") == "pareto" and "y" not in figure:
-            self.problem((*path, "y"), f"missing; allowed: {', '.join(measured)}")
-        for key, names in (("x", x), ("y", measured), ("panels", along), ("rows", along), ("gain_of", self._known())):
-            if isinstance(figure.get(key), str) and figure[key] not in names:
-                self.problem((*path, key), f"unknown column {shown(figure[key])}; allowed: {', '.join(names)}"
-                                           f"{nearest(figure[key], names)}")
+        along = tuple(dict.fromkeys((*axes, *self._known(), *IDENTITY, *MEASURED)))
+        names = {"": (), "column": along, "parameter": tuple(self._known())}
+        columns = {"x": kind.x or along, "y": (*(kind.y or MEASURED), *kind.other_y)} | {
+            key.name: names[key.names] for key in keys_of(kind) if key.names}
+        for key, allowed_names in columns.items():
+            if key in kind.needs and key not in figure:
+                self.problem((*path, key), f"missing; allowed: {', '.join(allowed_names)}")
+            elif isinstance(figure.get(key), str) and figure[key] not in allowed_names:
+                self.problem((*path, key), f"unknown column {shown(figure[key])}; allowed: {', '.join(allowed_names)}"
+                                           f"{nearest(figure[key], allowed_names)}")
+        drawn = ["kind", "x", "y", *(key.name for key in keys_of(kind))]
+        for key in [key for key in figure if key not in drawn and key in EVERY_KEY]:
+            self._unknown((*path, key), f"no use in a figure of kind {figure['kind']}", drawn)
         kept = self.document.mapping("measure").get("keep") or ()
         array = figure.get("y")
-        if figure.get("kind") == "maps" and array in KEPT and array not in kept:
+        if kind.arrays and array in KEPT and array not in kept:
             self.problem((*path, "y"), f"no cell keeps the array {array}; allowed: with {array} in measure.keep")
         labels = [entry.label for entry in self.entries if entry]
         picked = figure.get("methods")

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, make_dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval, MinLen, Predicate
 
 from ..methods.spec import Value
+from ..report.figures.kind import Key
+from ..report.figures.kinds import KINDS, all_keys
 from ..store.columns import ARRAYS
 
 MAX_SIDE = 16384  # pixels
@@ -157,39 +159,21 @@ class Measure(_Plain):
         return self.hard_limit_s or ALLOWANCE_S + LIMITS_LONG * self.time_limit_s
 
 
-@dataclass(frozen=True, kw_only=True)
-class Figure(_Plain):
-    """One figure: x and y are columns of results.csv, parameters or axes; `methods` picks labels, empty means all.
+def _rule(key: Key) -> Any:
+    """The annotation of a key that kinds of figures declare."""
+    if isinstance(key.takes, tuple):
+        return Literal[key.takes] if key.default in key.takes else Literal[key.takes] | None
+    return {"text": Text | None, "flag": bool,
+            "texts": Annotated[tuple[Text, ...], Allowed(f"a list of {key.of}")]}[key.takes]
 
-    A kind `maps` draws the kept array y of each cell, `histogram` the fragments per pixel. `heat` is a table of y,
-    `rows` down and x across, with a panel for each value of all other axes; its y may be `best_ratio`, the time over
-    that of the fastest other method. `work` shows what each method does, where measure.counters asks for it.
-    `breaking` shows where along x, from mild to harsh in the order of the sweep, each method breaks. `passes`: the
-    time of the first of these passes that a method has. `bound`: the error that rounding explains, as a line.
-    `gain_of`: what this parameter gains over its first value. `fit`: a polynomial through each line. `printed`: the
-    paper's numbers of this quantity as marks. A kind `pareto` draws an error y against a cost x, and what nothing beats
-    in both.
-    """
 
-    __pydantic_config__: ClassVar[dict] = STRICT
-
-    kind: Literal["stacked_passes", "lines", "bars", "maps", "histogram", "breaking", "pareto", "heat", "work"]
-    x: Text
-    rows: Text | None = None
-    y: Text = "time_ms"
-    log: Literal["x", "y", "xy"] | None = None
-    log_base: Literal[2, 5, 10] = 10
-    title: Text | None = None
-    x_label: Text | None = None
-    y_label: Text | None = None
-    panels: Text | None = None
-    methods: Annotated[tuple[Text, ...], Allowed("a list of labels of methods")] = ()
-    floor: bool = False
-    bound: bool = False
-    passes: Annotated[tuple[Text, ...], Allowed("a list of names of passes")] = ()
-    gain_of: Text | None = None
-    fit: Literal["linear", "quadratic"] | None = None
-    printed: Text | None = None
+Figure = make_dataclass(
+    "Figure", [("kind", Literal[tuple(KINDS)]), ("x", Text), ("y", Text, "time_ms"),
+               *((key.name, _rule(key), key.default) for key in all_keys())],
+    bases=(_Plain,), frozen=True, kw_only=True, namespace={
+        "__module__": __name__, "__pydantic_config__": STRICT,
+        "__doc__": "One figure; x and y are columns of results.csv, parameters or axes. The kinds are: "
+                   + "; ".join(f"`{name}`: {kind.meaning}" for name, kind in KINDS.items()) + "."})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -144,7 +144,7 @@ ONE_LINE = [
     (GOOD + "params: {r: 0}\n", "F:8: params.r: 0 is not allowed; allowed: a whole number from 1 to 1024"),
     (sweep("{k: [1], scene.depth_complexity: [1]}") + "params: {r: 1}\n", "F:8: params.r: the sweep of scene.depth"),
     # figures
-    (GOOD.replace("lines", "linse"), "F:5: figures[0].kind: 'linse' is not allowed; allowed: stacked_passes | lines"),
+    (GOOD.replace("lines", "linse"), "F:5: figures[0].kind: 'linse' is not allowed; allowed: bars | breaking"),
     (GOOD.replace("time_ms", "tme_ms"), "F:5: figures[0].y: unknown column 'tme_ms'; allowed: fragments"),
     (GOOD.replace("time_ms", "tme_ms"), "; nearest: 'time_ms'"),
     (GOOD.replace("x: k", "x: kk"), "F:5: figures[0].x: unknown column 'kk'; allowed: k, "),
@@ -157,7 +157,7 @@ ONE_LINE = [
      "F:5: figures[0].y: unknown column 'time_ms'; allowed: rmse, flip, max_error_all, wrong_pixels_all"),
     (GOOD.replace("lines, x: k, y: time_ms", "pareto, x: time_ms"), "F:5: figures[0].y: missing; allowed: rmse, flip"),
     (GOOD.replace("x: k", "x: k, log: z"), "F:5: figures[0].log: 'z' is not allowed; allowed: x | y | xy"),
-    (GOOD.replace("x: k", "x: k, colour: red"), "F:5: figures[0].colour: unknown key; allowed: kind, x, rows"),
+    (GOOD.replace("x: k", "x: k, colour: red"), "F:5: figures[0].colour: unknown key; allowed: kind, x, y, title"),
     (GOOD.replace("x: k", "x: k, methods: [K+B-Aray]"), "F:5: figures[0].methods[0]: no method has the label 'K+B-"),
     (GOOD.replace("x: k", "x: k, methods: [K+B-Aray]"), "; allowed: K+B-Array, AB_Array; nearest: 'K+B-Array'"),
     # profiles

@@ -4,9 +4,9 @@ import pytest
 
 from mfr_bench.errors import StoreError
 from mfr_bench.report.data import load
-from mfr_bench.report.figures import kinds
-from mfr_bench.report.figures.heat import Heat
-from mfr_bench.report.figures.work import totals
+from mfr_bench.report.figures import build
+from mfr_bench.report.figures.kinds.heat import Heat
+from mfr_bench.report.figures.kinds.work import totals
 
 from . import planted
 
@@ -23,7 +23,7 @@ def cells(times, n, density=1.0, **parts):
 
 def built(tmp_path, made, options):
     folder = planted.folder(tmp_path, made, [options], sweep={"scene.depth_complexity": [1, 8]})
-    return kinds.build(load(folder), options)
+    return build(load(folder), options)
 
 
 def texts(figure):
@@ -83,7 +83,7 @@ def test_work_against_the_limits_of_the_device(tmp_path):
     """440 bytes at 1 MB/s are 0.44 ms of 2 ms; 130 shaded at 1e6 a second 0.13 ms."""
     made = cells({"adaptive": 2.0}, 1, work=WORK)
     folder = planted.folder(tmp_path, made, calibration={"rates": {"copy_bytes_per_s": 1e6, "fill_pixels_per_s": 1e6}})
-    counts, limits = kinds.build(load(folder), {"kind": "work", "x": "depth_complexity"}).axes
+    counts, limits = build(load(folder), {"kind": "work", "x": "depth_complexity"}).axes
     drawn = {line.get_label(): line.get_xdata()[0] for line in counts.lines}
     assert drawn["fragments shaded"] == 30 and drawn["words read and written"] == 110
     assert {text.get_text() for text in limits.texts} == {"22.0 %", "6.50 %"}

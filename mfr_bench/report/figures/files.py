@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from ...store import ResultFolder, write_file
 from .. import data, style
 from ..data import Result
-from .kinds import build
+from .build import build
 from .series import Options
 from .sheet import styled
 

@@ -7,11 +7,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .. import data, style
-from ..data import Point, Result
-from .scales import log_axes, log_axis, log_base, nothing, y_label
-from .series import Options, series_of
-from .sheet import EDGE, HEADING_IN, LEFT, sheet_of
+from ... import data, style
+from ...data import Point, Result
+from ..kind import LOG, LOG_BASE, X_LABEL, Y_LABEL, Kind
+from ..scales import log_axes, log_axis, log_base, nothing, y_label
+from ..series import Options, series_of
+from ..sheet import EDGE, HEADING_IN, LEFT, sheet_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
 
 COLUMNS = 4
 PLOT_HEIGHT, GAP, BELOW = 1.75, 0.16, 0.36  # inches
+
+KIND = Kind("pixels by their number of fragments, with the k that was chosen from them; kplus_2015 Figs. 3 and 4",
+            keys=(LOG, LOG_BASE, X_LABEL, Y_LABEL), y=("time_ms",))
 
 
 @dataclass(frozen=True)
@@ -30,7 +34,7 @@ class Panel:
     chosen: tuple[tuple[str, int], ...]
 
 
-def histogram(result: Result, options: Options) -> Figure:
+def draw(result: Result, options: Options) -> Figure:
     """A panel for each scene that the figure's cells share, and for each frame of an animation."""
     points = [p for p in series_of(result, options) if p.ending.timed]
     panels = _panels(result, points, options["x"])

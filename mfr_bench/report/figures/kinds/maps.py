@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from .. import data, style
-from ..data import Point, Result, number
-from .bars import UNMEASURED
-from .series import Options, labels_of, series_of
-from .sheet import EDGE, fitted, sheet_of
+from ....store.columns import ARRAYS
+from ... import data, style
+from ...data import Point, Result, number
+from ..bar_chart import UNMEASURED
+from ..kind import Kind
+from ..series import Options, labels_of, series_of
+from ..sheet import EDGE, fitted, sheet_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,8 +27,11 @@ MEANINGS = {"error": "largest channel error against the promised image", "loss":
             "image of all fragments", "fragments": "fragments per pixel", "discarded": "fragments refused per pixel",
             "image": ""}
 
+KIND = Kind("the array y that each cell keeps, as pixels; kplus_2015 Fig. 10, occupancy_2015 Figs. 1 and 5",
+            y=tuple(ARRAYS), arrays=True)
 
-def maps(result: Result, options: Options) -> Figure:
+
+def draw(result: Result, options: Options) -> Figure:
     """A panel for each cell: rows by label and columns by x where x varies, else the labels in rows."""
     chart = Maps(result, options, tuple(p for p in series_of(result, options) if not data.is_floor(p)))
     rows = chart.rows()

@@ -8,12 +8,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .. import data, style
-from ..data import Point, Result
-from ..frontier import Place, equal, places
-from .scales import log_axis, nothing, y_label
-from .series import Options
-from .sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, legend_columns, sheet_of
+from ....store.columns import COLUMNS, DERIVED, names
+from ... import data, style
+from ...data import Point, Result
+from ...frontier import Place, equal, places
+from ..kind import LOG, X_LABEL, Y_LABEL, Kind
+from ..scales import log_axis, nothing, y_label
+from ..series import Options
+from ..sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, legend_columns, sheet_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,8 +25,11 @@ LEAST = 1e-9  # where an error of 0 is drawn
 PLOT_IN, LABEL_CHARACTERS = 2.3, 34
 FADED = 0.22
 
+KIND = Kind("an error y against a cost x, and what nothing measured beats in both", keys=(LOG, X_LABEL, Y_LABEL),
+            x=names((*COLUMNS, *DERIVED), "cost"), y=names(COLUMNS, "error"), needs=("y",))
 
-def pareto(result: Result, options: Options) -> Figure:
+
+def draw(result: Result, options: Options) -> Figure:
     """x is a cost, y an error, both logarithmic; a panel for each scene."""
     plot = Plot(result, options, tuple(places(result)) if result.points else ())
     columns = min(3, len(plot.places)) or 1

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from .. import data, style
-from ..data import Point, Result, number
-from .scales import log_axis
-from .series import Options, series_of
-from .sheet import EDGE, sheet_of, widest
+from ... import data, style
+from ...data import Point, Result, number
+from ..kind import Kind
+from ..scales import log_axis
+from ..series import Options, series_of
+from ..sheet import EDGE, sheet_of, widest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,8 +31,11 @@ COUNTED: Mapping[str, tuple[str, str, str]] = {  # counters that are added up: n
     "words read and written": ("words", style.INK, "|"),
 }
 
+KIND = Kind("what each method does in a frame, where measure.counters asks for it, and which limit binds it",
+            y=("time_ms",))
 
-def work(result: Result, options: Options) -> Figure:
+
+def draw(result: Result, options: Options) -> Figure:
     """A panel for each value of x: counts of each method on the left, its time at the device's limits on the right."""
     chart = Work(result, tuple(p for p in series_of(result, options) if p.cell.get("work")))
     panels = [(v, [p for p in chart.points if p.at(options["x"]) in (v, None)])

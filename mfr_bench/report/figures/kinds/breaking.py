@@ -5,13 +5,14 @@ from __future__ import annotations
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from .. import breaking as found_by
-from .. import data, style
-from ..breaking import FAULTS, HOLDS, Ladder, state
-from ..data import Result
-from .scales import nothing
-from .series import Options, axis_label, labels_of, series_of
-from .sheet import EDGE, HEADING_IN, sheet_of, text_width, widest
+from ... import breaking as found_by
+from ... import data, style
+from ...breaking import FAULTS, HOLDS, Ladder, state
+from ...data import Result
+from ..kind import PANELS, X_LABEL, Kind
+from ..scales import nothing
+from ..series import Options, axis_label, labels_of, series_of
+from ..sheet import EDGE, HEADING_IN, sheet_of, text_width, widest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,8 +22,10 @@ ROW_IN, LEGEND_IN, TICKS_IN, GAP_IN = 0.125, 0.34, 0.42, 0.1
 LABEL_PT, SIGN_PT = 6.4, 5.4
 LONGEST = 34  # characters of a label
 
+KIND = Kind("where along x, from mild to harsh in the order of the sweep, each method breaks", keys=(PANELS, X_LABEL))
 
-def breaking(result: Result, options: Options) -> Figure:
+
+def draw(result: Result, options: Options) -> Figure:
     """A row per method, a column per level from mild to harsh, a panel per value of `panels`."""
     axis, panels = str(options["x"]), options.get("panels")
     points = series_of(result, options)

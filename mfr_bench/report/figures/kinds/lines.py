@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from .. import data, style
-from ..data import Point, Result
-from .fits import Fit, draw_fit, fits_of
-from .marks import Guide, Mark, draw_guides, draw_marks, guides_of, marks_of
-from .scales import log_axes, log_axis, log_base, nothing, y_label
-from .series import Options, axis_label, gaps, labels_of, panels_of, series_of, y_text
-from .sheet import EDGE, HEADING_IN, LEFT, LONG_LABEL, fitted, sheet_of, text_width, widest
+from ... import data, style
+from ...data import Point, Result
+from ..fits import DEGREES, Fit, draw_fit, fits_of
+from ..kind import FLOOR, GAIN_OF, LOG, LOG_BASE, PANELS, PASSES, PRINTED, X_LABEL, Y_LABEL, Key, Kind
+from ..marks import Guide, Mark, draw_guides, draw_marks, guides_of, marks_of
+from ..scales import log_axes, log_axis, log_base, nothing, y_label
+from ..series import Options, axis_label, gaps, labels_of, panels_of, series_of, y_text
+from ..sheet import EDGE, HEADING_IN, LEFT, LONG_LABEL, fitted, sheet_of, text_width, widest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,8 +24,14 @@ if TYPE_CHECKING:
 
 MOST_TICKS = 13  # each value of x has one, up to so many
 
+KIND = Kind(
+    "x against y, one line per method with its interval; kplus_2015 Fig. 9, gpupro5 Figs. 1.4 to 1.7",
+    keys=(LOG, LOG_BASE, X_LABEL, Y_LABEL, PANELS, FLOOR, PASSES, GAIN_OF, PRINTED,
+          Key("bound", "the error that rounding explains, as a dotted line", "flag", default=False),
+          Key("fit", "a polynomial through each line", tuple(DEGREES))))
 
-def lines(result: Result, options: Options) -> Figure:
+
+def draw(result: Result, options: Options) -> Figure:
     """x against y, one line per method with its interval; kplus_2015 Fig. 9, gpupro5 Figs. 1.4 to 1.7."""
     plot = Plot(result, options, tuple(series_of(result, options)))
     panels = panels_of(plot.points, options)

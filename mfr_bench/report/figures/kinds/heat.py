@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from .. import data, style
-from ..data import Point, Result, number
-from .series import Options, axis_label
-from .sheet import EDGE, fitted, sheet_of
+from ... import data, style
+from ...data import Point, Result, number
+from ..kind import Key, Kind
+from ..series import Options, axis_label
+from ..sheet import EDGE, fitted, sheet_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,8 +25,12 @@ COLUMNS = 3  # panels side by side
 ROW_IN, HEADING_IN, FOOT_IN, LEFT_IN, GAP_IN = 0.19, 0.36, 0.36, 0.52, 0.12
 EVEN = 0.1  # ratios within it of 1 are neither faster nor slower
 
+KIND = Kind("a table of y, `rows` down and x across, with a panel for each value of all other axes; y may be "
+            "best_ratio, the time over that of the fastest other method",
+            keys=(Key("rows", "a row for each of its values", names="column"),), other_y=(BEST,), needs=("rows",))
 
-def heat(result: Result, options: Options) -> Figure:
+
+def draw(result: Result, options: Options) -> Figure:
     """A panel for each value of all other axes: `rows` down, x across, the value of y in each field."""
     chart = Heat(result, options)
     columns = min(COLUMNS, max(1, len(chart.panels)))

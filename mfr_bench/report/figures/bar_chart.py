@@ -1,4 +1,4 @@
-"""Bars in groups, plain or stacked by pass."""
+"""Bars in groups, of one piece or stacked: what the kinds `bars` and `stacked_passes` share."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .. import data, style
 from ..data import Point, Result, number
 from .marks import Mark, draw_marks, marks_of
 from .scales import log_axes, log_axis, log_base, nothing, y_label
-from .series import Options, is_drawn, labels_of, panels_of, series_of, y_text
+from .series import Options, is_drawn, labels_of, panels_of, y_text
 from .sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, LONG_LABEL, RIGHT, legend_columns, sheet_of, widest
 
 if TYPE_CHECKING:
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 SLOTS_PER_ROW = 48  # bars side by side whose labels can still be read
 ROW_IN, NUMBER_GAP_IN = 1.75, 0.08  # least height of a plot; around the number above a bar
 GROUP_GAP = 1.0  # in bars
-WHOLE = "whole frame"
 UNMEASURED = "not measured"
 
 
@@ -86,43 +85,6 @@ class Segment:
     name: str
     height: float
     colour: str
-
-
-def _pass_segments(point: Point, colours: Mapping[str, str], share: bool) -> list[Segment]:
-    whole = sum(interval[1] for interval in point.passes_ms.values()) if share else 1.0
-    timed = [Segment(name, interval[1] / whole, colours[name]) for name, interval in point.passes_ms.items()]
-    return timed or [Segment(WHOLE, point.row["time_ms"], style.WHOLE_FRAME)]
-
-
-def stacked_passes(result: Result, options: Options) -> Figure:
-    """Bars grouped by x, one per method, stacked by pass; kplus_2015 Fig. 6, gpupro5 Fig. 1.3."""
-    points = series_of(result, options)
-    colours = style.pass_colours({name: None for p in points if is_drawn(p, "time_ms") for name in p.passes_ms})
-    hatches = dict(zip(labels_of(points), style.HATCHES * (1 + len(points) // len(style.HATCHES)), strict=False))
-    note = ("bar: sum of the passes' medians, timed in frames of their own; "
-            "line and number: the whole frame's median (ms) with its 95 % interval")
-    share = options["y"] == "share"
-    chart = Chart(result, {**options, "y": "share" if share else "time_ms"}, tuple(points),
-                  lambda p: _pass_segments(p, colours, share), hatches, colours)
-    return _bar_figure(chart, [] if share else [note])
-
-
-def bars(result: Result, options: Options) -> Figure:
-    """Bars of one measure grouped by x, one per method, coloured by method; kplus_2015 Figs. 7 and 8."""
-    def segments(point: Point) -> list[Segment]:
-        return [Segment("", point.shown(options["y"])[1], style.method_colour(point.method))]
-
-    points = tuple(series_of(result, options))
-    return _bar_figure(Chart(result, options, points, segments, _variant_hatches(points), {}), [])
-
-
-def _variant_hatches(points: Iterable[Point]) -> dict[str, str]:
-    """Hatching by label: none for the first of a method, so that variants of one colour can be told apart."""
-    variants: dict[str, dict[str, None]] = {}
-    for p in points:
-        variants.setdefault(p.method, {})[p.label] = None
-    return {label: style.HATCHES[i % len(style.HATCHES)] for labels in variants.values()
-            for i, label in enumerate(labels)}
 
 
 @dataclass(frozen=True)
@@ -190,7 +152,7 @@ def _extent(groups: Sequence[Group]) -> float:
     return groups[-1].slots[-1].x + 2.0 if groups else 2.0
 
 
-def _bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
+def bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
     rows = _rows(chart.points, chart.options)
     slots = max(_extent(groups) for _, groups in rows)
     width = min(style.WIDTH_IN, max(style.NARROW_IN, LEFT + RIGHT + 0.3 * slots))

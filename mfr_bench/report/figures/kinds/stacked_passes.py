@@ -1,0 +1,39 @@
+"""Bars grouped by x, one per method, stacked by pass; kplus_2015 Fig. 6, gpupro5 Fig. 1.3."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from ....store.columns import PASS_COLUMNS, names
+from ... import style
+from ...data import Point, Result
+from ..bar_chart import Chart, Segment, bar_figure
+from ..kind import FLOOR, LOG, LOG_BASE, PANELS, PRINTED, Y_LABEL, Kind
+from ..series import Options, is_drawn, labels_of, series_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+WHOLE = "whole frame"
+KIND = Kind("bars grouped by x, one per method, stacked by pass; kplus_2015 Fig. 6, gpupro5 Fig. 1.3",
+            keys=(LOG, LOG_BASE, Y_LABEL, PANELS, FLOOR, PRINTED), y=names(PASS_COLUMNS, "measure"))
+
+
+def draw(result: Result, options: Options) -> Figure:
+    """Bars grouped by x, one per method, stacked by pass; kplus_2015 Fig. 6, gpupro5 Fig. 1.3."""
+    points = series_of(result, options)
+    colours = style.pass_colours({name: None for p in points if is_drawn(p, "time_ms") for name in p.passes_ms})
+    hatches = dict(zip(labels_of(points), style.HATCHES * (1 + len(points) // len(style.HATCHES)), strict=False))
+    note = ("bar: sum of the passes' medians, timed in frames of their own; "
+            "line and number: the whole frame's median (ms) with its 95 % interval")
+    share = options["y"] == "share"
+    chart = Chart(result, {**options, "y": "share" if share else "time_ms"}, tuple(points),
+                  lambda p: _pass_segments(p, colours, share), hatches, colours)
+    return bar_figure(chart, [] if share else [note])
+
+
+def _pass_segments(point: Point, colours: Mapping[str, str], share: bool) -> list[Segment]:
+    whole = sum(interval[1] for interval in point.passes_ms.values()) if share else 1.0
+    timed = [Segment(name, interval[1] / whole, colours[name]) for name, interval in point.passes_ms.items()]
+    return timed or [Segment(WHOLE, point.row["time_ms"], style.WHOLE_FRAME)]
