@@ -32,7 +32,8 @@ def pixel_errors(image: np.ndarray, oracle: np.ndarray, tied: np.ndarray | None 
 def quality(image: np.ndarray, full: np.ndarray) -> dict[str, float | int]:
     """Errors against the image of all fragments.
 
-    rmse: over all channels. psnr_db: infinite where the images are equal. flip: mean of NVIDIA's FLIP over black.
+    rmse: over all channels. psnr_db: infinite where the images are equal. flip: mean of NVIDIA's FLIP of the displayed
+    8-bit images, over black or over white, whichever is worse.
     max_error_all, wrong_pixels_all: as `conformance` has them against the promise.
     """
     error = _error(image, full)
@@ -57,9 +58,25 @@ def _error(image: np.ndarray, oracle: np.ndarray) -> np.ndarray:
 
 
 def _flip(image: np.ndarray, oracle: np.ndarray) -> float:
-    import flip_evaluator  # a compiled module; only quality needs it
+    """Mean of FLIP's map over black or over white, whichever is larger; a pixel that no screen shows counts as 1."""
+    shown = np.all(np.isfinite(image) & (image >= -WRONG_PIXEL) & (image <= 1 + WRONG_PIXEL), axis=-1)
+    return max(float(np.where(shown, _flip_map(image, oracle, backdrop), 1.0).mean()) for backdrop in (0.0, 1.0))
 
-    reference, test = (np.ascontiguousarray(np.nan_to_num(np.clip(i[::-1, :, :3], 0, 1)), dtype=np.float32)
-                       for i in (oracle, image))
-    _, mean, _ = flip_evaluator.evaluate(reference, test, "LDR", applyMagma=False)
-    return float(mean)
+
+def _flip_map(image: np.ndarray, oracle: np.ndarray, backdrop: float) -> np.ndarray:
+    """FLIP at 67 pixels per degree, its default, of two images over a grey `backdrop`: (H, W), row 0 at the bottom."""
+    reference, test = (_displayed(i, backdrop) for i in (oracle, image))
+    if np.array_equal(reference, test):
+        return np.zeros(image.shape[:2])
+    import flip_evaluator  # a compiled module; only images that differ need it
+
+    found, _, _ = flip_evaluator.evaluate(reference[::-1].copy(), test[::-1].copy(), "LDR", applyMagma=False,
+                                          computeMeanError=False)
+    return found[::-1, :, 0]
+
+
+def _displayed(image: np.ndarray, backdrop: float) -> np.ndarray:
+    """The colours that a screen of 8 bits shows of a premultiplied image over a grey backdrop: float32 (H, W, 3)."""
+    finite = np.where(np.isfinite(image), image, 0.0)
+    over = finite[..., :3] + backdrop * (1 - finite[..., 3:])
+    return (np.rint(255 * np.clip(over, 0, 1)) / 255).astype(np.float32)

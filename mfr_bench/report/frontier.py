@@ -13,7 +13,7 @@ from typing import Any
 from . import data
 from .data import Point, Result, number
 
-ROUNDING = {"rmse": 1e-6, "flip": 1e-4, "max_error_all": 1e-5}  # FLIP of images 1e-7 apart is some 1e-5
+ROUNDING = {"rmse": 1e-6, "flip": 1e-4, "max_error_all": 1e-5}  # a few pixels that round to another step of 8 bits
 ERROR_LEVELS = (0.1, 0.03, 0.01, 0.003, 0.001, 1e-4, 1e-5, 1e-6)
 ALIKE = " ≈"
 COSTS = ("time_ms", "memory_mib")

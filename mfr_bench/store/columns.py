@@ -77,7 +77,7 @@ COLUMNS = (
            producer="oracle.quality", label="root mean square error"),
     Column("psnr_db", "float", "dB", "peak signal-to-noise ratio against the full list's image", drawn="measure",
            producer="oracle.quality"),
-    Column("flip", "float", "", "mean FLIP error against the full list's image", drawn="error",
+    Column("flip", "float", "", "mean FLIP of the displayed image against the full list's, over black or white, the worse", drawn="error",
            producer="oracle.quality"),
     Column("hit_ratio", "float", "", "fragments kept / generated, counted in what the method holds after an untimed "
            "frame (as promised, by a method that holds no fragments)", drawn="measure"),

@@ -74,6 +74,36 @@ def test_flip_is_of_the_colours_and_grows_with_the_difference():
     assert 0 < flips[1] < flips[2] <= 1
 
 
+GREY = np.dstack([np.full((48, 48, 3), 128 / 255), np.ones((48, 48))])
+
+
+def test_flip_sees_alpha():
+    """Over black an image whose alpha alone is wrong by 1 everywhere looks right; over white it does not."""
+    clear, solid = np.zeros((48, 48, 4)), np.zeros((48, 48, 4))
+    solid[..., 3] = 1
+    assert quality(clear, solid)["flip"] == quality(solid, clear)["flip"] > 0.9
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 3.0, -0.01])
+@pytest.mark.parametrize("channel", range(4))
+def test_a_pixel_that_no_screen_shows_is_an_error_of_1_in_flip(value, channel):
+    image = GREY.copy()
+    image[5, 7, channel] = value
+    assert quality(np.full_like(GREY, value), np.zeros_like(GREY))["flip"] == 1
+    assert quality(np.full_like(GREY, value), np.ones_like(GREY))["flip"] == 1
+    assert 1 / (48 * 48) <= quality(image, GREY)["flip"] < 0.05
+
+
+def test_flip_is_of_displayed_images_and_far_from_proportional():
+    """What 8 bits do not show is no error; the least that they show, 1/255, is 0.03 and half of the range 0.84."""
+    def by(difference):
+        image = GREY.copy()
+        image[..., :3] += difference
+        return quality(image, GREY)["flip"]
+    assert by(1e-6) == by(1 / 600) == 0
+    assert [by(steps / 255) for steps in (1, 10, 100)] == pytest.approx([0.0307, 0.152, 0.715], rel=0.05)
+
+
 def test_images_of_different_sizes_are_refused():
     with pytest.raises(ValueError, match=r"image \(24, 31, 4\) against oracle \(24, 32, 4\)"):
         conformance(ORACLE[:, 1:], ORACLE)
