@@ -79,8 +79,11 @@ def rendered(step: Pass) -> Pass:
 
 
 def gpupro(method_id: str, name: str, section: str, summary: str, switch: Param, plain: str, wide: str,
-           unsorted: bool, **more) -> Method:
-    """A method of gpupro5_ch1 §1.2: 32-bit cells where `switch` is at its default, else 64-bit records."""
+           wide_type: str, unsorted: bool, **more) -> Method:
+    """A method of gpupro5_ch1 §1.2: 32-bit cells where `switch` is at its default, else 64-bit records.
+
+    The shader `wide` takes records of `wide_type`.
+    """
     other = next(c for c in switch.choices if c != switch.default)
     narrow, broad = when(switch.name, switch.default), when(switch.name, other)
     finish = resolve if unsorted else resolve_sorted
@@ -90,7 +93,7 @@ def gpupro(method_id: str, name: str, section: str, summary: str, switch: Param,
         beside=f"{SPARE_CELLS}; 64-bit records take 3f + 2, and emulated a lock per pixel",
         buffers=(COUNTER, replace(NEXT, coherent=not unsorted, when=narrow),
                  replace(CELLS, coherent=not unsorted, when=narrow),
-                 *wide_buffers("records", "P + capacity", condition=broad, clear_heads=True),
+                 *wide_buffers("records", "P + capacity", condition=broad, native_type=wide_type, clear_heads=True),
                  replace(COLOURS, when=broad), replace(PLACE, when=when("allocation", "paged"))),
         steps=touching(
             clear("next", "records", "wide_lock", "place", shared=("cell_counter",)),
@@ -141,13 +144,14 @@ METHODS = [
                        resolve("next", "cells", fetch="methods/list/fetch_buckets.glsl", defines={"LISTS": "buckets"})),
     ),
     gpupro("lin-post", "POST-LIN", "§1.2.1-1.2.2", "unsorted linked lists, sorted when they are rendered",
-           PACKED, "methods/list/store.frag", "methods/list/store_packed.frag", unsorted=True,
+           PACKED, "methods/list/store.frag", "methods/list/store_packed.frag", "int64_t", unsorted=True,
            params=(PACKED, replace(ATOMIC64, acts=when("packed", "on")), ALLOCATION, RENDERS, *RESOLVE_OPTIONS, TOUCHED,
                    PAYLOAD),
            fixed=(ONE_LIST,), capacity=GROWN_EITHER_WAY),
     gpupro("lin-pre", "PRE-LIN", "§1.2.3",
            "linked lists kept sorted by the insertion, which walks them in global memory",
-           INSERT, "methods/list/insert_cas32.frag", "methods/list/insert_max64.frag", unsorted=False,
+           INSERT, "methods/list/insert_cas32.frag", "methods/list/insert_max64.frag", "uint64_t",
+           unsorted=False,
            cost="each insertion walks the pixel's list in global memory, quadratic in its fragments; early culling "
                 "shortens the walk (gpupro5_ch1 §1.1.2, §1.7.2)",
            params=(INSERT, replace(ATOMIC64, acts=when("insert", "max64")), ALLOCATION, EARLY_CULLING, CULLING_OPACITY,

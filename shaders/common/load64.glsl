@@ -3,7 +3,7 @@
 // Buffers: reads the buffer WIDE.
 uvec2 load64(uint at) {
 #if ATOMIC64_NATIVE
-    return unpackUint2x32(WIDE[at]);
+    return unpackUint2x32(uint64_t(WIDE[at]));
 #else
     return WIDE[at];
 #endif

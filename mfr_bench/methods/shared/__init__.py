@@ -123,16 +123,17 @@ def again(name: str, shader: str, *writes: str, **more) -> Pass:
 
 
 def wide_buffers(name: str, elements: str, word: str = "0u", condition: When | None = None,
-                 **more) -> tuple[Buffer, ...]:
-    """A coherent buffer of 64-bit elements for common/atomic64.glsl, by ATOMIC64, and the emulation's `wide_lock`.
+                 native_type: str = "uint64_t", **more) -> tuple[Buffer, ...]:
+    """A coherent buffer of 64-bit elements, by ATOMIC64, and the emulation's `wide_lock`.
 
+    common/atomic64.glsl takes elements of the `native_type` uint64_t, common/exchange64.glsl of int64_t.
     `word` is what the clear pass gives to both words of an element. Clear and write `wide_lock` with the buffer.
     An element must be used by the fragments of one pixel only, because the emulation has one lock per pixel.
     """
     native, emulated = (when("atomic64", c) & condition if condition else when("atomic64", c) for c in ATOMIC64.choices)
     words = f"2*({elements})"
     shared = {"coherent": True, **more}
-    return (Buffer(name, words, type="uint64_t", clear=f"packUint2x32(uvec2({word}))", when=native, **shared),
+    return (Buffer(name, words, type=native_type, clear=f"packUint2x32(uvec2({word}))", when=native, **shared),
             Buffer(name, words, type="uvec2", clear=word, when=emulated, **shared),
             Buffer("wide_lock", "P", clear="0u", coherent=True, when=emulated))
 

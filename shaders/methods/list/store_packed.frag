@@ -4,7 +4,7 @@
 // Buffers: updates records; writes payload.
 #define WIDE records
 #include "scene/fragment.glsl"
-#include "common/atomic64.glsl"
+#include "common/exchange64.glsl"
 #include "methods/list/alloc.glsl"
 
 void main() {
