@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import textwrap
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -63,7 +65,7 @@ def methods(as_json: bool, markdown: bool, device: str) -> None:
 
 def _method_record(declared, device, reason: str | None) -> dict:
     """What `methods --json` says of a method; `supported` is null where there is no device."""
-    missing = [f for f in declared.variant({}).needs if device and f not in device.features]
+    missing = [device.limits.lacks(f) for f in declared.variant({}).needs if device and f not in device.features]
     return {
         "id": declared.id, "name": declared.name, "family": declared.family, "source": declared.source,
         "summary": declared.summary, "passes": list(declared.pass_names), "guarantee": declared.guarantee,
@@ -97,20 +99,26 @@ def _method_text(record: dict, width: int) -> str:
 @JSON
 @DEVICE
 def doctor(as_json: bool, device: str) -> None:
-    """Show the OpenGL device, test it, and choose the timer.
+    """Show every OpenGL device, test one, and choose its timer.
+
+    Each test has a known answer. Where one fails, it says what that costs: a feature, without which some methods are
+    unsupported, or the trust in any result, which is marked FAIL and ends with exit status 1.
 
     \b
-    Example: mfr-bench doctor
+    Examples: mfr-bench doctor
+              mfr-bench doctor --device 1
 
     Without a driver it says in one line what to install, and ends with exit status 1.
     """
-    from ..gpu.device import open_device
+    from ..gpu.device import list_devices, open_device
     from ..gpu.selftest import calibrate, self_tests
 
-    with Interruption():
+    with Interruption(device_here=True):
+        listed = list_devices()
         found = open_device(device)
         findings, calibration = self_tests(found), calibrate(found)
     record = {
+        "devices": [{"index": d.index, **d.info, "trouble": d.trouble} for d in listed],
         "device": found.info,
         "limits": asdict(found.limits) | {"features": sorted(found.features)},
         "missing_features": sorted(found.missing_features),
@@ -118,21 +126,21 @@ def doctor(as_json: bool, device: str) -> None:
         "self_tests": [asdict(f) for f in findings], "calibration": asdict(calibration),
     }
     say(json.dumps(record, indent=2) if as_json else _doctor_text(record))
-    if any(f.passed is False for f in findings):
+    if any(f.harmful for f in findings):
         click.get_current_context().exit(1)
 
 
 def _doctor_text(record: dict) -> str:
     device, limits, calibration = record["device"], record["limits"], record["calibration"]
-    marks = {True: "pass", False: "FAIL", None: "-"}
-    lines = [f"device      {device['renderer']} ({device['kind']})", f"vendor      {device['vendor']}",
+    lines = [*map(_device_line, record["devices"]), "",
+             f"device      {device['renderer']} ({device['kind']})", f"vendor      {device['vendor']}",
              f"version     {device['version']}",
              (f"limits      {limits['max_block_bytes'] / 2**20:.0f} MiB per storage block, "
               f"textures of {limits['max_texture_size']} pixels a side"),
              f"features    {', '.join(limits['features']) or 'none of the optional ones'}",
              f"missing     {', '.join(record['missing_features']) or 'nothing'}",
              f"extensions  {len(record['extensions'])} (listed with --json)", ""]
-    lines += [f"{marks[f['passed']]:4}  {f['name']}: {f['detail']}" for f in record["self_tests"]]
+    lines += [f"{_mark(f):4}  {f['name']}: {f['detail']}{_cost(f)}" for f in record["self_tests"]]
     lines += ["", f"timer: {calibration['timer']} ({calibration['reason']})"]
     lines += [f"  {name:4} resolves {_said_ms(tick)}" for name, tick in calibration["resolution_ms"].items()]
     lines += [f"  work {i}: wall {wall:8.3f} ms, gpu {gpu:8.3f} ms"
@@ -141,6 +149,24 @@ def _doctor_text(record: dict) -> str:
     lines += ["", (f"copies {rates['copy_bytes_per_s'] / 1e9:.3g} GB/s, read and written; fills "
                    f"{rates['fill_pixels_per_s'] / 1e9:.3g} Gpixel/s of 16 bytes")]
     return "\n".join(lines)
+
+
+def _device_line(listed: Mapping[str, Any]) -> str:
+    """An EGL device: what it is, or why it cannot be used."""
+    names = [f"{name.upper()} {listed[name]}" for name in ("uuid", "pci") if listed.get(name)]
+    said = (f"cannot be used: {listed['trouble']}" if listed["trouble"]
+            else f"{listed['renderer']} ({listed['kind']}), {listed['version']}")
+    return "; ".join([f"{listed['index']:<3} {said}", *names])
+
+
+def _mark(finding: Mapping[str, Any]) -> str:
+    if finding["passed"] is None:
+        return "-"
+    return "pass" if finding["passed"] else "no" if finding["costs"] else "FAIL"
+
+
+def _cost(finding: Mapping[str, Any]) -> str:
+    return f"; {finding['costs']}" if finding["passed"] is False and finding["costs"] else ""
 
 
 def _said_ms(tick_ms: float | None) -> str:
@@ -210,7 +236,7 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
     from ..gpu.single import shown
     from ..run.cell import verdict
 
-    with Interruption():
+    with Interruption(device_here=True):
         opened = open_device(device)
         with shown(opened, made) as on:
             stats, decision = on.stats, judge(cell, catalog(), on.stats, opened.limits)

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import os
 import signal
+
+from ..errors import Interrupted
+from .output import note
 
 
 class Interruption:
     """Within this, Ctrl-C is a wish: `asked()` turns true, and the work stops where it can.
 
-    An exception in the midst of moderngl's C code would be lost, or end the process with a crash. A second Ctrl-C
-    is raised at once all the same. `kill` and a lost connection count as Ctrl-C; signals that are ignored, or that
+    An exception in the midst of moderngl's C code would be lost, or end the process with a crash. A second Ctrl-C is
+    raised at once where another process has the device; with `device_here`, where nothing is kept that it could
+    harm, it ends the process. `kill` and a lost connection count as Ctrl-C; signals that are ignored, or that
     another handler has, are left to it. Leaving raises KeyboardInterrupt for a wish that the work did not notice.
     """
 
-    def __init__(self) -> None:
-        self._asked = False
+    def __init__(self, device_here: bool = False) -> None:
+        self._asked, self._device_here = False, device_here
 
     def asked(self) -> bool:
         return self._asked
@@ -28,6 +33,9 @@ class Interruption:
         return self
 
     def _ask(self, number, frame) -> None:
+        if self._asked and self._device_here:
+            note("interrupted")
+            os._exit(Interrupted.exit_status)
         if self._asked:
             raise KeyboardInterrupt
         self._asked = True

@@ -20,7 +20,7 @@ from . import (
     run_command,
     stress_command,
 )
-from .output import note, prepare_streams, say
+from .output import let_go_of_stdout, note, prepare_streams, say
 
 EPILOG = """
 \b
@@ -95,6 +95,7 @@ def main() -> None:
     """Entry point: every ending is a line and an exit status, never a traceback for a user's mistake."""
     prepare_streams()
     status, lines = _outcome()
+    let_go_of_stdout()
     for line in lines:
         note(line)
     sys.exit(status)

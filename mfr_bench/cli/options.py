@@ -60,8 +60,27 @@ class OneOf(click.Choice):
         return value
 
 
-DEVICE = click.option("--device", type=OneOf(["auto", "gpu", "cpu"]), default="auto", show_default=True,
-                      help="The OpenGL device; auto: a GPU where there is one, else a software driver on the CPU.")
+class DeviceName(click.ParamType):
+    """A kind of device, or one device: whether there is one is known when it is opened."""
+
+    name = "device"
+    kinds = ("auto", "gpu", "cpu")
+
+    def convert(self, value, param, context):
+        if not value.strip():
+            self.fail("'' is no device; allowed: auto, gpu, cpu, or an index, UUID, PCI address or part of a name "
+                      "that 'mfr-bench doctor' lists")
+        return value.strip()
+
+    def shell_complete(self, context, param, incomplete):
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(kind) for kind in self.kinds if kind.startswith(incomplete)]
+
+
+DEVICE = click.option("--device", type=DeviceName(), default="auto", show_default=True, metavar="DEVICE",
+                      help="The OpenGL device. auto: a GPU where there is one, else a software driver on the CPU; "
+                           "gpu; cpu; or an index, UUID, PCI address or part of a name as doctor lists them.")
 SET = click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE",
                    help="Change a key of the config, e.g. k=8 or scene.size=[64,64]; may be repeated.")
 PROFILE = click.option("--profile", metavar="NAME", help="Lay this profile of the config over it, e.g. smoke.")

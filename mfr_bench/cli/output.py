@@ -49,6 +49,14 @@ def _silence(descriptor: int) -> None:
     os.close(nowhere)
 
 
+def let_go_of_stdout() -> None:
+    """Send nowhere what could not be written: Python 3.13 and later try again as they end, and end with 120."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        _silence(1)
+
+
 def prepare_streams() -> None:
     """Let every process print: a character that its encoding lacks as '?', and to nowhere where a stream is closed.
 

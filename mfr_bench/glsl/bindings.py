@@ -68,3 +68,11 @@ def colour_refs(variant: Variant, step: Pass) -> list[str]:
     """The colour targets of a pass in location order; the depth target is attached apart."""
     depth = {t.name for t in variant.targets if t.attaches == "depth"}
     return [ref for ref in step.into if split_ref(ref)[0] not in depth]
+
+
+def length_name(buffer: str) -> str:
+    """The uniform that holds the elements of a buffer.
+
+    Mesa 26 gets `.length()` of a storage block wrong in some lanes behind a divergent loop; docs/drivers.md.
+    """
+    return f"{buffer}_length"

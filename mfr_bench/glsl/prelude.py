@@ -34,6 +34,7 @@ from .bindings import (
     REGION_FIELDS,
     buffer_bindings,
     colour_refs,
+    length_name,
     split_ref,
     texture_bindings,
 )
@@ -101,7 +102,7 @@ def _clear_macro(variant: Variant, step: Pass) -> str:
     """CLEAR(p): pixel p gives every P-th element of the pass's buffers its initial value."""
     def end(buffer: Buffer) -> str:
         heads = buffer.clear_heads
-        return f"pixels * uint({1 if heads is True else heads})" if heads else f"uint({buffer.name}.length())"
+        return f"pixels * uint({1 if heads is True else heads})" if heads else length_name(buffer.name)
 
     def value(buffer: Buffer) -> str:
         words = 1 + variant.payload_words if buffer.type == "FRAGMENT" else 1
@@ -175,6 +176,8 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
                     for b in texture_bindings(variant, step)]
         if fitted.stats.occluded and "opaque_depth" in words:
             prelude.append(f"layout(binding = {OPAQUE_UNIT}) uniform sampler2D opaque_depth;")
+        prelude += [f"uniform uint {length_name(b.name)};" for b in buffer_bindings(variant, step)
+                    if length_name(b.name) in words]
         prelude += [macro] if "CLEAR" in words else []
         prelude += _outputs(fitted, step)
         prelude += ["layout(early_fragment_tests) in;"] if step.state.early else []

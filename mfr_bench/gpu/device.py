@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from ctypes.util import find_library
 from dataclasses import dataclass, field
@@ -16,13 +17,14 @@ from ..errors import DeviceError, ShaderError
 from ..glsl import FEATURE_EXTENSIONS, Source
 from ..methods.spec import LISTED, SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS
 from ..plan import Limits
+from .egl import EglDevice, egl_devices, library, uuid_text
 from .rawgl import RawGL
 
 GL_MINIMUM = 430
 SOFTWARE_LOCAL_ARRAY = 1024  # fragments: llvmpipe takes seconds to compile it, and minutes for twice as many
 INSTALL = "sudo apt-get install -y libegl1 libgl1 libgl1-mesa-dri"
-MESA_VENDOR = "/usr/share/glvnd/egl_vendor.d/50_mesa.json"
-MOST_DEVICES = 16
+# Drivers that translate to another one, as they write it: zink Vulkan 1.4(NAME), D3D12 (NAME), virgl (NAME).
+LAYERED = re.compile(r"(?P<layer>zink|d3d12|virgl)\b[^(]*\((?P<under>.+)\)\s*$")
 MOST_ERRORS = 16  # that GL remembers; a lost context has one without end
 
 
@@ -33,19 +35,27 @@ class Device:
     ctx: moderngl.Context
     gl: RawGL
     backend: object  # keeps the native context alive
+    egl: EglDevice = field(default_factory=lambda: EglDevice(0))
     programs: dict[tuple[str, ...], object] = field(default_factory=dict)
 
     @cached_property
-    def info(self) -> dict[str, str]:
+    def info(self) -> dict[str, str | None]:
         """Renderer, vendor and version strings, and the slug that names result folders.
 
-        What a software driver renders on is the processor: it is part of the renderer's name.
+        `uuid` and `pci` tell equal GPUs apart, which share a slug; None where the driver does not tell them. What a
+        software driver renders on is the processor: it is part of the renderer's name.
         """
         renderer = str(self.ctx.info["GL_RENDERER"])
         on = processor() if self.kind == "cpu" else ""
         return {"renderer": f"{renderer} on {on}" if on else renderer, "vendor": str(self.ctx.info["GL_VENDOR"]),
                 "version": str(self.ctx.info["GL_VERSION"]), "kind": self.kind,
+                "uuid": self.egl.uuid or self._uuid, "pci": self.egl.pci,
                 "slug": f"{slug(renderer)}-{slug(on)}" if on else slug(renderer)}
+
+    @property
+    def _uuid(self) -> str | None:
+        """The device's UUID by GL, which Vulkan and CUDA give it as well."""
+        return uuid_text(self.gl.device_uuid()) if "GL_EXT_memory_object" in self.extensions else None
 
     @property
     def kind(self) -> str:
@@ -56,15 +66,32 @@ class Device:
         return frozenset(self.ctx.extensions)
 
     @cached_property
-    def features(self) -> frozenset[str]:
-        """Features that this device offers, by an extension of `glsl.FEATURE_EXTENSIONS`, a number, or a trial."""
-        from .selftest import tests_each_sample  # itself draws on a device
-
+    def offered(self) -> frozenset[str]:
+        """Features that the driver claims, by an extension of `glsl.FEATURE_EXTENSIONS` or a number."""
         shading = {f for f, names in FEATURE_EXTENSIONS.items() if self.extensions.intersection(names)}
         samples = {f for f, count in SAMPLE_FEATURES.items() if count in self._sample_counts}
-        routing = {SAMPLE_STENCIL} if "samples_4" in samples and tests_each_sample(self) else set()
+        routing = {SAMPLE_STENCIL} if "samples_4" in samples else set()
         points = {TILE_POINTS} if self.ctx.info["GL_POINT_SIZE_RANGE"][1] >= LISTED else set()
         return frozenset(shading | samples | routing | points)
+
+    @cached_property
+    def failed_trials(self) -> dict[str, str]:
+        """Of each offered feature that a trial finds wrong, the trial and what it found."""
+        from .trials import failed  # draws on the device
+
+        return failed(self)
+
+    @property
+    def features(self) -> frozenset[str]:
+        """Features that this device offers, and that pass the trial which they have in `trials`."""
+        return self.offered - self.failed_trials.keys()
+
+    @cached_property
+    def flushes_points(self) -> bool:
+        """Whether points that a dispatch has listed are right only behind a flush, by a trial."""
+        from .trials import points_need_a_flush
+
+        return points_need_a_flush(self)
 
     @cached_property
     def _sample_counts(self) -> frozenset[int]:
@@ -80,7 +107,8 @@ class Device:
     @cached_property
     def limits(self) -> Limits:
         info = self.ctx.info
-        return Limits(features=self.features, max_block_bytes=int(info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]),
+        return Limits(features=self.features, failed_trials=self.failed_trials,
+                      max_block_bytes=int(info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]),
                       max_texture_size=int(info["GL_MAX_TEXTURE_SIZE"]),
                       max_local_array=SOFTWARE_LOCAL_ARRAY if self.kind == "cpu" else None)
 
@@ -139,8 +167,13 @@ def compile_message(log: str, sources: tuple[Source, ...], owner: str) -> str:
 
 
 def slug(renderer: str) -> str:
-    """Folder name of a renderer: `NVIDIA H200/PCIe/SSE2` -> `nvidia-h200`, `llvmpipe (LLVM 15)` -> `llvmpipe`."""
+    """Folder name of a renderer: `NVIDIA H200/PCIe/SSE2` -> `nvidia-h200`, `llvmpipe (LLVM 15)` -> `llvmpipe`.
+
+    A layered driver's is followed by that of what it renders on: `zink Vulkan 1.4(llvmpipe (…))` -> `zink-llvmpipe`.
+    """
     bare = re.sub(r"\((r|tm)\)", "", renderer.lower())
+    if layered := LAYERED.match(bare):
+        return f"{layered['layer']}-{slug(layered['under'])}"
     return re.sub(r"[^a-z0-9]+", "-", re.split(r"[(/]", bare)[0]).strip("-") or "unknown"
 
 
@@ -149,34 +182,96 @@ def _create(index: int) -> Device:
 
     backend = glcontext.get_backend_by_name("egl")(
         mode="standalone", glversion=GL_MINIMUM, device_index=index,
-        libgl=find_library("GL") or "libGL.so.1", libegl=find_library("EGL") or "libEGL.so.1")
+        libgl=find_library("GL") or "libGL.so.1", libegl=library())
     ctx = moderngl.create_context(require=GL_MINIMUM, context=backend)
     ctx.enable(moderngl.PROGRAM_POINT_SIZE)
-    return Device(ctx, RawGL(backend.load), backend)
+    device = Device(ctx, RawGL(backend.load), backend)
+    device.gl.spend_first_timers()
+    return device
+
+
+@dataclass(frozen=True)
+class Listed:
+    """An EGL device, with what it says of itself once it is open, or why it cannot be used."""
+
+    index: int
+    info: Mapping[str, str | None]  # of `Device.info`; what EGL alone tells where it cannot be opened
+    trouble: str | None = None
+
+    def matches(self, want: str) -> bool:
+        """Whether `want` is its kind, or a part of its renderer's name."""
+        return want in ("auto", self.info.get("kind")) or want.lower() in str(self.info.get("renderer", "")).lower()
+
+
+def list_devices() -> list[Listed]:
+    """Every EGL device; each is opened and released."""
+    found = []
+    for entry in _entries():
+        try:
+            device = _opened(entry)
+        except Exception as error:  # noqa: BLE001 - the bindings raise bare Exception for every cause
+            found.append(Listed(entry.index, {"uuid": entry.uuid, "pci": entry.pci}, _why(entry, error)))
+            continue
+        found.append(Listed(entry.index, device.info))
+        device.release()
+    return found
+
+
+def _entries() -> list[EglDevice]:
+    """EGL's devices; one to be tried where EGL cannot be asked."""
+    try:
+        return egl_devices()
+    except OSError:
+        return [EglDevice(0)]
+
+
+def _opened(entry: EglDevice) -> Device:
+    device = _create(entry.index)
+    device.egl = entry
+    return device
+
+
+def _why(entry: EglDevice, error: Exception) -> str:
+    """Why a device cannot be opened, in one line."""
+    reason = " ".join(str(error).split())
+    denied = entry.node and os.path.exists(entry.node) and not os.access(entry.node, os.R_OK | os.W_OK)
+    return f"{reason} (no permission for {entry.node}: is the user in the group render?)" if denied else reason
 
 
 def open_device(want: str = "auto") -> Device:
-    """Open a headless OpenGL device: `gpu`, `cpu` (a software driver), or `auto`, a GPU where there is one.
+    """Open a headless OpenGL device.
 
-    Raises DeviceError with what to install where there is no driver or none of the wanted kind.
+    `want` is `gpu`, `cpu` (a software driver), `auto` (a GPU where there is one), or in this order the index, UUID or
+    PCI address of an EGL device, or a part of its renderer's name. A device that cannot be opened hides no other.
+    Raises DeviceError with what to install where there is no driver, or with what there is where none matches.
     """
-    if want == "cpu" and os.path.exists(MESA_VENDOR):
-        os.environ.setdefault("__EGL_VENDOR_LIBRARY_FILENAMES", MESA_VENDOR)
-        os.environ.setdefault("LIBGL_ALWAYS_SOFTWARE", "1")
-    spare: Device | None = None
-    trouble = "no EGL device"
-    for index in range(MOST_DEVICES):
+    entries = _entries()
+    exact = [e for e in entries if want.lower() in (str(e.index), e.uuid, e.pci)]
+    tried: list[Listed] = []
+    spare: EglDevice | None = None  # a software driver, where a GPU is better
+    for entry in exact or entries:
         try:
-            device = _create(index)
+            device = _opened(entry)
         except Exception as error:  # noqa: BLE001 - the bindings raise bare Exception for every cause
-            trouble = " ".join(str(error).split()) if index == 0 else trouble
-            break
-        if want == device.kind or (want == "auto" and device.kind == "gpu"):
+            tried.append(Listed(entry.index, {}, _why(entry, error)))
+            continue
+        seen = Listed(entry.index, device.info)
+        tried.append(seen)
+        if want.lower() in (device.info["uuid"], device.info["pci"]) or exact:
             return device
-        if spare is None:
-            spare = device
-    if spare is not None and want == "auto":
-        return _create(0) if spare.kind == "cpu" else spare
-    if spare is not None:
-        raise DeviceError(f"--device {want}: only {spare.info['renderer']} is here, a {spare.kind}; use --device auto")
-    raise DeviceError(f"no OpenGL {GL_MINIMUM / 100:.1f} device: {trouble}; install a driver: {INSTALL}")
+        if seen.matches(want) and (want != "auto" or device.kind == "gpu"):
+            return device
+        spare = spare or (entry if want == "auto" else None)
+        device.release()
+    if spare:
+        return _opened(spare)
+    raise DeviceError(_none_matches(want, tried))
+
+
+def _none_matches(want: str, tried: Sequence[Listed]) -> str:
+    usable = [f"{t.index} {t.info['renderer']}" for t in tried if not t.trouble]
+    if usable:
+        return (f"--device {want}: no such device; allowed: auto, gpu, cpu, or an index, UUID, PCI address or part of "
+                f"the name of one of: {'; '.join(usable)}; see mfr-bench doctor")
+    trouble = "; ".join(f"EGL device {t.index}: {t.trouble}" for t in tried) or "no EGL device"
+    return f"no OpenGL {GL_MINIMUM / 100:.1f} device: {trouble}; install a driver: {INSTALL}"

@@ -7,7 +7,8 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Protocol
 
-from ..glsl import Source, stages
+from ..glsl import Source, split_ref, stages
+from ..glsl.bindings import length_name
 from ..methods.shared.bands import Rectangle
 from ..methods.spec import (
     DISPATCH_OFFSET,
@@ -93,6 +94,14 @@ class PassRunner:
         return self.program is not None and "iteration" in self.program
 
     @cached_property
+    def _lengths(self) -> list[tuple[str, str, int]]:
+        """The uniforms that hold lengths of buffers: name, ref of the buffer, bytes of an element."""
+        declared = {b.name: b for b in self.frame.variant.buffers}
+        sized = [(length_name(b.name), b.ref, self.frame.fitted.element_bytes(declared[split_ref(b.ref)[0]]))
+                 for b in self.planned.buffers]
+        return [entry for entry in sized if self.program is not None and entry[0] in self.program]
+
+    @cached_property
     def clips_from_zero(self) -> bool:
         """Whether the vertex shader gives depths as they are; told to it once."""
         if "clips_from_zero" not in self.program:
@@ -156,6 +165,8 @@ class PassRunner:
     def _commands(self, name: str):
         """A buffer of indirect commands, once what shaders have written there and to the list is in place."""
         self.gl.glMemoryBarrier(rawgl.BARRIERS["indirect"])
+        if self.frame.device.flushes_points:
+            self.gl.glFlush()
         return self.frame.allocation.named(name)
 
     def _draw_screen(self) -> None:
@@ -190,6 +201,8 @@ class PassRunner:
             self._texture(binding.ref, iteration).bind(binding.index)
         if self.takes_iteration:
             self.program["iteration"] = iteration
+        for name, ref, element_bytes in self._lengths:
+            self.program[name] = self.frame.allocation.buffer(ref, iteration).size // element_bytes
 
     def _dispatch(self, iteration: int) -> None:
         """Images are published at once: what comes next may be a draw, a fetch or a read-back."""

@@ -14,7 +14,7 @@ TEXTURE_2D, TEXTURE_2D_ARRAY, TEXTURE_2D_MULTISAMPLE, NEAREST = 0x0DE1, 0x8C1A, 
 TEXTURE_MIN_FILTER, TEXTURE_MAG_FILTER = 0x2801, 0x2800
 FRAMEBUFFER, FRAMEBUFFER_COMPLETE, COLOR_ATTACHMENT0 = 0x8D40, 0x8CD5, 0x8CE0
 DEPTH_ATTACHMENT, DEPTH_STENCIL_ATTACHMENT = 0x8D00, 0x821A
-TIMESTAMP, SAMPLES_PASSED, QUERY_RESULT = 0x8E28, 0x8914, 0x8866
+TIMESTAMP, TIME_ELAPSED, SAMPLES_PASSED, QUERY_RESULT = 0x8E28, 0x88BF, 0x8914, 0x8866
 TEXTURE0, MULTISAMPLE, TEXTURE_SAMPLES, SAMPLES, NUM_SAMPLE_COUNTS = 0x84C0, 0x809D, 0x9106, 0x80A9, 0x9380
 
 FORMATS = {"r8": 0x8229, "rg8": 0x822B, "rgba8": 0x8058, "r16": 0x822A, "rgba16f": 0x881A, "r32f": 0x822E,
@@ -28,7 +28,7 @@ DEPTH_FUNCTIONS = {"less": 0x0201, "equal": 0x0202, "lequal": 0x0203, "always": 
 # `image`: shader image access, fetches from textures, and everything done through framebuffers.
 # `indirect`: commands and vertex attributes that come from buffers.
 BARRIERS = {"storage": 0x2000, "buffer_update": 0x200, "image": 0x20 | 0x8 | 0x400, "indirect": 0x40 | 0x1}
-WRITE_ONLY = 0x88B9
+WRITE_ONLY, DEVICE_UUID = 0x88B9, 0x9597
 LOWER_LEFT, NEGATIVE_ONE_TO_ONE, ZERO_TO_ONE = 0x8CA1, 0x935E, 0x935F
 ERRORS = {0x0500: "GL_INVALID_ENUM", 0x0501: "GL_INVALID_VALUE", 0x0502: "GL_INVALID_OPERATION",
           0x0505: "GL_OUT_OF_MEMORY", 0x0506: "GL_INVALID_FRAMEBUFFER_OPERATION", 0x0507: "GL_CONTEXT_LOST"}
@@ -80,10 +80,14 @@ _SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "glGetQueryObjectui64v": (None, (UINT, ENUM, ctypes.POINTER(ctypes.c_uint64))),
     "glMemoryBarrier": (None, (UINT,)),
     "glDispatchCompute": (None, (UINT, UINT, UINT)),
+    "glFlush": (None, ()),
     "glFinish": (None, ()),
     "glGetError": (ENUM, ()),
 }
-_OPTIONAL: dict[str, tuple[Any, tuple[Any, ...]]] = {"glClipControl": (None, (ENUM, ENUM))}  # OpenGL 4.5
+_OPTIONAL: dict[str, tuple[Any, tuple[Any, ...]]] = {
+    "glClipControl": (None, (ENUM, ENUM)),  # OpenGL 4.5
+    "glGetUnsignedBytei_vEXT": (None, (ENUM, UINT, ctypes.POINTER(BOOL))),  # GL_EXT_memory_object
+}
 
 
 class RawGL:
@@ -125,6 +129,14 @@ class RawGL:
         self.glBindBuffer(COPY_WRITE_BUFFER, buffer)
         self.glClearBufferSubData(COPY_WRITE_BUFFER, FORMATS["r32ui"], 0, size, RED_INTEGER, UNSIGNED_INT, None)
 
+    def device_uuid(self) -> bytes:
+        """16 bytes, zero where the driver does not tell them."""
+        raw = (BOOL * 16)()
+        if self.glGetUnsignedBytei_vEXT:
+            self.glGetUnsignedBytei_vEXT(DEVICE_UUID, 0, raw)
+            self.glGetError()
+        return bytes(raw)
+
     def sample_counts(self, format: str) -> frozenset[int]:
         """The numbers of samples that multisample textures of a format can have."""
         count = INT()
@@ -138,6 +150,16 @@ class RawGL:
         count = INT()
         self.glGetTexLevelParameteriv(target, 0, TEXTURE_SAMPLES, ctypes.byref(count))
         return count.value
+
+    def spend_first_timers(self) -> None:
+        """Take the first timer queries of a context and throw them away: llvmpipe's measure from a distant past."""
+        elapsed, stamp = self.generate("Queries"), self.generate("Queries")
+        self.glBeginQuery(TIME_ELAPSED, elapsed)
+        self.glEndQuery(TIME_ELAPSED)
+        self.glQueryCounter(stamp, TIMESTAMP)
+        for query in (elapsed, stamp):
+            self.query_result(query)
+            self.delete("Queries", query)
 
     def query_result(self, query: int) -> int:
         """Result of a query, 64 bits; waits for it."""

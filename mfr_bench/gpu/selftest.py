@@ -12,22 +12,18 @@ import numpy as np
 
 from ..config.model import Scene as SceneConfig
 from ..errors import MfrError
-from ..methods.shared import MULTISAMPLING, SYNC, K, clear, resolve, route, routed_targets
-from ..methods.spec import IMAGE, Buffer, Fitted, Method, Pass, State, Target, when
-from ..oracle.composite import composite, fragment_counts, stats_of
-from ..oracle.quality import conformance
+from ..methods.spec import IMAGE, Pass, State, Target
+from ..oracle.composite import fragment_counts
 from ..plan.forecast import FIRST_ROUNDS
 from ..scene import generate
 from .capture import capture
 from .device import Device
-from .frame import Frame
+from .probes import ATOMICS, COUNTED, ProbeBench, probe_method
 from .rates import rates
-from .scene_buffer import SceneBuffer
 from .single import shown
-from .targets import Canvas
 from .timers import GpuTimer, WallTimer
+from .trials import TRIALS, Trial, locked, routed
 
-ROUTED_SCENE = SceneConfig(size=(16, 16), depth_complexity=4)
 SLANTED_SCENE = SceneConfig(size=(96, 80), depth_complexity=12, slant=0.8)
 SCENE = SceneConfig(size=(192, 160), depth_complexity=24, pixel_density=0.9)
 WORK = SceneConfig(size=(512, 512), depth_complexity=0)
@@ -38,60 +34,34 @@ WORTH_COMPARING_MS = 2.0  # below this the wall clock sees mostly the round trip
 REPEATS = 3
 
 
-def _probe(name: str, *steps: Pass, buffers: tuple[Buffer, ...] = (), **more) -> Method:
-    return Method(id=f"probe-{name}", name=name, family="probe", source="self-test", summary="", guarantee="none",
-                  words="0", ties="", steps=steps, buffers=buffers, **more)
-
-
-COUNTER = Buffer("counter", "P", clear="0u", coherent=True)
-SHOW = Pass("show", "fullscreen", "probe/show_count.frag", reads=("counter",), into=(IMAGE,))
-COUNT = Pass("count", "geometry", "common/count.frag", writes=("counter",))
-
-ATOMICS = _probe("atomics", clear("total"), Pass("count", "geometry", "probe/total.frag", writes=("total",)),
-                 buffers=(Buffer("total", "1", clear="0u"),))
-COUNTED = _probe("side effects", clear("counter"), COUNT, SHOW, buffers=(COUNTER,))
-LOCKED = _probe("lock", clear("counter", "semaphore"),
-                Pass("count", "geometry", "probe/locked_count.frag", writes=("counter", "semaphore")), SHOW,
-                buffers=(COUNTER, Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin"))),
-                params=(SYNC,))
-ROUTED = _probe("stencil routing", *route("k"), resolve("depths", "colours", fetch="methods/routing/fetch.glsl"),
-                targets=routed_targets("k"), params=(MULTISAMPLING,), fixed=(K.at(4),), local="k")
-NEAREST = _probe("slanted depths",
-                 Pass("nearest", "geometry", "probe/rasterized.frag", into=("nearest",), clears={"nearest": (1.0,)},
-                      state=State(depth_test="less")),
-                 Pass("show", "fullscreen", "probe/show_depth.frag", reads=("nearest",), into=(IMAGE,)),
-                 targets=(Target("nearest", "depth32f"),))
-BUSY = _probe("work", Pass("work", "fullscreen", "probe/work.frag", into=(IMAGE,)))
+NEAREST = probe_method(
+    "slanted depths",
+    Pass("nearest", "geometry", "probe/rasterized.frag", into=("nearest",), clears={"nearest": (1.0,)},
+         state=State(depth_test="less")),
+    Pass("show", "fullscreen", "probe/show_depth.frag", reads=("nearest",), into=(IMAGE,)),
+    targets=(Target("nearest", "depth32f"),))
+BUSY = probe_method("work", Pass("work", "fullscreen", "probe/work.frag", into=(IMAGE,)))
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Outcome of one self-test: passed True, False, or None where the device lacks what it needs."""
+    """Outcome of one self-test: passed True, False, or None where the device lacks what it needs.
+
+    `costs`: what a failure costs; None: any result may be wrong.
+    """
 
     name: str
     passed: bool | None
     detail: str
+    costs: str | None = None
+
+    @property
+    def harmful(self) -> bool:
+        """Whether results of this device may be wrong."""
+        return self.passed is False and self.costs is None
 
 
-class _Bench:
-    """One scene on the device, on which probes run."""
-
-    def __init__(self, device: Device, config: SceneConfig):
-        self.device = device
-        self.scene = generate(config)
-        self.stats = stats_of(self.scene)
-        self.scene_buffer = SceneBuffer(device, self.scene)
-        self.canvas = Canvas(device, (self.stats.W, self.stats.H))
-
-    def frame(self, method: Method, **params) -> Frame:
-        return Frame(self.device, Fitted(method.variant(params), self.stats), self.scene_buffer, self.canvas)
-
-    def release(self) -> None:
-        self.scene_buffer.release()
-        self.canvas.release()
-
-
-def _atomics(bench: _Bench) -> tuple[bool, str]:
+def _atomics(bench: ProbeBench) -> tuple[bool, str]:
     frame = bench.frame(ATOMICS)
     frame.draw()
     total = int(frame.words("total")[0])
@@ -99,7 +69,7 @@ def _atomics(bench: _Bench) -> tuple[bool, str]:
     return total == bench.stats.F, f"{total} of {bench.stats.F} increments of one word"
 
 
-def _counted(bench: _Bench, source: str) -> tuple[bool, str]:
+def _counted(bench: ProbeBench, source: str) -> tuple[bool, str]:
     frame = bench.frame(COUNTED)
     frame.draw()
     expected = fragment_counts(bench.scene)
@@ -107,26 +77,6 @@ def _counted(bench: _Bench, source: str) -> tuple[bool, str]:
              else frame.image()[..., 0].astype(np.int64))
     frame.release()
     return bool((found == expected).all()), f"{int((found == expected).sum())} of {expected.size} pixels counted right"
-
-
-def _locked(bench: _Bench, sync: str) -> tuple[bool, str]:
-    frame = bench.frame(LOCKED, sync=sync)
-    frame.draw()
-    total = int(frame.words("counter").sum())
-    frame.release()
-    return total == bench.stats.F, f"{total} of {bench.stats.F} plain increments under the lock"
-
-
-def _routed(device: Device, multisampling: str) -> tuple[bool, str]:
-    bench = _Bench(device, ROUTED_SCENE)
-    try:
-        frame = bench.frame(ROUTED, multisampling=multisampling)
-        frame.draw()
-        wrong = conformance(frame.image(), composite(bench.scene))["wrong_pixels"]
-        frame.release()
-    finally:
-        bench.release()
-    return wrong == 0, f"{bench.stats.P - wrong} of {bench.stats.P} pixels with every fragment in a sample of its own"
 
 
 def _slanted(device: Device) -> tuple[bool, str]:
@@ -138,31 +88,27 @@ def _slanted(device: Device) -> tuple[bool, str]:
     return alike == held.size, f"{alike} of {held.size} pixels whose depth buffer holds a depth that shaders see"
 
 
-def tests_each_sample(device: Device) -> bool:
-    """Whether the stencil of each sample is tested with multisampling off; GL lets a device test one for all."""
-    return bool(_finding("", lambda: _routed(device, "off")).passed)
-
-
 def self_tests(device: Device) -> list[Finding]:
-    """Run every test but the timers'. A test that cannot even compile has failed."""
-    bench = _Bench(device, SCENE)
-    findings = [
-        _finding("atomics", lambda: _atomics(bench)),
-        _finding("side effects under a full draw", lambda: _counted(bench, "buffer")),
-        _finding("barriers", lambda: _counted(bench, "image")),
-        _finding("spin lock", lambda: _locked(bench, "spin")),
-    ]
-    findings.append(_finding("slanted depths", lambda: _slanted(device)))
-    if "fragment_shader_interlock" in device.features:
-        findings.append(_finding("interlock", lambda: _locked(bench, "interlock")))
-    else:
-        findings.append(Finding("interlock", None, "no fragment shader interlock extension"))
+    """Run every test but the timers', and every trial. A test that cannot even compile has failed."""
+    with ProbeBench(device, SCENE) as bench:
+        findings = [
+            _finding("atomics", lambda: _atomics(bench)),
+            _finding("side effects under a full draw", lambda: _counted(bench, "buffer")),
+            _finding("barriers", lambda: _counted(bench, "image")),
+        ]
+    findings += [_finding("spin lock", lambda: locked(device, "spin", SCENE)),
+                 _finding("slanted depths", lambda: _slanted(device))]
     if "samples_4" in device.features:
-        findings.append(_finding("stencil routing", lambda: _routed(device, "on")))
+        findings.append(_finding("stencil routing", lambda: routed(device, "on")))
     else:
         findings.append(Finding("stencil routing", None, "no targets of 4 samples"))
-    bench.release()
-    return findings
+    return [*findings, *(_tried(device, trial) for trial in TRIALS)]
+
+
+def _tried(device: Device, trial: Trial) -> Finding:
+    if trial.feature and trial.feature not in device.offered:
+        return Finding(trial.name, None, f"the driver does not offer {trial.feature}", trial.costs)
+    return Finding(trial.name, *trial.outcome(device), trial.costs)
 
 
 def _finding(name: str, test: Callable[[], tuple[bool, str]]) -> Finding:
@@ -186,7 +132,7 @@ class Calibration:
 
 def calibrate(device: Device) -> Calibration:
     """Time fullscreen work of growing size by both timers; GPU timers count where they agree with the wall clock."""
-    bench = _Bench(device, WORK)
+    bench = ProbeBench(device, WORK)
     wall, gpu = WallTimer(device), GpuTimer(device)
     wall_ms: list[float] = []
     gpu_ms: list[float] = []

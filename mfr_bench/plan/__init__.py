@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import accumulate, pairwise
 from typing import Any, Literal
@@ -61,6 +61,11 @@ class Limits:
     max_block_bytes: int  # largest shader storage block
     max_texture_size: int  # pixels, either side
     max_local_array: int | None = None  # fragments in a shader's local array, where more would compile for minutes
+    failed_trials: Mapping[str, str] = field(default_factory=dict)  # of a feature that the driver claims and gets wrong
+
+    def lacks(self, feature: str) -> str:
+        """The feature, with the trial that it fails where the driver claims it."""
+        return f"{feature}, which fails {self.failed_trials[feature]}" if feature in self.failed_trials else feature
 
 
 def expand(experiment: Experiment, catalog: Mapping[str, Method], only: Sequence[str] | None = None) -> list[Cell]:
@@ -106,7 +111,7 @@ def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: 
     """Why a cell is not measured, or None. Without limits only the budget is held against it."""
     variant = catalog[cell.method].variant(cell.params)
     fitted = Fitted(variant, stats)
-    missing = [f for f in variant.needs if limits and f not in limits.features]
+    missing = [limits.lacks(f) for f in variant.needs if limits and f not in limits.features]
     missing += [SCENE_FACTS[f] for f in variant.asks if not getattr(stats, f)]
     if missing:
         return "unsupported", f"needs {', '.join(missing)}"

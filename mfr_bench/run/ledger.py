@@ -160,7 +160,7 @@ class Ledger:
             "key": job.key, "method": job.cell.method, "params": dict(job.cell.params),
             "scene": job.cell.scene.as_dict(), "measure": job.cell.measure.as_dict(), "status": finished.status,
             "reason": finished.reason, "values": values, "glsl_hash": job.glsl_hash,
-            "device": {name: self.device[name] for name in ("slug", "renderer", "version")},
+            "device": {name: self.device.get(name) for name in ("slug", "renderer", "version", "uuid", "pci")},
             "measured": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), **finished.details,
         }
         for sheet in self.sheets:

@@ -10,6 +10,6 @@ void main() {
     uint p = pixel_index();
     if (first[p] == EMPTY) return;
     uint at = first[p] + atomicAdd(found[p], 1u);
-    if (at < uint(nodes.length())) nodes[at] = uvec2(incoming().x, quad);
+    if (at < nodes_length) nodes[at] = uvec2(incoming().x, quad);
     else atomicAdd(lost_fragments, 1u);
 }

@@ -15,6 +15,7 @@ import pytest
 import mfr_bench
 from mfr_bench import glsl
 from mfr_bench.cli import main
+from mfr_bench.gpu.device import Listed
 
 from ..run.inprocess import InProcess
 
@@ -100,6 +101,7 @@ def mfr(monkeypatch, capsys):
 @pytest.fixture
 def on_device(device, monkeypatch):
     monkeypatch.setattr("mfr_bench.gpu.device.open_device", lambda want="auto": device)
+    monkeypatch.setattr("mfr_bench.gpu.device.list_devices", lambda: [Listed(device.egl.index, device.info)])
     monkeypatch.setattr("mfr_bench.run.supervisor.Worker", InProcess)
     return device
 

@@ -8,6 +8,7 @@ import pytest
 from matplotlib.image import imread
 
 from mfr_bench.config import load
+from mfr_bench.gpu.device import Listed
 from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Promise
@@ -77,6 +78,25 @@ def test_doctor_for_reading(mfr, device):
     assert "pass  atomics: " in ended.out
     assert "FAIL" not in ended.out
     assert "\ntimer: " in ended.out
+    assert ended.out.startswith(f"{device.egl.index}   {device.info['renderer']} ({device.kind}), ")
+
+
+def test_doctor_lists_a_device_that_cannot_be_used(mfr, monkeypatch):
+    """As where the user has no permission for it; the others are told all the same."""
+    listed = [Listed(0, {"uuid": None, "pci": "0000:01:00.0"}, "eglInitialize failed"), Listed(1, {
+        "renderer": "NVIDIA H200", "kind": "gpu", "version": "4.6", "uuid": None, "pci": None})]
+    monkeypatch.setattr("mfr_bench.gpu.device.list_devices", lambda: listed)
+    lines = mfr("doctor").out.splitlines()
+    assert lines[:3] == ["0   cannot be used: eglInitialize failed; PCI 0000:01:00.0", "1   NVIDIA H200 (gpu), 4.6", ""]
+
+
+def test_doctor_tells_what_a_failed_trial_costs(mfr, plant):
+    """Where no method depends on it, the exit status stays 0."""
+    plant("probe/block_length.frag", "seen[p] = uint(second.length())", "seen[p] = 4u")
+    ended = mfr("doctor")
+    assert ended.status == 0
+    assert "no    block length: 480 of 480" in ended.out
+    assert "; avoided by all methods" in ended.out
 
 
 def test_doctor_as_json(mfr, device):
@@ -101,8 +121,8 @@ def test_only_a_device_of_the_kind_asked_for_will_do(device):
         pytest.skip("a machine with a GPU may have a software driver, too")
     ended = apart("doctor", "--device", absent)
     assert ended.status == 1
-    assert ended.complaint.startswith("--device gpu: only ")
-    assert ended.complaint.endswith("; use --device auto")
+    assert ended.complaint.startswith("--device gpu: no such device; allowed: auto, gpu, cpu, or an index, ")
+    assert ended.complaint.endswith("; see mfr-bench doctor")
 
 
 # --- scene ---------------------------------------------------------------------------------------

@@ -1,6 +1,8 @@
 """Ctrl-C while a device is at work: a wish first, an order the second time."""
 
 import signal
+import subprocess
+import sys
 
 import pytest
 
@@ -46,6 +48,19 @@ def test_the_second_is_an_order(number):
     with pytest.raises(KeyboardInterrupt):
         at_work(signal.SIGINT, number, reached=reached)
     assert reached == [True]
+
+
+def test_the_second_ends_the_process_that_has_the_device():
+    """An exception could be raised within the bindings' C code, which crashes."""
+    at_work = """import signal
+from mfr_bench.cli.interruption import Interruption
+with Interruption(device_here=True):
+    signal.raise_signal(signal.SIGINT)
+    print("goes on", flush=True)
+    signal.raise_signal(signal.SIGINT)
+    print("never reached", flush=True)"""
+    ended = subprocess.run([sys.executable, "-c", at_work], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "goes on\n", "interrupted\n")
 
 
 def test_work_that_met_the_wish_ends_in_its_own_way():

@@ -13,12 +13,12 @@ from mfr_bench.gpu.scene_buffer import SceneBuffer
 from mfr_bench.gpu.targets import Canvas
 from mfr_bench.gpu.truth import true_stats
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Fitted, SceneStats, Variant
+from mfr_bench.methods.spec import Fitted, Variant
 from mfr_bench.scene import generate
 
 from .cases import every_method, runs_here
 
-WORDS = 4032  # behind each buffer; whole elements of 1, 2, 3 and 4 words
+WORDS = 4032  # behind each buffer, and bound with it: a driver may check bounds, and drop what is written beyond
 GUARD = np.full(WORDS, 0xA5C3F00D, dtype=np.uint32).tobytes()
 PIXELS = (13, 7)
 SCENES = {
@@ -31,29 +31,6 @@ SCENES = {
     "far corners": SceneConfig(size=PIXELS, depth_complexity=9, overhang=2**20, odd_depth="nan", seed=7),
 }
 K = 8
-
-
-@pytest.fixture(autouse=True)
-def own_length(monkeypatch):
-    """Shaders that ask how long a buffer is are told its own length, without the guard.
-
-    The guard must be bound with the buffer: a driver may check bounds, and drop what is written beyond them.
-    """
-    macro, read = glsl.prelude._clear_macro, glsl.read
-
-    def shorter(variant, step):
-        text = macro(variant, step)
-        for buffer in variant.buffers:
-            words = buffer.element_words + Fitted(variant, SIZES)._extra_words(buffer)
-            text = text.replace(f"uint({buffer.name}.length())", f"uint({buffer.name}.length() - {WORDS // words})")
-        return text
-
-    monkeypatch.setattr(glsl.prelude, "_clear_macro", shorter)
-    monkeypatch.setattr(glsl.includes, "read", lambda path: read(path).replace("histogram.length()",
-                                                                      f"(histogram.length() - {WORDS})"))
-
-
-SIZES = SceneStats(W=1, H=1, n=1, F=1, primitives=1)
 
 
 class Guarded(Allocation):

@@ -12,6 +12,7 @@ from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.scene_buffer import SceneBuffer
 from mfr_bench.gpu.targets import Canvas
 from mfr_bench.methods.spec import Buffer, Fitted, Method, Param, Pass, SceneStats, Target
+from mfr_bench.resources import shaders_dir
 from mfr_bench.scene import generate
 
 SIZES = SceneStats(W=8, H=6, n=3, F=144, primitives=3)
@@ -217,6 +218,14 @@ def test_clearing_gives_every_element_its_value(device):
     assert found["three"] == [8] * 144
     assert found["odd"] == [9] * 5
     assert found["heads"][:48] == [6] * 48
+
+
+def test_no_shader_asks_a_storage_block_for_its_length():
+    """A driver may answer wrongly behind a divergent loop: the number is passed, as `<buffer>_length`."""
+    texts = {path: path.read_text() for path in shaders_dir().rglob("*") if path.is_file()}
+    assert [path.name for path, text in texts.items() if ".length()" in text] == ["block_length.frag"]  # the trial
+    text = text_of(drawing("common/clear.frag", writes=("counter",), buffers=(Buffer("counter", "3*P", clear="0u"),)))
+    assert "uniform uint counter_length;" in text and "i < counter_length" in text
 
 
 def test_lost_fragments_are_counted_only_where_a_shader_counts_them():

@@ -167,6 +167,10 @@ class Fitted:
         decision = self.decision()
         return {**self.scope, "k": decision.k} if decision else self.scope
 
+    def element_bytes(self, buffer: Buffer) -> int:
+        """Bytes of one element of a buffer, with the payload that the variant has."""
+        return 4 * (buffer.element_words + self._extra_words(buffer))
+
     def _extra_words(self, buffer: Buffer) -> int:
         """Words of each element in addition to those that the buffer's formula counts."""
         return self.variant.payload_words - 1 if buffer.type in ("FRAGMENT", "PAYLOAD") else 0

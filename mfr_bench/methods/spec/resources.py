@@ -12,7 +12,8 @@ EMPTY = 0xFFFFFFFF  # no fragment, no next node: above the bits of every depth i
 SAMPLE_FEATURES: Mapping[str, int] = {f"samples_{count}": count for count in (4, 8, 16, 32)}  # of multisample targets
 SAMPLE_STENCIL = "sample_stencil"  # the feature of testing each sample's stencil with multisampling off
 # FRAGMENT is a depth with its payload, PAYLOAD a payload; formulas count them with the plain payload of one word.
-ELEMENT_WORDS: Mapping[str, int] = {"uint": 1, "uvec2": 2, "uint64_t": 2, "int64_t": 2, "vec4": 4, "FRAGMENT": 2, "PAYLOAD": 1}
+ELEMENT_WORDS: Mapping[str, int] = {"uint": 1, "uvec2": 2, "uint64_t": 2, "int64_t": 2, "vec4": 4, "FRAGMENT": 2,
+                                    "PAYLOAD": 1}
 PAYLOAD_WORDS: Mapping[str, int] = {"rgba8": 1, "rgba16f": 2, "two_channel": 1}
 
 

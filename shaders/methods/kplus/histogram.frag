@@ -5,6 +5,6 @@
 #include "common/pixel.glsl"
 
 void main() {
-    uint count = min(counter[pixel_index()], uint(histogram.length()));
+    uint count = min(counter[pixel_index()], histogram_length);
     if (count > 0u) atomicAdd(histogram[count - 1u], 1u);
 }

@@ -1,0 +1,2 @@
+// Tells the listing of tiles which pixels have fragments, by their counter.
+#define FETCH_COUNT(p) counter[p]

@@ -1,0 +1,84 @@
+"""Trials of drivers: each sees the fault that it is there for, and a feature that fails its own counts as missing."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from mfr_bench.config.model import Measure
+from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.gpu import trials
+from mfr_bench.gpu.pass_runner import PassRunner
+from mfr_bench.gpu.trials import TRIALS, Trial, failed
+from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import TILE_POINTS
+from mfr_bench.plan import Cell, Limits, expected_stats, judge
+
+BY_NAME = {trial.name: trial for trial in TRIALS}
+
+
+def outcome(device, name):
+    """Whether the trial passes; skips where the driver does not offer its feature."""
+    trial = BY_NAME[name]
+    if trial.feature and trial.feature not in device.offered:
+        pytest.skip(f"this device lacks {trial.feature}")
+    return trial.outcome(device)
+
+
+@pytest.mark.parametrize(("name", "path", "right", "wrong", "said"), [
+    ("atomic operations", "probe/operations.comp", "atomicExchange(element[4], value)", "element[4] = value",
+     "exchange"),
+    ("atomic operations", "probe/operations.comp", "atomicMin(element[2], value)", "atomicMax(element[2], value)",
+     "min"),
+    ("atomic operations", "probe/operations.comp", "atomicCompSwap(element[5], 0u, value)",
+     "atomicExchange(element[5], value)", "compare-and-swap"),
+    ("64-bit atomics", "probe/operations64.comp", "packInt2x32(ivec2(value))", "int64_t(value.x)", "exchange"),
+    ("64-bit atomics", "probe/operations64.comp", "atomicMin(wide[1]", "atomicMin(wide[0]", "min"),
+    ("64-bit atomics", "probe/operations64.comp", "signed_wide[0],", "wide[0],", "no matching function"),
+    ("blending", "probe/quarter.frag", "vec4(0.25)", "vec4(0.5)", "r8 add"),
+    ("queries", "common/count.frag", "void main() {", "void main() { if (gl_FragCoord.x < 1.0) discard;", "samples"),
+    ("block length", "probe/block_length.frag", "seen[p] = uint(second.length())", "seen[p] = 4u", "480 of 480"),
+    ("interlock", "probe/locked_count.frag", "+ 1u", "+ 2u", "plain increments"),
+    ("points after a dispatch", "common/list_tiles.comp", "if (tile_has_fragments(tile)) list(tile)", "", "pixels right"),
+])
+def test_a_fault_is_seen(device, plant, name, path, right, wrong, said):
+    plant(path, right, wrong)
+    trial = BY_NAME[name]
+    if trial.feature and trial.feature not in device.offered:
+        pytest.skip(f"this device lacks {trial.feature}")
+    if name == "points after a dispatch":
+        device.__dict__.pop("flushes_points", None)
+    passed, detail = trial.outcome(device)
+    device.__dict__.pop("flushes_points", None)
+    assert not passed
+    assert said in detail
+
+
+def test_a_driver_that_needs_a_flush_gets_one(device, monkeypatch):
+    """Points drawn without a flush are spoilt here, as zink spoils them."""
+    flushed = []
+    draw = PassRunner._draw_tiles
+    device.__dict__.pop("flushes_points", None)
+    monkeypatch.setattr(device.gl, "glFlush", lambda: flushed.append(True))
+    monkeypatch.setattr(PassRunner, "_draw_tiles",
+                        lambda self: draw(self) if self.frame.device.flushes_points else None)
+    passed, detail = trials.listed_points(device)
+    assert passed and flushed
+    assert "behind a flush" in detail
+    assert device.flushes_points
+    del device.flushes_points
+
+
+def test_a_feature_that_fails_its_trial_is_missing_with_the_trials_name(monkeypatch):
+    wrong = Trial("points after a dispatch", lambda device: (False, "3 of 9 pixels right"), TILE_POINTS)
+    monkeypatch.setattr(trials, "TRIALS", (wrong, Trial("other", lambda device: (False, ""), "not offered")))
+    found = failed(SimpleNamespace(offered=frozenset({TILE_POINTS})))
+    assert found == {TILE_POINTS: "the trial 'points after a dispatch' (3 of 9 pixels right)"}
+    cell = Cell("test", "ab-array", "ab-array", catalog()["ab-array"].complete({"touched": "tiles"}),
+                SceneConfig(size=(8, 8), depth_complexity=3), Measure(), {})
+    limits = Limits(features=frozenset(), max_block_bytes=2**27, max_texture_size=4096, failed_trials=found)
+    assert judge(cell, catalog(), expected_stats(cell.scene), limits) == (
+        "unsupported", "needs points_16, which fails the trial 'points after a dispatch' (3 of 9 pixels right)")
+
+
+def test_every_trial_says_what_a_failure_costs():
+    assert {trial.name for trial in TRIALS if trial.costs is None} == {"atomic operations", "blending", "queries"}
