@@ -75,6 +75,7 @@ class PassRunner:
             self.vao = frame.device.ctx.vertex_array(self.program, self._content())
         self._groups: dict[tuple[int, int], int] = {}  # work groups, by width and height of what they go over
         self.instances = frame.fitted.value(step.instances)
+        self.flushes = step.by_tile and frame.device.flushes_points  # a trial, which must not come while a pass draws
         self.writes_depth = step.state.depth_write and any(self._texture(r, 0).is_depth for r in step.into)
 
     def _texture(self, ref: str, iteration: int) -> Texture:
@@ -165,7 +166,7 @@ class PassRunner:
     def _commands(self, name: str):
         """A buffer of indirect commands, once what shaders have written there and to the list is in place."""
         self.gl.glMemoryBarrier(rawgl.BARRIERS["indirect"])
-        if self.frame.device.flushes_points:
+        if self.flushes:
             self.gl.glFlush()
         return self.frame.allocation.named(name)
 

@@ -39,6 +39,7 @@ from . import rawgl
 from .device import Device
 from .frame import Frame
 from .probes import COUNTED, LOCKED, ROUTED, ROUTED_SCENE, ProbeBench, probe_method
+from .targets import Framebuffer, Texture
 
 SCENE = SceneConfig(size=(24, 20), depth_complexity=3)
 TILES_SCENE = SceneConfig(size=(3 * LISTED, 2 * LISTED), depth_complexity=5)
@@ -97,13 +98,12 @@ def block_length(device: Device) -> Outcome:
     program = ctx.program(vertex_shader=f"{glsl.prelude.VERSION}\n{glsl.includes.read('screen/triangle.vert')}",
                           fragment_shader=glsl.includes.read("probe/block_length.frag"))
     program["columns"], program["pixels"] = width, width * height
-    buffers, texture, array = [ctx.buffer(bytes(4 * n)) for n in words], ctx.texture(LENGTH_SIZE, 4), None
-    framebuffer = ctx.framebuffer([texture])
+    buffers, texture, array = [ctx.buffer(bytes(4 * n)) for n in words], Texture(device.gl, "rgba8", LENGTH_SIZE), None
+    framebuffer = Framebuffer(device.gl, [texture])
     try:
         for binding, buffer in enumerate(buffers):
             buffer.bind_to_storage_buffer(binding)
-        framebuffer.use()
-        device.gl.glColorMask(True, True, True, True)
+        framebuffer.use(colour=True, depth=False)
         array = ctx.vertex_array(program, [])
         array.render(mode=4, vertices=3)  # GL_TRIANGLES
         device.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])

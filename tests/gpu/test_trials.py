@@ -38,7 +38,8 @@ def outcome(device, name):
     ("queries", "common/count.frag", "void main() {", "void main() { if (gl_FragCoord.x < 1.0) discard;", "samples"),
     ("block length", "probe/block_length.frag", "seen[p] = uint(second.length())", "seen[p] = 4u", "480 of 480"),
     ("interlock", "probe/locked_count.frag", "+ 1u", "+ 2u", "plain increments"),
-    ("points after a dispatch", "common/list_tiles.comp", "if (tile_has_fragments(tile)) list(tile)", "", "pixels right"),
+    ("points after a dispatch", "common/list_tiles.comp", "if (tile_has_fragments(tile)) list(tile)", "",
+     "pixels right"),
 ])
 def test_a_fault_is_seen(device, plant, name, path, right, wrong, said):
     plant(path, right, wrong)
