@@ -96,7 +96,7 @@ def block_length(device: Device) -> Outcome:
     ctx, (width, height) = device.ctx, LENGTH_SIZE
     words = (8 * width * height + 5, SECOND_WORDS, width * height)
     program = ctx.program(vertex_shader=f"{glsl.prelude.VERSION}\n{glsl.includes.read('screen/triangle.vert')}",
-                          fragment_shader=glsl.includes.read("probe/block_length.frag"))
+                          fragment_shader=f"{glsl.prelude.VERSION}\n{glsl.includes.read('probe/block_length.frag')}")
     program["columns"], program["pixels"] = width, width * height
     buffers, texture, array = [ctx.buffer(bytes(4 * n)) for n in words], Texture(device.gl, "rgba8", LENGTH_SIZE), None
     framebuffer = Framebuffer(device.gl, [texture])

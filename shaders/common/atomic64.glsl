@@ -4,7 +4,7 @@
 // acquired, which the caller has to count as a loss, or this is a helper invocation.
 // Invariant: operations on one element take effect one after the other; an invocation never holds two locks.
 // Source: gpupro5_ch1 §1.6 also emulates atomicMax, but by a compare-and-swap, which does not exist for two words.
-// Buffers: updates the buffer WIDE, and wide_lock if the atomics are emulated.
+// Buffers: updates the buffer WIDE.
 #include "common/helper.glsl"
 #include "common/less64.glsl"
 #include "common/load64.glsl"

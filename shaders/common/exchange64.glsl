@@ -2,7 +2,7 @@
 // ATOMIC64_NATIVE: the device's own, on elements of type int64_t. GL_NV_shader_atomic_int64 has no exchange of
 // uint64_t, and the bits of both are the same. Otherwise common/lock64.glsl emulates it.
 // False: nothing was done, because the lock was not had, or because this is a helper invocation.
-// Buffers: updates the buffer WIDE, and wide_lock if the exchange is emulated.
+// Buffers: updates the buffer WIDE.
 #include "common/helper.glsl"
 
 #if ATOMIC64_NATIVE

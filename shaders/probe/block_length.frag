@@ -1,6 +1,6 @@
-#version 430
 // Trial of a storage block's length behind loops that lanes leave at different times: each pixel tells what it sees.
 // It stands by itself, without a prelude, since other text around it hides the fault.
+// Buffers: writes first, second and seen.
 layout(std430, binding = 0) buffer First { uint first[]; };
 layout(std430, binding = 1) buffer Second { uint second[]; };
 layout(std430, binding = 2) buffer Seen { uint seen[]; };

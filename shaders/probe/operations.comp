@@ -1,5 +1,6 @@
 // Trial of atomic operations: every invocation applies each to an element of its own, and keeps what stood there.
 // Values are 1 to INVOCATIONS; `or` sets bit i % 32.
+// Buffers: updates element; writes before.
 layout(local_size_x = INVOCATIONS) in;
 
 void main() {

@@ -1,5 +1,6 @@
 // Trial of 64-bit atomics: every invocation applies each to an element of its own, and keeps what stood there.
 // Both words of a value are 1 to INVOCATIONS, so that half a value shows.
+// Buffers: updates wide and signed_wide; writes before.
 layout(local_size_x = INVOCATIONS) in;
 
 void main() {
