@@ -12,7 +12,8 @@ from mfr_bench.resources import shaders_dir
 
 FILES = sorted(str(p.relative_to(shaders_dir())) for p in shaders_dir().rglob("*.*"))
 LINE = re.compile(r"^// Buffers: (.+)$", re.MULTILINE)
-PROBES = [value for module in (capture, probes, selftest, trials) for value in vars(module).values() if isinstance(value, Method)]
+PROBES = [value for module in (capture, probes, selftest, trials) for value in vars(module).values()
+          if isinstance(value, Method)]
 LOCAL = {"methods/adaptive/nearest.glsl": {"depths"}}  # a local array has the name of another method's buffer
 
 
