@@ -51,6 +51,7 @@ class Frame:
         self._counted = 0  # samples that the latest counting pass let through
         self._shown = scene_buffer.scene
         self._drawn: tuple[Geometry, int] | None = None  # scene of the latest frame, and version of the allocation
+        self._frames = 0  # drawn since lost fragments were last asked for
         self._probing = False
         self._frame_plan: tuple[FrameState, FramePlan] | None = None  # the newest, with the state that it is for
         self._barriers = Barriers(())
@@ -126,6 +127,7 @@ class Frame:
     def draw(self, mark: Mark | None = None) -> bool:
         """Run every pass in order; `mark` is called with the pass's name after each."""
         self.geometry_passes = 0
+        self._frames += 1
         self._barriers = Barriers(self.allocation.names)
         if isinstance(self.variant.method.capacity, Planned):
             self._begin(self._schedule.next_plan(self._shown))
@@ -268,8 +270,14 @@ class Frame:
         self.allocation.fill(name, words)
 
     def lost_fragments(self) -> int:
-        """Fragments that found no room or never got the lock, since the last call."""
+        """Fragments that found no room or never got the lock, since the last call, in all frames together."""
+        self._frames = 0
         return self.diagnostics.take("lost_fragments")
+
+    def lost_in_a_frame(self) -> int:
+        """Fragments that one frame lost: the mean of the frames since the last call, rounded up."""
+        frames = max(1, self._frames)
+        return -(-self.lost_fragments() // frames)
 
     def probe(self) -> dict[str, int]:
         """Fragments by each counter that the variant's probing passes fill; draws a frame, if there are any."""

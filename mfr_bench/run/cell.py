@@ -108,7 +108,7 @@ class CellWork:
             image = self.frame.image()
             self.conformance = self._conformance(image)
             self.quality = self.scene.quality(image) if self.checked else {}
-            self.lost = self.frame.lost_fragments()
+            self.lost = self.frame.lost_in_a_frame()
 
     def _conformance(self, image) -> dict[str, float | int]:
         return self.scene.conformance(self.variant, image) if self.checked else {}
@@ -203,7 +203,7 @@ class CellWork:
         """The last image must be as right as the first: the worse of the two counts."""
         self.frame.show(self.scene.show(0))
         self.frame.draw()
-        self.lost += self.frame.lost_fragments()
+        self.lost = max(self.lost, self.frame.lost_in_a_frame())
         self.bench.device.check(f"{self.job.cell.method}: sampling")
         if self.conformance:
             self._hold_against_promise(self.frame.image())
@@ -239,7 +239,7 @@ class CellWork:
             images.add(digest)
             if len(images) > seen:
                 self._hold_against_promise(image)
-        self.lost += self.frame.lost_fragments()
+        self.lost = max(self.lost, self.frame.lost_in_a_frame())
         return len(images)
 
     def _shares(self) -> dict[str, float | None]:

@@ -77,8 +77,8 @@ COLUMNS = (
            producer="oracle.quality", label="root mean square error"),
     Column("psnr_db", "float", "dB", "peak signal-to-noise ratio against the full list's image", drawn="measure",
            producer="oracle.quality"),
-    Column("flip", "float", "", "mean FLIP of the displayed image against the full list's, over black or white, the worse", drawn="error",
-           producer="oracle.quality"),
+    Column("flip", "float", "", "mean FLIP of the displayed image against the full list's, over black or white, the "
+           "worse", drawn="error", producer="oracle.quality"),
     Column("hit_ratio", "float", "", "fragments kept / generated, counted in what the method holds after an untimed "
            "frame (as promised, by a method that holds no fragments)", drawn="measure"),
     Column("wrong_pixels", "int", "pixels", "pixels with a channel error above 1/512", drawn="measure",
@@ -100,7 +100,8 @@ COLUMNS = (
     Column("repeats", "int", "frames", "frames within one sample, which is their mean: short frames need several"),
     Column("sessions", "int", "", "processes that took the samples: more than 1 where a run was resumed",
            producer="run.ledger"),
-    Column("lost_fragments", "int", "fragments", "fragments that the method counted as dropped", drawn="measure"),
+    Column("lost_fragments", "int", "fragments", "fragments that the method counted as dropped in a frame: the most of the "
+           "frames that are checked, or the mean of those between them where it is more", drawn="measure"),
     Column("discarded_share", "float", "", "share of the fragments discarded before the store (occupancy)",
            drawn="measure"),
     Column("culled_share", "float", "", "share of the fragments that never ask for the lock: discarded by early z, or "

@@ -12,6 +12,7 @@ from typing import Any
 from ..errors import StoreError, UsageError, nearest
 from . import columns
 from .files import make_folder, unwritable, write_file
+from .manifest import sound
 from .pack import Pack, remove, write_pack
 from .record import KEY_FILE, SCHEMA, Cell, decoded, fault, is_cell_file, parsed, plain, read, schema_of, text
 
@@ -253,7 +254,10 @@ class ResultFolder:
                 and isinstance(manifest.get("cells", []), list)):
             self.skip(path, f"not a manifest of schema {SCHEMA}")
             return {}
-        return manifest
+        kept, wrong = sound(manifest)
+        for where in wrong:
+            self.skip(path, f"{where}: not of its type")
+        return kept
 
     def refuse_newer(self) -> None:
         """Raise StoreError where a newer program wrote the manifest or a cell, before anything is measured."""

@@ -15,6 +15,7 @@ from .columns import Column
 from .status import STATUSES
 
 SCHEMA = 1  # docs/results.md has the history of the format
+LARGEST = 1e18  # of a number in a cell or a manifest; what is larger overflows in sums and squares
 KEY_DIGITS = 20  # 80 bits: two of a billion cells share a key with a chance below 1e-6
 
 Cell = dict[str, Any]
@@ -24,6 +25,7 @@ REQUIRED: Mapping[str, type | tuple[type, ...]] = {
     "point": dict, "status": str, "values": dict,
 }
 TYPES: Mapping[str, tuple[type, ...]] = {"str": (str,), "int": (int,), "float": (int, float), "bool": (bool,)}
+AMOUNTS = ("ms", "bytes", "pixels", "fragments", "frames")  # units of what is never negative
 ARRAY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.npz")
 FIRST_MEMBER = re.compile(rb'\{\s*"schema": (\d{1,9}),')  # as `text` writes it
 KEY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.json")
@@ -90,13 +92,24 @@ def schema_of(content: bytes) -> int | None:
     return schema if isinstance(schema, int) else None
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+def flat(value: Any) -> bool:
+    """Whether it is null, a text, a truth value, a number, or a list of such."""
+    members = value if isinstance(value, list) else [value]
+    return all(v is None or isinstance(v, (str, bool)) or is_number(v) for v in members)
+
+
+def is_number(value: Any) -> bool:
+    """Whether it is a number that a measurement can give."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= LARGEST
 
 
 def is_samples(value: Any) -> bool:
-    """Whether it is a list of finite numbers."""
-    return isinstance(value, list) and all(map(_is_number, value))
+    """Whether it is a list of times or counts."""
+    return _is_numbers(value) and all(v >= 0 for v in value)
+
+
+def _is_numbers(value: Any) -> bool:
+    return isinstance(value, list) and all(map(is_number, value))
 
 
 def _fits(column: Column, value: Any) -> bool:
@@ -104,7 +117,8 @@ def _fits(column: Column, value: Any) -> bool:
         return True
     if isinstance(value, bool):
         return column.type == "bool"
-    return isinstance(value, TYPES[column.type]) and (column.type == "str" or _is_number(value))
+    return isinstance(value, TYPES[column.type]) and (
+        column.type == "str" or (is_number(value) and (column.unit not in AMOUNTS or value >= 0)))
 
 
 def fault(cell: Any) -> str | None:
@@ -117,12 +131,31 @@ def fault(cell: Any) -> str | None:
     if cell["status"] not in STATUSES:
         return f"status: {cell['status']!r} unknown"
     size = cell["scene"].get("size")
-    if not (isinstance(size, list) and len(size) == 2 and all(map(_is_number, size))):
+    if not (isinstance(size, list) and len(size) == 2 and all(map(is_number, size))):
         return "scene.size: not two numbers"
-    wrong = [name for name, column in columns.VALUES.items() if not _fits(column, cell["values"].get(name))]
-    if wrong:
-        return f"values.{wrong[0]}: not of type {columns.VALUES[wrong[0]].type}"
-    return _wrong_lists(cell)
+    return _wrong_values(cell) or _wrong_parts(cell) or _wrong_lists(cell)
+
+
+def _wrong_values(cell: Cell) -> str | None:
+    """What keeps a cell's values from being those of their columns, or None."""
+    wrong = [column for name, column in columns.VALUES.items() if not _fits(column, cell["values"].get(name))]
+    return f"values.{wrong[0].name}: not of type {wrong[0].type}, or negative" if wrong else None
+
+
+def _wrong_parts(cell: Cell) -> str | None:
+    """What keeps a cell's parameters, place and other parts from being such, or None."""
+    params, point = cell["params"], cell["point"]
+    wrong = [f"params.{name}" for name, value in params.items()
+             if not isinstance(value, (str, bool)) and not is_number(value)]
+    wrong += [f"point.{name}" for name, value in point.items() if not flat(value)]
+    wrong += [f"measure.{name}" for name, value in cell["measure"].items() if not flat(value)]
+    wrong += [name for name in ("reason", "glsl_hash", "measured") if not isinstance(cell.get(name), (str, type(None)))]
+    wrong += [name for name in ("buffers", "work") if not isinstance(cell.get(name), (dict, type(None)))]
+    device = cell.get("device")
+    if not (device is None or isinstance(device, str)
+            or (isinstance(device, dict) and all(isinstance(v, (str, type(None))) for v in device.values()))):
+        wrong.append("device")
+    return f"{wrong[0]}: missing or of the wrong type" if wrong else None
 
 
 def _wrong_lists(cell: Cell) -> str | None:
@@ -132,7 +165,7 @@ def _wrong_lists(cell: Cell) -> str | None:
     passes, frames = cell.get("passes") or {}, cell.get("frames") or []
     if not (isinstance(passes, dict) and all(map(is_samples, passes.values()))):
         return "passes: not lists of numbers"
-    if not (isinstance(frames, list) and all(isinstance(f, dict) and is_samples(f.get("histogram")) for f in frames)):
+    if not (isinstance(frames, list) and all(isinstance(f, dict) and _is_numbers(f.get("histogram")) for f in frames)):
         return "frames: not a list of records with a histogram"
     return None
 

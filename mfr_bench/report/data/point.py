@@ -129,7 +129,8 @@ class Point:
             return None if value is None else value / MIB
         if name == "words_per_pixel":
             value = self.row["memory_bytes"]
-            return None if value is None else value / 4 / (self.row["width"] * self.row["height"])
+            pixels = self.row["width"] * self.row["height"]
+            return None if value is None or not pixels else value / 4 / pixels
         if name == "culled_of_unkept":
             return self._culled_of_unkept()
         if name == "share":
@@ -177,4 +178,7 @@ def is_floor(point: Point) -> bool:
 
 
 def _hashable(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
+    """A JSON value with tuples for lists, and for mappings the tuple of their members."""
+    if isinstance(value, dict):
+        return tuple((name, _hashable(member)) for name, member in value.items())
+    return tuple(map(_hashable, value)) if isinstance(value, list) else value

@@ -12,23 +12,10 @@ from .point import Point
 from .result import Result
 from .words import bare
 
-MANIFEST_TYPES = {"figures": list, "source": dict, "sweep": dict, "zip": dict, "device": (dict, str),
-                  "noise_floor_rel": (int, float)}
-
-
-def _sound(folder: ResultFolder) -> dict[str, Any]:
-    """The manifest without what is not of its type, as another program may have left it; that is named."""
-    manifest = folder.manifest()
-    wrong = [name for name, kind in MANIFEST_TYPES.items()
-             if manifest.get(name) is not None and not isinstance(manifest[name], kind)]
-    for name in wrong:
-        folder.skip(folder.path / "manifest.json", f"{name}: not of its type")
-    return {name: value for name, value in manifest.items() if name not in wrong}
-
 
 def load(folder: ResultFolder) -> Result:
     """The folder's points in plan order; of several records of one point the planned one."""
-    manifest = _sound(folder)
+    manifest = folder.manifest()
     cells = _current(folder.cells())
     floors, labels = Floors(cells), _labels(cells)
     parameters = frozenset(name for cell in cells for name in cell["params"])
