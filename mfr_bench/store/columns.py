@@ -100,8 +100,8 @@ COLUMNS = (
     Column("repeats", "int", "frames", "frames within one sample, which is their mean: short frames need several"),
     Column("sessions", "int", "", "processes that took the samples: more than 1 where a run was resumed",
            producer="run.ledger"),
-    Column("lost_fragments", "int", "fragments", "fragments that the method counted as dropped in a frame: the most of the "
-           "frames that are checked, or the mean of those between them where it is more", drawn="measure"),
+    Column("lost_fragments", "int", "fragments", "fragments that the method counted as dropped in a frame: the "
+           "first, or the mean of those after it where that is more", drawn="measure"),
     Column("discarded_share", "float", "", "share of the fragments discarded before the store (occupancy)",
            drawn="measure"),
     Column("culled_share", "float", "", "share of the fragments that never ask for the lock: discarded by early z, or "

@@ -96,6 +96,17 @@ def test_a_depth_off_the_grid_counts_as_lost(device, method, depth):
 
 
 @METHODS
+def test_what_a_frame_loses_does_not_add_up_over_frames(device, method):
+    scene = stack([2**-25])
+    with drawn(device, method, scene, atomic64="emulated") as frame:
+        frame.lost_fragments()
+        for _ in range(3):
+            frame.draw()
+        assert frame.lost_in_a_frame() == scene.viewport[0] * scene.viewport[1]
+        assert frame.lost_in_a_frame() == 0
+
+
+@METHODS
 def test_both_ends_of_the_depth_range_are_on_the_grid(device, method):
     colours = [(200, 10, 30, 120), (10, 200, 30, 90), (90, 90, 250, 60)]
     with drawn(device, method, stack([1.0, 0.0, 1 - 2**-23], colours), atomic64="emulated") as frame:

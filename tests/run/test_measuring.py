@@ -175,7 +175,7 @@ def test_a_cell_that_fails_costs_itself_alone(run, monkeypatch, error, when):
     real = getattr(Frame, name)
 
     def failing(self, *arguments):
-        variant = arguments[1] if when == "allocating" else self.variant
+        variant = arguments[1].variant if when == "allocating" else self.variant
         self.drawn = getattr(self, "drawn", 0) + 1
         if variant.method.id == "ab-array" and (when == "allocating" or self.drawn > 3):
             raise error
@@ -233,7 +233,7 @@ def test_an_image_that_goes_wrong_while_it_is_timed_is_wrong(run, monkeypatch):
 
 def test_a_fragment_lost_in_any_frame_is_wrong(run, monkeypatch):
     losses = iter([0, 3])
-    monkeypatch.setattr(Frame, "lost_fragments", lambda self: next(losses))
+    monkeypatch.setattr(Frame, "lost_in_a_frame", lambda self: next(losses))
     rows, _ = run([cell()])
     assert (rows["ab-array", None]["status"], rows["ab-array", None]["reason"]) == ("wrong", "3 fragments lost")
     assert rows["ab-array", None]["values"]["lost_fragments"] == 3
