@@ -16,6 +16,14 @@ def _results(folders: tuple[str, ...]):
     return [ResultFolder(path) for path in find_results(folders)]
 
 
+def _announce(results) -> None:
+    """Name the folders that the command writes into, where there are several."""
+    if len(results) > 1:
+        note(f"writing into {len(results)} folders:")
+        for folder in results:
+            note(f"  {folder.path}")
+
+
 def write_report(folder) -> list[Path]:
     """Everything that is derived from a result folder's cells: CSV, tables, figures."""
     from ..report import write_figures
@@ -38,6 +46,8 @@ def _write_tables(folder) -> list[Path]:
 def plot(folders: tuple[str, ...], together: str | None) -> None:
     """Draw the figures of all results at or below DIR again.
 
+    They go into the folders of the results, which are listed first where there are several.
+
     \b
     Examples: mfr-bench plot results/nvidia-h200/smoke
               mfr-bench plot results --together results/devices
@@ -45,6 +55,8 @@ def plot(folders: tuple[str, ...], together: str | None) -> None:
     from ..report import write_figures, write_together
 
     results = _results(folders)
+    if together is None:
+        _announce(results)
     for folder in results if together is None else ():
         for path in write_figures(folder, processes=2):
             say(path)
@@ -64,7 +76,8 @@ def plot(folders: tuple[str, ...], together: str | None) -> None:
 def table(folders: tuple[str, ...]) -> None:
     """Print the tables of all results at or below DIR.
 
-    Writes them again, too, with results.csv and passes.csv.
+    Writes them again, too, with results.csv and passes.csv, into the folders of the results, which are listed first
+    where there are several.
 
     \b
     Example: mfr-bench table results | less
@@ -72,6 +85,7 @@ def table(folders: tuple[str, ...]) -> None:
     from ..report import terminal_table
 
     results = _results(folders)
+    _announce(results)
     say("\n".join(terminal_table(folder, width()) for folder in results).rstrip("\n"))
     for folder in results:  # after all are shown: a folder may be there only to be read
         _write_tables(folder)

@@ -205,6 +205,7 @@ def manifest(experiment, todo, ready) -> dict[str, Any]:
         "config": experiment.path.name, "scene": experiment.scene.as_dict(), "params": dict(experiment.params),
         "sweep": {name: list(values) for name, values in experiment.sweep.items()},
         "zip": {name: list(values) for name, values in experiment.zip.items()},
+        "methods": [{"id": m.id, "label": m.label, "params": dict(m.params)} for m in experiment.methods],
         "measure": experiment.measure.as_dict(), "figures": [f.as_dict() for f in experiment.figures],
         "cells": list(dict.fromkeys(job.key for job in todo)), "device": dict(ready.device),
         "timer": ready.timer, "calibration": dict(ready.calibration),

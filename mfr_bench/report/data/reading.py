@@ -8,21 +8,24 @@ from dataclasses import replace
 from typing import Any
 
 from ...store import Cell, Floors, ResultFolder, device_name, result_rows
+from .belonging import Config
 from .point import Point
 from .result import Result
 from .words import bare
 
 
 def load(folder: ResultFolder) -> Result:
-    """The folder's points in plan order; of several records of one point the planned one."""
+    """The points that the folder's config has in plan order; of several records of one point the planned one."""
     manifest = folder.manifest()
-    cells = _current(folder.cells())
+    found, config = folder.cells(), Config(manifest)
+    kept = [cell for cell in found if config.has(cell)]
+    cells = _current(kept)
     floors, labels = Floors(cells), _labels(cells)
     parameters = frozenset(name for cell in cells for name in cell["params"])
     noise = manifest.get("noise_floor_rel") or 0.0
     points = tuple(Point(cell, row, label, floors.of(cell), parameters, folder=folder, noise=noise)
                    for cell, row, label in zip(cells, result_rows(cells), labels, strict=True))
-    return Result(folder, manifest, points)
+    return Result(folder, manifest, points, len(found) - len(kept))
 
 
 def join(results: Sequence[Result]) -> Result:

@@ -19,6 +19,7 @@ class Result:
     folder: ResultFolder
     manifest: Mapping[str, Any]
     points: tuple[Point, ...]
+    left_out: int = 0  # rows of the folder that its config does not have
 
     @property
     def name(self) -> str:
@@ -62,11 +63,17 @@ class Result:
 
     @property
     def lacking(self) -> str:
-        """One line on what is not here: planned cells without a record, files that could not be used."""
+        """One line on what is not here: planned cells without a record, rows of no config, files not used."""
         files = len(self.folder.damaged)
-        parts = [f"{self.unmeasured} planned cells have no record" if self.unmeasured else "",
+        parts = [f"{self.unmeasured} planned cells have no record" if self.unmeasured else "", self.foreign,
                  f"{files} {'file' if files == 1 else 'files'} could not be used" if files else ""]
         return "; ".join(part for part in parts if part)
+
+    @property
+    def foreign(self) -> str:
+        """One line on rows that stand in the folder and not in its config; they are in results.csv alone."""
+        rows = "1 row" if self.left_out == 1 else f"{self.left_out} rows"
+        return f"{rows} of the folder left out, which its config does not have" if self.left_out else ""
 
     @property
     def labels(self) -> list[str]:

@@ -23,8 +23,9 @@ def _skipped(result: Result) -> list[str]:
             groups.setdefault((p.label, p.sign, p.cell.get("reason") or ""), []).append(p)
     lines = [f"{label}{_places(result, label, points)}: {sign}{f': {reason}' if reason else ''}"
              for (label, sign, reason), points in groups.items()]
-    missing = result.unmeasured
-    return [*lines, f"{missing} planned cells have no record yet; run the same command again"] if missing else lines
+    if result.unmeasured:
+        lines.append(f"{result.unmeasured} planned cells have no record yet; run the same command again")
+    return [*lines, result.foreign] if result.foreign else lines
 
 
 def _places(result: Result, label: str, points: Sequence[Point]) -> str:
