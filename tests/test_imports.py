@@ -20,7 +20,7 @@ LAYERS = (
     "errors", "resources", "hashing", "stats", "environment", "store.status", "store.columns",
     "methods.spec", "methods.shared", "methods", "store", "report", "config", "report.experiments",
     "plan", "report.settings", "scene", "oracle", "glsl", "race", "gpu", "measure",
-    "claims", "compare", "page", "run", "cli", "__main__",
+    "claims", "compare", "page", "decide", "run", "cli", "__main__",
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "methods", "config", "plan", "scene", "oracle",
               "glsl", "race", "store", "report", "claims", "compare", "page")

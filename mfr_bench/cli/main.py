@@ -12,6 +12,7 @@ from . import (
     advise_command,
     claims_command,
     compare_command,
+    decide_command,
     device_commands,
     pack_commands,
     page_command,
@@ -43,7 +44,7 @@ Shell completion (or zsh_source, fish_source):
 
 
 SECTIONS = {
-    "Measure": (run_command.run, stress_command.stress),
+    "Measure": (run_command.run, decide_command.decide, stress_command.stress),
     "Read what was measured": (report_commands.table, report_commands.plot, advise_command.advise,
                                compare_command.compare, claims_command.claims, report_commands.conformance,
                                page_command.report, pack_commands.pack, pack_commands.unpack),

@@ -138,6 +138,10 @@ class Measure(_Plain):
     120 s and ten time limits. memory_budget_mb: of what a method allocates, known beforehand. hard_limit_mb: of main
     memory that the process that measures takes, which is then ended; None means 80 % of what is free when the run
     starts.
+
+    eliminate: the methods of a scene draw in rounds of one frame each, and the clearly slower leave early; their time
+    limits are pooled, as wall time for all of the scene. max_error: largest error of a channel, against the image of
+    all fragments, with which a method takes part; without it a method leaves only to one whose error and memory are no larger than its own.
     """
 
     __pydantic_config__: ClassVar[dict] = STRICT
@@ -152,6 +156,13 @@ class Measure(_Plain):
     keep: Annotated[tuple[Literal[KEPT], ...], Allowed(f"a list of {', '.join(KEPT)}")] = ()
     hard_limit_s: Seconds | None = None
     hard_limit_mb: Mebibytes | None = None
+    eliminate: bool = False
+    max_error: Unit | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """The fields; keys of elimination are left out at their defaults, so that older records stay valid."""
+        return {name: value for name, value in super().as_dict().items()
+                if name not in ("eliminate", "max_error") or value}
 
     @property
     def longest_s(self) -> float:

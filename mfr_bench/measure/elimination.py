@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from statistics import median
@@ -62,15 +62,20 @@ def evidence(hits: int, rounds: int, share: float) -> float:
 
 
 class Elimination:
-    """Rounds of frame times, and who is left of the methods."""
+    """Rounds of frame times, and who is left of the methods.
 
-    def __init__(self, methods: Sequence[str], chance: float = CHANCE, indifference: float = INDIFFERENCE):
+    may_drop: whether a method that is faster, the first, may make one that is slower leave, the second.
+    """
+
+    def __init__(self, methods: Sequence[str], may_drop: Callable[[str, str], bool] = lambda faster, slower: True,
+                 chance: float = CHANCE, indifference: float = INDIFFERENCE):
         if len(set(methods)) < len(methods) or not methods:
             raise ValueError("methods: allowed: one or more, each once")
         self.left = list(methods)
         self.rounds: list[dict[str, float]] = []
         self.dropped: list[Dropped] = []
         self.indifference = indifference
+        self._may_drop = may_drop
         self._limit = math.log(len(HYPOTHESES) * max(1, len(methods) - 1) / chance)
         self._hits: dict[tuple[str, str, float], int] = {}
 
@@ -87,12 +92,16 @@ class Elimination:
                         self._hits[key] = self._hits.get(key, 0) + 1
         return self._leaving()
 
+    def remove(self, method: str) -> None:
+        """Take out a method that can draw no more."""
+        self.left.remove(method)
+
     def _leaving(self) -> list[Dropped]:
-        leader, leaving = self.leader, []
+        leaving = []
         for method in self.left:
-            beaten = next((other for other in (leader, *self.left) if other != method and self._slower(method, other)),
-                          None)
-            if beaten and method != leader:
+            beaten = next((other for other in (self.leader, *self.left) if other != method
+                           and self._may_drop(other, method) and self._slower(method, other)), None)
+            if beaten:
                 leaving.append(Dropped(method, len(self.rounds), beaten, self.ratio(method, beaten)))
         self.left = [method for method in self.left if method not in {gone.method for gone in leaving}]
         self.dropped += leaving
@@ -120,14 +129,15 @@ class Elimination:
         """Whether more rounds change nothing that matters: one method is left, or all that are left are as good.
 
         These are as good where the order-statistic interval of the ratio of each to the leader (99 %) ends below
-        1 + `indifference`.
+        1 + `indifference`. A method that the leader may not drop does not keep it undecided.
         """
         if len(self.left) == 1:
             return True
         if len(self.rounds) < LEAST_ROUNDS:
             return False
         leader = self.leader
-        ratios = [[times[method] / times[leader] for times in self.rounds] for method in self.left if method != leader]
+        ratios = [[times[method] / times[leader] for times in self.rounds] for method in self.left
+                  if method != leader and self._may_drop(leader, method)]
         highs = (median_interval(each, EQUAL_CONFIDENCE)[2] for each in ratios)
         return all(high is not None and high <= 1 + self.indifference for high in highs)
 

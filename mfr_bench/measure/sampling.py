@@ -97,6 +97,12 @@ class Sampler:
         while not self.stop_reason and len(self.samples_ms) >= self._goal:
             self._next_batch()
 
+    def take(self, time_ms: float) -> None:
+        """Take one frame's time of a round, whose end another decides."""
+        self.warm = True
+        self.spent_s += time_ms / 1e3
+        self.samples_ms.append(time_ms)
+
     def interrupt(self) -> bool:
         """Stop here. Whether there are samples enough to keep."""
         self.stop_reason = self.stop_reason or "interrupted"

@@ -56,6 +56,7 @@ class CellWork:
         self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
         self.done = False  # its row is told
         self.repeats = 1  # frames in a sample
+        self.pass_frames = PASS_FRAMES  # frames whose passes are timed
         self._told = len(self.sampler.samples_ms)  # samples that are no news
         self.frame = self._drawn()
         try:
@@ -82,6 +83,11 @@ class CellWork:
         """Whether the method promises an image."""
         return self.variant.method.guarantee != "none"
 
+    @property
+    def memory_bytes(self) -> int:
+        """Bytes of all objects that the method has allocated."""
+        return sum(self.frame.memory_bytes.values())
+
     def _begin(self, phase: str) -> None:
         self.bench.emit(Begun(self.job.key, phase))
 
@@ -107,7 +113,7 @@ class CellWork:
         with self.bench.split.work("check"):
             image = self.frame.image()
             self.conformance = self._conformance(image)
-            self.quality = self.scene.quality(image) if self.checked else {}
+            self.quality = self.scene.quality(image, not self.job.cell.measure.eliminate) if self.checked else {}
             self.lost = self.frame.lost_in_a_frame()
 
     def _conformance(self, image) -> dict[str, float | int]:
@@ -122,6 +128,28 @@ class CellWork:
             with self.bench.split.work("measure" if sampler.warm else "warm-up"):
                 sampler.add(self._sample(sampler.warm))
         self._tell(self._time_passes(1) if sampler.warm else {})
+
+    def warm_up(self, frames: int) -> None:
+        """Draw frames that count for nothing."""
+        self._begin("sampling")
+        for _ in range(frames):
+            self.bench.stop_if_asked()
+            with self.bench.split.work("warm-up"):
+                self.sampler.warmup_ms.append(self._sample(warm=False))
+
+    def round(self) -> float:
+        """The time of one frame, in ms, taken as a sample."""
+        self._begin("sampling")
+        self.bench.stop_if_asked()
+        self.frame.show(self.scene.show(len(self.sampler.samples_ms)))
+        with self.bench.split.work("measure"):
+            time_ms = self._sample(warm=True)
+        self.sampler.take(time_ms)
+        return time_ms
+
+    def tell(self) -> None:
+        """Say what was sampled since the last time."""
+        self._tell({})
 
     def _sample(self, warm: bool) -> float:
         """The time of a frame, in ms. The warm-up shows how many the clock needs in a sample."""
@@ -143,7 +171,7 @@ class CellWork:
         done = len(next(iter(self.passes.values()), ()))
         new: dict[str, tuple[float, ...]] = {}
         with self.bench.split.work("passes"):
-            for _ in range(min(frames, PASS_FRAMES - done)):
+            for _ in range(min(frames, self.pass_frames - done)):
                 if self.passes_s > limit_s:
                     break
                 self.frame.show(self.scene.show(len(self.sampler.samples_ms)))
@@ -157,7 +185,7 @@ class CellWork:
     def finish(self) -> Finished:
         """Time the passes, check the image once more: the row."""
         self._begin("passes")
-        self._time_passes(PASS_FRAMES)
+        self._time_passes(self.pass_frames)
         self._begin("last check")
         with self.bench.split.work("check"):
             self._check_again()
@@ -168,7 +196,7 @@ class CellWork:
         values = scene_values(self.fitted) | self.conformance | self.quality | {
             "samples": len(sampler.samples_ms), "timer": self.bench.timer.name, "time_ms": middle, "time_ms_low": low,
             "time_ms_high": high, "noisy": sampler.noisy, "stop_reason": sampler.stop_reason,
-            "repeats": self.repeats, "memory_bytes": sum(frame.memory_bytes.values()),
+            "repeats": self.repeats, "memory_bytes": self.memory_bytes,
             "lost_fragments": self.lost, "geometry_passes": frame.geometry_passes,
             "distinct_images": distinct, "error_bound": self.fitted.error_bound(), **self._shares(),
         }

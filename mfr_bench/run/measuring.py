@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import random
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
@@ -11,12 +13,26 @@ from ..methods.spec import Fitted, Method, SceneStats
 from ..plan import judge
 from ..store.journal import Partial
 from .cell import Bench, CellWork, failure, scene_values
+from .eliminating import Race
 from .events import Begun, Finished, Group, Share, Synced
 from .jobs import Job
 from .scene_work import SceneWork
 
 LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
+PREPARING_SHARE = 0.6  # of the pooled time of an elimination, at most, to prepare cells
+LATE = "the pooled time of the elimination left none to prepare it; a longer measure.time_limit_s does"
 LIVE_SHARE = 0.5  # of the memory that the process may take, at most, for the same
+
+
+def _deadlines(jobs: Sequence[Job]) -> tuple[float, float]:
+    """When, on the monotonic clock, the cells of a scene must be prepared, and when the rounds of an elimination end.
+
+    The time limits of the cells are pooled. Without elimination there is no such deadline.
+    """
+    pooled_s = sum(job.cell.measure.time_limit_s for job in jobs)
+    if not (jobs and jobs[0].cell.measure.eliminate):
+        return math.inf, math.inf
+    return time.monotonic() + PREPARING_SHARE * pooled_s, time.monotonic() + pooled_s
 
 
 class DeviceLost(Exception):  # noqa: N818 - what happened, not what is wrong with a call
@@ -36,6 +52,7 @@ class Measuring:
     def group(self, group: Group) -> None:
         """Measure the cells of one scene. Raises DeviceLost, once the cell that it cost is told."""
         self._partials, self._twins = group.partials, list(group.twins)
+        self._prepared_by, self._deadline = _deadlines(group.jobs)
         self._live_bytes = min(LIVE_BYTES, LIVE_SHARE * group.most_bytes)
         self.bench.emit(Begun(None, "scene"))
         try:
@@ -99,6 +116,9 @@ class Measuring:
         """Compile, allocate, draw once and check the image; a cell that fails ends as its row."""
         self.bench.stop_if_asked()
         fitted = self._fitted(job, scene.stats)
+        if time.monotonic() > self._prepared_by:
+            self._tell(Finished(job.key, "timeout", LATE, values=scene_values(fitted)))
+            return
         try:
             running.append(CellWork(self.bench, scene, job, fitted, self._partials.get(job.key, Partial())))
         except Exception as error:  # noqa: BLE001 - whatever it is, it is this cell's result
@@ -106,18 +126,25 @@ class Measuring:
 
     def _sample(self, running: list[CellWork]) -> None:
         """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done."""
+        if running and running[0].job.cell.measure.eliminate:
+            race = Race(running, self._guarded, self._shuffle, lambda: self._news(running), self._deadline)
+            race.run(self._finish)
+            running = race.apart
         self._plant_twin(running)
         entries = [(cell, s) for cell in running for s in cell.samplers]
         while entries:
             self._shuffle(entries)
             for cell, sampler in entries:
                 self._guarded(cell, partial(self._batch, sampler=sampler))
-            self.bench.emit(Synced())
+            self._news(running)
             for cell in running:
                 if not cell.wanted:
                     self._guarded(cell, self._finish)
-            self.bench.emit(Share(sum(cell.share for cell in running)))
             entries = [(cell, s) for cell, s in entries if s.wanted and not cell.done]
+
+    def _news(self, running: list[CellWork]) -> None:
+        self.bench.emit(Synced())
+        self.bench.emit(Share(sum(cell.share for cell in running)))
 
     def _plant_twin(self, running: list[CellWork]) -> None:
         """One cell of an experiment is sampled twice: the difference is the noise floor."""

@@ -87,11 +87,11 @@ class SceneWork:
         tied = self.truth.tied
         return image if tied is None else np.where(tied[..., None], np.float32(0), image)
 
-    def quality(self, image: np.ndarray) -> dict[str, float | None]:
+    def quality(self, image: np.ndarray, with_flip: bool = True) -> dict[str, float | None]:
         """Errors against all fragments; equal images, as exact methods give them, are compared once."""
         which = id(self.scene_buffer.scene), hashlib.sha256(image).digest()
         if which not in self._qualities:
-            self._qualities[which] = quality.quality(image, self.oracle(ALL))
+            self._qualities[which] = quality.quality(image, self.oracle(ALL), with_flip)
         return self._qualities[which]
 
     def release(self) -> None:

@@ -1,0 +1,140 @@
+"""`decide`: from a question to a method: the candidates race on the question's scene, and the slower leave early."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+import time
+from pathlib import Path
+
+import click
+
+from .options import DEVICE, JSON, OutPath
+from .output import note, say, width
+
+NOTHING = 6  # exit status: no method keeps the bounds
+
+
+@click.command()
+@click.option("--size", metavar="WxH", help="Viewport in pixels, such as 1280x720.")
+@click.option("--layers", type=click.IntRange(1, 4096), help="Most fragments of any pixel.")
+@click.option("--covered", type=click.FloatRange(0, 1, min_open=True), default=1.0, show_default=True,
+              help="Share of the pixels with fragments.")
+@click.option("--config", metavar="CONFIG", help="Take the scene of this config's first cell instead.")
+@click.option("--memory-mb", type=click.FloatRange(0, 2**24, min_open=True), help="Most memory of the method, in MiB.")
+@click.option("--max-error", metavar="E", default="0", show_default=True,
+              help="Largest error of a channel, such as 0.01 or 1/255; 0: exact images only.")
+@click.option("--time-budget", metavar="T", default="2m", show_default=True, help="Time for the whole answer: 90s, 2m.")
+@click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
+              help="Where results go. [default: results/<device>/decide-<hash>]")
+@DEVICE
+@JSON
+def decide(size: str | None, layers: int | None, covered: float, config: str | None, memory_mb: float | None,
+           max_error: str, time_budget: str, out: str | None, device: str, as_json: bool) -> int:
+    """Name the fastest method that keeps an error and a memory, and say how sure that is.
+
+    Methods that cannot keep the bounds are excluded by what they declare. The others draw frames in turns; the clearly
+    slower leave early, and the time goes to those that are close. What was measured on this device before is used.
+    Exit status 6: nothing keeps the bounds.
+
+    \b
+    Examples:
+      mfr-bench decide --size 1280x720 --layers 24 --covered 0.3 --memory-mb 64 --max-error 1/255
+      mfr-bench decide --config smoke --time-budget 1m --json
+    """
+    from ..decide.question import parsed_duration
+
+    deadline = time.monotonic() + parsed_duration(time_budget)
+    question, scene = _asked(size, layers, covered, config, memory_mb, max_error)
+    answer = _raced(question, scene, deadline, out, device)
+    say(json.dumps(answer.record(), indent=2, ensure_ascii=False) if as_json else answer.text(width()))
+    return 0 if answer.best else NOTHING
+
+
+def _asked(size: str | None, layers: int | None, covered: float, config: str | None, memory_mb: float | None,
+           max_error: str):
+    """The question, and the scene as a config has it. Raises UsageError where the options say no scene or two."""
+    from ..decide.experiment import scene_of
+    from ..decide.question import EXACT_ERROR, Question, parsed_error, parsed_size
+    from ..errors import UsageError
+
+    error = max(parsed_error(max_error), EXACT_ERROR)
+    if config is None:
+        if size is None or layers is None:
+            raise UsageError("decide: no scene; allowed: --size with --layers, or --config; "
+                             "mfr-bench decide --help has examples")
+        question = Question(parsed_size(size), layers, covered, memory_mb, error)
+        return question, scene_of(question)
+    if size is not None or layers is not None:
+        raise UsageError("decide: --config with --size or --layers; allowed: one way to give the scene")
+    return _of_config(config, memory_mb, error)
+
+
+def _of_config(config: str, memory_mb: float | None, error: float):
+    from ..decide.question import Question
+    from ..methods import catalog
+    from ..plan import expand, expected_stats
+    from .options import first_experiment
+
+    cell = expand(first_experiment(config, None, ()), catalog())[0]
+    stats = expected_stats(cell.scene)
+    covered = sum(stats.histogram[1:]) / stats.P
+    return Question(tuple(cell.scene.size), stats.n, covered, memory_mb, error), cell.scene.as_dict()
+
+
+def _raced(question, scene, deadline: float, out: str | None, device: str):
+    """Let the candidates race within the time that is left, and read the rows."""
+    import yaml
+
+    from ..decide.answer import answers
+    from ..decide.candidates import within_time
+    from ..decide.experiment import config_of
+    from ..report.data import load
+    from ..store.files import write_file
+
+    left_s = deadline - time.monotonic()
+    found, excluded = within_time(*_candidates(question, scene), left_s)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "decide.yaml")
+        made = config_of(question, scene, found, left_s)
+        path.write_text(yaml.safe_dump(made, sort_keys=False, allow_unicode=True), encoding="utf-8")
+        results = _measured(path, device, out)
+        kept = results.path / path.name
+        write_file(kept, path.read_bytes())
+    return answers(question, load(results), excluded, str(kept))
+
+
+def _candidates(question, scene):
+    from ..config.model import Scene
+    from ..decide.candidates import candidates
+    from ..decide.model import enough_layers
+    from ..methods import catalog
+    from ..scene import generate
+
+    enough = None
+    if not question.exact and scene["kind"] == "quads" and not scene.get("slant"):
+        enough = enough_layers(generate(Scene(**{k: tuple(v) if isinstance(v, list) else v for k, v in scene.items()})),
+                               question.max_error)
+        note(f"the nearest {enough} layers keep the error")
+    return candidates(catalog(), question, enough)
+
+
+def _measured(config: Path, device: str, out: str | None):
+    """The result folder of the config, measured where it lacks something; nothing is printed on stdout."""
+    from ..run.supervisor import Supervisor
+    from .interruption import Interruption
+    from .run_command import plans_of
+    from .session import Choices, Session
+
+    class Silent(Session):
+        """A session that writes its results and prints none."""
+
+        def _tell(self, part) -> None:
+            self._report(part)
+            self.folder = part.folder
+
+    started = time.perf_counter()
+    with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor:
+        session = Silent(supervisor, interruption.asked, Choices(out, False, False, False), started)
+        session.run(plans_of([str(config)], None, None, ()))
+    return session.folder

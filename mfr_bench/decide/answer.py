@@ -1,0 +1,158 @@
+"""The answer from the rows of a race: the method, how sure that is, who comes close, who was excluded and why."""
+
+from __future__ import annotations
+
+import shlex
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from ..measure.elimination import CHANCE, Elimination
+from ..report import data
+from ..report.data import Point, Result
+from .candidates import Excluded
+from .question import Question
+
+CLOSE = 1.05  # times the winner's time, up to which others are named
+MOST_SHOWN = 8  # lines of a list in the text form
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the race says. `config`: the file of its config, for the command that measures the winner in full."""
+
+    question: Question
+    result: Result
+    excluded: tuple[Excluded, ...]
+    config: str
+
+    @cached_property
+    def finalists(self) -> list[Point]:
+        """The cells that keep the bounds and were not eliminated, the fastest first."""
+        return sorted((p for p in self._racing if not _left_early(p)), key=lambda p: p.row["time_ms"])
+
+    @cached_property
+    def _racing(self) -> list[Point]:
+        column = "max_error_all"
+        return [p for p in self.result.points
+                if not data.is_floor(p) and p.status == "ok" and p.row["time_ms"] is not None
+                and p.row[column] is not None and p.row[column] <= self.question.max_error
+                and (self.question.memory_mb is None or p.measure("memory_mib")[1] <= self.question.memory_mb)]
+
+    @property
+    def best(self) -> Point | None:
+        """The fastest, or None where nothing keeps the bounds."""
+        return self.finalists[0] if self.finalists else None
+
+    @cached_property
+    def chances(self) -> dict[str, float]:
+        """For each finalist the chance that it is the fastest of all: what dropping the fastest may take is in it."""
+        race = Elimination([p.cell["key"] for p in self.finalists])
+        samples = {p.cell["key"]: p.cell["samples_ms"] for p in self.finalists}
+        for times in zip(*samples.values(), strict=False):
+            race.rounds.append(dict(zip(samples, times, strict=True)))
+        found = race.chances() if race.rounds else {}
+        return {key: (1 - CHANCE) * chance for key, chance in found.items()}
+
+    @property
+    def confidence(self) -> float:
+        """The chance that `best` is the fastest."""
+        return self.chances.get(self.best.cell["key"], 0.0) if self.best else 0.0
+
+    @property
+    def close(self) -> list[tuple[Point, float]]:
+        """The other finalists within 5 % of the fastest, with the ratio of their times."""
+        others = [(p, p.over(self.best)[1]) for p in self.finalists[1:]] if self.best else []
+        return [(p, ratio) for p, ratio in others if ratio is not None and ratio <= CLOSE]
+
+    @property
+    def out(self) -> list[tuple[str, str]]:
+        """Every method that did not win nor come close, with the reason."""
+        kept = {p.cell["key"] for p in self.finalists}
+        rows = [(p.label, _reason(p)) for p in self.result.points if p.cell["key"] not in kept and not data.is_floor(p)]
+        return [*((e.method, e.reason) for e in self.excluded), *rows]
+
+    @property
+    def command(self) -> str:
+        """The command that measures the winner in full."""
+        name = self.best.method if self.best else ""
+        return shlex.join(["mfr-bench", "run", self.config, "--only", name, "--set", "measure.eliminate=false"])
+
+    def record(self) -> dict[str, Any]:
+        """The answer as JSON."""
+        best = self.best
+        if best is None:
+            return {"method": None, "params": None, "time_ms": None, "memory_bytes": None, "max_error": None,
+                    "confidence": 0.0, "close": [], "excluded": [{"method": m, "reason": r} for m, r in self.out]}
+        return {"method": best.method, "params": chosen(best), "time_ms": best.row["time_ms"],
+                "time_ms_low": best.row["time_ms_low"], "time_ms_high": best.row["time_ms_high"],
+                "memory_bytes": best.row["memory_bytes"], "max_error": best.row["max_error_all"],
+                "confidence": round(self.confidence, 4), "device": best.row["device"],
+                "close": [{"method": p.method, "params": chosen(p), "time_ms": p.row["time_ms"], "ratio": ratio}
+                          for p, ratio in self.close],
+                "excluded": [{"method": m, "reason": r} for m, r in self.out], "command": self.command}
+
+    def text(self, width: int) -> str:
+        """The answer for people, at most `width` columns wide."""
+        lines = textwrap.wrap(f"Question: {self.question}.", width)
+        best = self.best
+        if best is None:
+            lines += textwrap.wrap("Nothing keeps these bounds.", width)
+        else:
+            lines += ["", *textwrap.wrap(f"Answer: {written(best)}", width), *self._figures(width)]
+        return "\n".join([*lines, "", *self._others(width)])
+
+    def _figures(self, width: int) -> list[str]:
+        best, row = self.best, self.best.row
+        time = f"{data.number(row['time_ms'])} ms"
+        if row["time_ms_low"] is not None:
+            time += f" ({data.number(row['time_ms_low'])} to {data.number(row['time_ms_high'])})"
+        memory = data.number(best.measure("memory_mib")[1])
+        said = [f"  time {time}, memory {memory} MiB, largest error {row['max_error_all']:.3g}, on {row['device']}",
+                f"  fastest with a chance of {data.percent(self.confidence)}"]
+        said += ["  within 5 %: " + "; ".join(f"{written(p)} ({ratio:.3f} times)" for p, ratio in self.close)
+                 if self.close else "  nothing else is within 5 %", f"  in full: {self.command}"]
+        return [line for text in said for line in textwrap.wrap(text, width, subsequent_indent="    ",
+                                                                break_on_hyphens=False)]
+
+    def _others(self, width: int) -> list[str]:
+        grouped: dict[str, list[str]] = {}
+        for method, reason in self.out:
+            grouped.setdefault(reason, []).append(method)
+        lines = ["Not chosen:"]
+        for reason, methods in grouped.items():
+            names = ", ".join(methods[:MOST_SHOWN]) + (f" and {len(methods) - MOST_SHOWN} more"
+                                                       if len(methods) > MOST_SHOWN else "")
+            lines += textwrap.wrap(f"  {names}: {reason}", width, subsequent_indent="    ", break_on_hyphens=False)
+        return lines if self.out else []
+
+
+def _left_early(point: Point) -> bool:
+    return str(point.row.get("stop_reason") or "").startswith(("eliminated", "error above"))
+
+
+def _reason(point: Point) -> str:
+    if point.status != "ok":
+        return f"{point.sign}: {point.row.get('reason') or ''}".rstrip(": ")
+    return str(point.row.get("stop_reason") or "")
+
+
+def chosen(point: Point) -> dict[str, Any]:
+    """k, and the parameters in which a cell differs from its method's defaults."""
+    from ..methods import catalog
+
+    method = catalog().get(point.method)
+    defaults: Mapping[str, Any] = method.complete({}) if method else {}
+    return {name: value for name, value in point.cell["params"].items() if name == "k" or defaults.get(name) != value}
+
+
+def written(point: Point) -> str:
+    """The method as a command takes it."""
+    return " ".join([point.method, *(f"{name}={data.plain(value)}" for name, value in chosen(point).items())])
+
+
+def answers(question: Question, result: Result, excluded: Sequence[Excluded], config: str) -> Answer:
+    """The answer of a finished race."""
+    return Answer(question, result, tuple(excluded), config)

@@ -1,0 +1,36 @@
+"""The config that lets the candidates race on the question's scene."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from .candidates import Candidate
+from .question import Question
+
+SEED = 1
+RACE_SHARE = 0.85  # of the time left; the rest opens the device and writes the results
+MOST_FRAMES = 1000  # rounds at most
+
+
+def scene_of(question: Question) -> dict[str, Any]:
+    """The scene that stands for the numbers of a question: rectangles of mixed sizes over a centred block."""
+    return {"kind": "quads", "size": list(question.size), "pixel_density": question.covered,
+            "depth_complexity": question.layers, "layout": "mixed", "order": "random", "alpha": [0.1, 0.6],
+            "seed": SEED}
+
+
+def config_of(question: Question, scene: Mapping[str, Any], found: Sequence[Candidate], left_s: float,
+              default_memory_mb: float = 3072.0) -> dict[str, Any]:
+    """A config as YAML has it. left_s: wall time for all of the race."""
+    time_limit_s = RACE_SHARE * left_s / max(1, len(found) + 1)  # the floor is drawn as well
+    measure = {"eliminate": True, "max_error": question.max_error, "min_samples": 6, "max_samples": MOST_FRAMES,
+               "time_limit_s": round(max(0.05, time_limit_s), 3),
+               "memory_budget_mb": question.memory_mb or default_memory_mb}
+    methods = [{"id": each.method, "label": each.label, **each.params} for each in found]
+    identity = repr((sorted(scene.items(), key=str), question.memory_mb, question.max_error))
+    digest = hashlib.sha256(identity.encode()).hexdigest()[:10]
+    return {"name": f"decide-{digest}", "title": f"Decision for {question}", "scene": dict(scene),
+            "methods": methods, "measure": measure,
+            "figures": [{"kind": "bars", "x": "depth_complexity", "y": "time_ms", "log": "y"}]}

@@ -1,0 +1,103 @@
+"""The cells of a scene in rounds of one frame each, in which the clearly slower leave early (measure.eliminate)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+from ..measure.elimination import Dropped, Elimination
+from .cell import CellWork
+
+WARM_UP = 2  # frames before the first round
+NEWS_ROUNDS = 8  # after so many rounds what was sampled is told, so that a killed run loses no more
+
+Step = Callable[[CellWork], None]
+
+
+class Race:
+    """Rounds among the cells that take part; `apart` has the others, which are sampled as usual.
+
+    A cell takes part if it promises an image, and if its error is within measure.max_error where there is one. guarded:
+    runs a step of a cell, whose failure costs that cell alone. news: called when what was told should be kept.
+    deadline: of the rounds, on the monotonic clock.
+    """
+
+    def __init__(self, running: Sequence[CellWork], guarded: Callable[[CellWork, Step], None],
+                 shuffle: Callable[[list], None], news: Callable[[], None], deadline: float):
+        self._guarded, self._shuffle, self._news, self._deadline = guarded, shuffle, news, deadline
+        self._measure = running[0].job.cell.measure
+        self._cells = {cell.job.key: cell for cell in running if cell.checked and not self._too_wrong(cell)}
+        self._wrong = [cell for cell in running if cell.checked and self._too_wrong(cell)]
+        self.apart = [cell for cell in running if not cell.checked]
+
+    def _too_wrong(self, cell: CellWork) -> bool:
+        bound = self._measure.max_error
+        return bound is not None and cell.quality["max_error_all"] > bound
+
+    def _may_drop(self, faster: str, slower: str) -> bool:
+        """With a bound of the error every method that keeps it is as good; without, error and memory count too."""
+        if self._measure.max_error is not None:
+            return True
+        one, other = self._cells[faster], self._cells[slower]
+        return one.quality["rmse"] <= other.quality["rmse"] and one.memory_bytes <= other.memory_bytes
+
+    def run(self, finish: Step) -> None:
+        """Draw rounds until one method is left, all that are left are as good, or time or frames run out."""
+        for cell in self._wrong:
+            self._guarded(cell, lambda c: c.warm_up(1))
+            self._guarded(cell, lambda c: c.round())
+            self._leave(cell, f"error above measure.max_error ({self._measure.max_error:.3g})", finish)
+        if not self._cells:
+            return
+        race = Elimination(list(self._cells), self._may_drop)
+        for cell in self._cells.values():
+            self._guarded(cell, lambda c: c.warm_up(WARM_UP))
+        self._drop_failed(race)
+        reason = self._rounds(race, finish)
+        for key in race.left:
+            self._end(self._cells[key], reason, finish)
+
+    def _rounds(self, race: Elimination, finish: Step) -> str:
+        """Why the rounds ended."""
+        while race.left and not race.decided:
+            if len(race.rounds) >= self._measure.max_samples:
+                return "most samples"
+            if time.monotonic() >= self._deadline:
+                return "time limit"
+            times_ms = self._round(race)
+            self._drop_failed(race)
+            if race.left:
+                for gone in race.add({key: times_ms[key] for key in race.left}):
+                    self._leave(self._cells[gone.method], self._words(gone), finish)
+            if len(race.rounds) % NEWS_ROUNDS == 0:
+                self._tell(race)
+        return "precise"
+
+    def _round(self, race: Elimination) -> dict[str, float]:
+        order, times_ms = list(race.left), {}
+        self._shuffle(order)
+        for key in order:
+            self._guarded(self._cells[key], lambda c, key=key: times_ms.__setitem__(key, c.round()))
+        return times_ms
+
+    def _drop_failed(self, race: Elimination) -> None:
+        for key in [key for key in race.left if self._cells[key].done]:
+            race.remove(key)
+
+    def _tell(self, race: Elimination) -> None:
+        for key in race.left:
+            self._cells[key].tell()
+        self._news()
+
+    def _words(self, gone: Dropped) -> str:
+        winner = self._cells[gone.to].job.cell.label
+        return f"eliminated after {gone.after_round} frames: {gone.ratio:.3g} times the time of {winner}"
+
+    def _leave(self, cell: CellWork, reason: str, finish: Step) -> None:
+        """End a cell early: its passes are not timed."""
+        cell.pass_frames = 0
+        self._end(cell, reason, finish)
+
+    def _end(self, cell: CellWork, reason: str, finish: Step) -> None:
+        cell.sampler.stop_reason = reason
+        self._guarded(cell, finish)

@@ -1,0 +1,60 @@
+"""`mfr-bench decide` on the software driver, small: an answer, with all that was excluded and why."""
+
+import json
+
+import pytest
+
+from ..cli.conftest import here, mfr, on_device  # noqa: F401  fixtures
+
+QUESTION = ("decide", "--size", "24x20", "--layers", "5", "--time-budget", "40s")
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """A catalog of a few methods, so that the race is short."""
+    from mfr_bench import methods
+
+    whole = methods.catalog()
+    chosen = {name: whole[name] for name in ("floor", "ab-array", "peel-f2b", "kplus-array", "wboit", "zbuffer")}
+    monkeypatch.setattr(methods, "catalog", lambda: chosen)
+
+
+def test_an_answer_names_the_fastest_and_why_the_others_are_out(mfr, on_device, few, here):  # noqa: F811
+    ended = mfr(*QUESTION, "--json")
+    assert ended.status == 0
+    answer = json.loads(ended.out)
+    assert {"method", "params", "time_ms", "memory_bytes", "max_error", "confidence"} <= set(answer)
+    assert answer["method"] in ("ab-array", "kplus-array", "peel-f2b")
+    assert answer["max_error"] <= 1e-4 and 0 <= answer["confidence"] <= 1 and answer["time_ms"] > 0
+    reasons = {entry["method"]: entry["reason"] for entry in answer["excluded"]}
+    assert {"wboit", "zbuffer"} <= set(reasons)
+    folder, = (here / "results").glob("*/decide-*")
+    assert (folder / "manifest.json").exists() and (folder / "decide.yaml").exists()
+
+
+def test_a_second_time_nothing_is_measured_again(mfr, on_device, few, here):  # noqa: F811
+    first, second = (json.loads(mfr(*QUESTION, "--out", "d", "--json").out) for _ in range(2))
+    assert first["time_ms"] == second["time_ms"] and first["method"] == second["method"]
+
+
+def test_nothing_keeps_a_memory_of_nothing(mfr, on_device, few):  # noqa: F811
+    ended = mfr(*QUESTION, "--memory-mb", "0.0001", "--json")
+    assert ended.status == 6 and json.loads(ended.out)["method"] is None
+
+
+def test_the_text_form_fits_a_narrow_terminal(mfr, on_device, few, monkeypatch):  # noqa: F811
+    monkeypatch.setenv("COLUMNS", "60")
+    ended = mfr(*QUESTION, "--max-error", "1/255")
+    assert ended.status == 0 and "Answer: " in ended.out and "Not chosen:" in ended.out
+    assert max(map(len, ended.out.splitlines())) <= 60
+
+
+@pytest.mark.parametrize(("arguments", "said"), [
+    ((), "no scene; allowed: --size with --layers, or --config"),
+    (("--config", "smoke", "--size", "8x8", "--layers", "2"), "allowed: one way to give the scene"),
+    (("--size", "8", "--layers", "2"), "--size: '8' is no size; allowed: WIDTHxHEIGHT"),
+    (("--size", "8x8", "--layers", "2", "--time-budget", "soon"), "--time-budget: 'soon' is no duration"),
+])
+def test_a_bad_question_is_one_line(mfr, here, arguments, said):  # noqa: F811
+    ended = mfr("decide", *arguments)
+    assert ended.status == 2 and said in ended.complaint

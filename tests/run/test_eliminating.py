@@ -1,0 +1,52 @@
+"""Elimination within a run: the slow leave early, rows say so, and one that fails costs itself alone."""
+
+import pytest
+
+from mfr_bench.methods import catalog
+from mfr_bench.report import data
+from mfr_bench.store import ResultFolder
+
+from ..cli.conftest import here, mfr, on_device  # noqa: F401  fixtures
+
+CONFIG = """\
+name: race
+scene: {size: [40, 32], depth_complexity: 24}
+methods: [ab-array, peel-f2b, wboit, {id: kplus-array, k: 24}]
+measure: {eliminate: true, max_samples: 40, time_limit_s: 5, min_samples: 6%s}
+"""
+
+
+@pytest.fixture
+def raced(mfr, on_device, here):  # noqa: F811
+    def run(more="", status=0):
+        (here / "race.yaml").write_text(CONFIG % more)
+        ended = mfr("run", "race.yaml", "--out", "out")
+        assert ended.status == status, ended.err
+        return {p.method: p for p in data.load(ResultFolder(here / "out")).points}
+    return run
+
+
+def test_peeling_24_layers_leaves_early_and_its_row_says_to_whom(raced):
+    points = raced(", max_error: 0.0001")
+    gone = points["peel-f2b"]
+    assert gone.status == "ok" and gone.row["stop_reason"].startswith("eliminated after ")
+    assert "times the time of" in gone.row["stop_reason"] and gone.row["samples"] < 40
+    assert gone.row["max_abs_error"] <= 1e-4
+    assert points["wboit"].row["stop_reason"] == "error above measure.max_error (0.0001)"
+    left = [p for name, p in points.items() if name not in ("floor", "wboit", "peel-f2b")]
+    assert any(not p.row["stop_reason"].startswith("eliminated") for p in left)
+    assert points["floor"].row["samples"] >= 6
+
+
+def test_without_a_bound_nothing_leaves_to_what_is_less_exact(raced):
+    points = raced()
+    exact = [name for name, p in points.items() if p.row["stop_reason"].startswith("eliminated")]
+    assert all(catalog()[points[name].method].guarantee.startswith("exact") for name in exact)
+    assert not any("WBOIT" in points[name].row["stop_reason"] for name in exact)
+
+
+def test_a_method_that_breaks_costs_itself_alone(raced, plant):
+    plant("methods/array/store.frag", "void main() {", "void main() { oops;")
+    points = raced(", max_error: 0.0001", status=1)
+    assert points["ab-array"].status == "crashed"
+    assert points["kplus-array"].status == "ok"
