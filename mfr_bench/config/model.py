@@ -141,7 +141,8 @@ class Measure(_Plain):
 
     eliminate: the methods of a scene draw in rounds of one frame each, and the clearly slower leave early; their time
     limits are pooled, as wall time for all of the scene. max_error: largest error of a channel, against the image of
-    all fragments, with which a method takes part; without it a method leaves only to one whose error and memory are no larger than its own.
+    all fragments, with which a method takes part; without it a method leaves only to one whose error and memory are no
+    larger than its own.
     """
 
     __pydantic_config__: ClassVar[dict] = STRICT
