@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from mfr_bench.config.model import Scene as SceneConfig
-from mfr_bench.scene import Scene
+from mfr_bench.scene.quads import Quads
 
 seeds = st.integers(0, 2**32 - 1)
 shares = st.sampled_from([0.001, 0.1, 0.25, 0.5, 0.77, 0.999, 1.0]) | st.floats(1e-3, 1.0)
@@ -32,7 +32,7 @@ def configs(draw, **fixed) -> SceneConfig:
 
 
 @st.composite
-def placed(draw, most: int = 8) -> Scene:
+def placed(draw, most: int = 8) -> Quads:
     """Up to `most` quads anywhere on a viewport of a few pixels, at distinct depths."""
     width, height = draw(st.integers(1, 7)), draw(st.integers(1, 7))
     depths = draw(st.lists(st.integers(1, 2**23 - 1), max_size=most, unique=True))
@@ -40,7 +40,7 @@ def placed(draw, most: int = 8) -> Scene:
              (sorted_pairs(draw, width, height) for _ in depths)]
     rect = np.array(rects, dtype=np.int32).reshape(-1, 4)[:, [0, 2, 1, 3]]
     rgba = draw(st.lists(st.tuples(*[st.integers(0, 255)] * 4), min_size=len(depths), max_size=len(depths)))
-    return Scene((width, height), rect, (np.array(depths) / 2**23).astype(np.float32),
+    return Quads((width, height), rect, (np.array(depths) / 2**23).astype(np.float32),
                  np.array(rgba, dtype=np.uint8).reshape(-1, 4), draw(st.sampled_from([1.0, 0.5, 0.1])), draw(seeds),
                  draw(st.integers(0, len(depths))))
 

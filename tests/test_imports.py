@@ -18,8 +18,8 @@ PACKAGE = Path(mfr_bench.__file__).parent
 # results knows nothing of configs; configs are checked against what each kind of figure declares of itself.
 LAYERS = (
     "errors", "resources", "hashing", "stats", "environment", "store.status", "store.columns",
-    "methods.spec", "methods.shared", "methods", "store", "report", "config", "report.experiments",
-    "plan", "report.settings", "scene", "oracle", "glsl", "race", "gpu", "measure",
+    "methods.spec", "methods.shared", "methods", "store", "report", "scene", "config", "report.experiments",
+    "plan", "report.settings", "oracle", "glsl", "race", "gpu", "measure",
     "claims", "compare", "page", "decide", "run", "cli", "__main__",
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "methods", "config", "plan", "scene", "oracle",

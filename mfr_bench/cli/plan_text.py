@@ -67,10 +67,10 @@ def _decide(rows: list[dict[str, Any]], todo, folders, choices: Choices, shared:
 
     folders: the experiment's own, then those beside it. shared: the experiment that measures a cell first, by key.
     """
-    from ..plan import Known, hopeless
+    from ..plan import Outcome, predicted_timeout
 
     rows_by_number = {} if choices.force else _kept(todo, folders, choices.keep_failed)
-    known = [Known(todo[number].cell, row["status"], row["values"].get("time_ms"))
+    known = [Outcome(todo[number].cell, row["status"], row["values"].get("time_ms"))
              for number, (_, row) in rows_by_number.items()]
     known = [k for k in known if k.over_limit(k.cell.measure)]
     for number, (row, job) in enumerate(zip(rows, todo, strict=True)):
@@ -79,7 +79,7 @@ def _decide(rows: list[dict[str, Any]], todo, folders, choices: Choices, shared:
         if number in rows_by_number:
             source = rows_by_number[number][0]
             row["decision"] = "kept: already measured" if source is folders[0] else f"copied from {source.path}"
-        elif not choices.try_hopeless and (reason := hopeless(job.cell, known)):
+        elif not choices.try_hopeless and (reason := predicted_timeout(job.cell, known)):
             row["decision"] = f"timeout: {reason}"
         elif shared.setdefault(job.key, job.cell.experiment) != job.cell.experiment:
             row["decision"] = f"shared with {shared[job.key]}"

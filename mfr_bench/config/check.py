@@ -10,15 +10,15 @@ from typing import Any
 from ..errors import nearest
 from ..methods.spec import Method, Value
 from ..report.figures.kinds import KINDS, all_keys, keys_of
+from ..scene.kinds import faults
+from ..scene.spec.kind import Fault
 from .axes import K, R, measure_at, point_count, points, scene_at
 from .columns import IDENTITY, MEASURED
 from .layers import AXES
-from .layout import FULLEST, clustered_depths, has_mean_depth, is_flat, is_float32, quad_count
-from .model import KEPT, MAX_QUADS, Experiment, Measure, MethodEntry, Scene
+from .model import KEPT, Experiment, Measure, MethodEntry, Scene
 from .schema import ConfigFile, allowed, parse
 from .source import Document, Path, Problem, dotted, shown
 
-FLAT_KEYS = ("depth_at", "depth_copies", "odd_depth", "alpha_order", "overhang")  # of quads that have one depth each
 EVERY_KEY = frozenset(key.name for key in all_keys())  # of figures of any kind
 MAX_CELLS = 100_000
 EVERY_METHOD = "all"  # in `methods:`, stands for each method of the catalog at its defaults
@@ -278,9 +278,9 @@ class _Checker:
         along = list(along)
         scenes = {scene_at(scene, self.params, point) for point in along} or {scene} if scene else ()
         measures = {measure_at(measure, point) for point in along} or {measure} if measure else ()
-        faults = [fault for rule in SCENE_RULES for fault in map(rule, scenes) if fault]
-        faults += [fault for rule in MEASURE_RULES for fault in map(rule, measures) if fault]
-        for keys, what in dict(sorted(faults)).items():  # one point of each kind is enough
+        found = [fault for scene in scenes for fault in faults(scene)]
+        found += [fault for rule in MEASURE_RULES for fault in map(rule, measures) if fault]
+        for keys, what in dict(sorted(found)).items():  # one point of each kind is enough
             self.problem(self._written(keys), what)
 
     def _written(self, keys: Iterable[str]) -> Path:
@@ -288,78 +288,6 @@ class _Checker:
         paths = [(section, key) for key in keys for section in (*AXES, "params")]
         paths += [tuple(key.split(".")) for key in keys]
         return next(path for path in paths if path[-1] in self.document.mapping(*path[:-1]))
-
-
-Fault = tuple[tuple[str, ...], str]  # the keys that decide it, and what is wrong
-
-
-def _too_many_quads(scene: Scene) -> Fault | None:
-    quads = quad_count(scene)
-    what = f"{quads} quads in layout {scene.layout}; allowed: at most {MAX_QUADS}, so that depths stay distinct"
-    return (("r", "scene.depth_complexity"), what) if quads > MAX_QUADS else None
-
-
-def _quad_size_unused(scene: Scene) -> Fault | None:
-    unused = scene.quad_size and scene.layout != "random"
-    what = f"no use in layout {scene.layout}; allowed: with layout random"
-    return (("scene.quad_size", "scene.layout"), what) if unused else None
-
-
-def _no_such_depths(scene: Scene) -> Fault | None:
-    if scene.depth_at is None or quad_count(scene) > MAX_QUADS:
-        return None
-    keys = ("scene.depth_gap_log2", "scene.depth_at")
-    where = f"{quad_count(scene)} quads in steps of 2^{scene.depth_gap_log2} about {scene.depth_at:g}"
-    depths = clustered_depths(scene)
-    if depths and not 0 <= depths[0] <= depths[-1] <= 1:
-        return keys, f"{where} leave the depth range; allowed: smaller steps or fewer quads"
-    if not all(map(is_float32, depths)):
-        return keys, f"{where} are finer than a float32 there; allowed: larger steps"
-    return None
-
-
-def _layout_unused(scene: Scene) -> Fault | None:
-    unused = scene.kind != "quads" and scene.layout != "block"
-    what = f"no use of layout {scene.layout} in kind {scene.kind}; allowed: with kind quads"
-    return (("scene.layout", "scene.kind"), what) if unused else None
-
-
-def _slant_unused(scene: Scene) -> Fault | None:
-    unused = scene.slant and scene.kind != "quads"
-    what = f"no use in kind {scene.kind}, which is slanted by itself; allowed: with kind quads"
-    return (("scene.slant", "scene.kind"), what) if unused else None
-
-
-def _stress_unused(scene: Scene) -> Fault | None:
-    changed = [f.name for f in fields(Scene) if f.name in FLAT_KEYS and getattr(scene, f.name) != f.default]
-    if is_flat(scene) or not changed:
-        return None
-    return (f"scene.{changed[0]}",), "no use but for quads without slant; allowed: its default"
-
-
-def _mean_depth_unused(scene: Scene) -> Fault | None:
-    unused = scene.mean_depth is not None and not has_mean_depth(scene)
-    what = f"no use in layout {scene.layout}; allowed: with layout mixed, or with a kind other than quads"
-    return (("scene.mean_depth", "scene.layout"), what) if unused else None
-
-
-def _mean_depth_too_high(scene: Scene) -> Fault | None:
-    if scene.mean_depth is None or not has_mean_depth(scene):
-        return None
-    most = max(1.0, FULLEST[scene.kind] * scene.depth_complexity)
-    what = (f"a mean of {scene.mean_depth:g} under a maximum of {scene.depth_complexity}; "
-            f"allowed in kind {scene.kind}: up to {most:g}")
-    return (("scene.mean_depth", "r", "scene.depth_complexity"), what) if scene.mean_depth > most else None
-
-
-def _least_depth_unused(scene: Scene) -> Fault | None:
-    unused = scene.least_depth is not None and not (is_flat(scene) and scene.layout == "block")
-    what = "no use but for quads without slant in one block; allowed: with layout block"
-    return (("scene.least_depth", "scene.layout", "scene.kind"), what) if unused else None
-
-
-SCENE_RULES = (_too_many_quads, _quad_size_unused, _layout_unused, _slant_unused, _stress_unused, _mean_depth_unused,
-               _mean_depth_too_high, _no_such_depths, _least_depth_unused)
 
 
 def _too_few_samples(measure: Measure) -> Fault | None:

@@ -13,7 +13,9 @@ from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origi
 from annotated_types import MinLen, Predicate
 
 from ..errors import nearest
-from .model import STRICT, Allowed, Figure, Measure, Scene, Source, Text
+from ..scene import Scene
+from ..scene.spec.values import STRICT, Allowed, Text
+from .model import Figure, Measure, Source
 from .source import Path, shown
 
 

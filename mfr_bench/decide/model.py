@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ..oracle.composite import composite, stats_of
-from ..scene import Scene
+from ..scene.quads import Quads
 
 
-def enough_layers(scene: Scene, max_error: float) -> int:
+def enough_layers(scene: Quads, max_error: float) -> int:
     """The least number of nearest fragments per pixel whose image is within `max_error` of that of all fragments.
 
     The scene is one of flat quads, whose oracle needs no device. The error falls with the number, since what is left

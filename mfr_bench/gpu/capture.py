@@ -10,7 +10,7 @@ from ..errors import DeviceError
 from ..methods.shared import clear
 from ..methods.spec import EMPTY, Buffer, Fitted, Method, Pass, SceneStats
 from ..oracle.composite import Fragments, in_chunks, scene_stats
-from ..scene import Geometry
+from ..scene.geometry import Geometry
 from .device import Device
 from .frame import Frame
 from .scene_buffer import SceneBuffer

@@ -17,7 +17,7 @@ import numpy as np
 from ..glsl.bindings import COLOURS_BINDING
 from ..methods.shared.bands import Rectangle, bands
 from ..methods.spec import Counted, Fitted, FrameState, Grown, Pass, Plan, Planned, evaluate
-from ..scene import Geometry
+from ..scene.geometry import Geometry
 from . import rawgl
 from .allocation import Allocation
 from .device import Device

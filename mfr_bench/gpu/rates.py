@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..methods.spec import IMAGE, Fitted, Method, Pass, SceneStats
-from ..scene import Scene
+from ..scene.quads import Quads
 from .device import Device
 from .frame import Frame
 from .scene_buffer import SceneBuffer
@@ -36,7 +36,7 @@ def _copied(device: Device) -> float:
 
 
 def _filled(device: Device) -> float:
-    scene = Scene((SIDE, SIDE), np.zeros((0, 4), np.int32), np.zeros(0, np.float32), np.zeros((0, 4), np.uint8), 1.0, 0)
+    scene = Quads((SIDE, SIDE), np.zeros((0, 4), np.int32), np.zeros(0, np.float32), np.zeros((0, 4), np.uint8), 1.0, 0)
     scene_buffer, canvas = SceneBuffer(device, scene), Canvas(device, (SIDE, SIDE))
     stats = SceneStats(W=SIDE, H=SIDE, n=1, F=0, primitives=0)
     frame = Frame(device, Fitted(FILL.variant({}), stats), scene_buffer, canvas)

@@ -10,7 +10,7 @@ import numpy as np
 from ..glsl import Source, read
 from ..glsl.bindings import OPAQUE_UNIT
 from ..oracle import twochannel
-from ..scene import Geometry
+from ..scene.geometry import Geometry
 from . import rawgl
 from .device import Device
 from .targets import Framebuffer, Texture

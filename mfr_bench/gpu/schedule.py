@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..methods.spec import Fitted, Known, Plan
-from ..scene import Geometry
+from ..scene.geometry import Geometry
 from . import rawgl
 from .rawgl import RawGL
 

@@ -10,12 +10,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ..config.model import Scene as SceneConfig
 from ..errors import MfrError
 from ..methods.spec import IMAGE, Pass, State, Target
 from ..oracle.composite import fragment_counts
 from ..plan.forecast import FIRST_ROUNDS
-from ..scene import generate
+from ..scene import Scene, generate
 from .capture import capture
 from .device import Device
 from .probes import ATOMICS, COUNTED, ProbeBench, probe_method
@@ -24,9 +23,9 @@ from .single import shown
 from .timers import GpuTimer, WallTimer
 from .trials import TRIALS, Trial, locked, routed
 
-SLANTED_SCENE = SceneConfig(size=(96, 80), depth_complexity=12, slant=0.8)
-SCENE = SceneConfig(size=(192, 160), depth_complexity=24, pixel_density=0.9)
-WORK = SceneConfig(size=(512, 512), depth_complexity=0)
+SLANTED_SCENE = Scene(size=(96, 80), depth_complexity=12, slant=0.8)
+SCENE = Scene(size=(192, 160), depth_complexity=24, pixel_density=0.9)
+WORK = Scene(size=(512, 512), depth_complexity=0)
 MOST_ROUNDS = 16384
 COMPARED = 3  # sizes of work that are long enough to compare
 TIMER_TOLERANCE = 0.15  # of the wall time, on work that takes milliseconds

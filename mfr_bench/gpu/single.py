@@ -9,7 +9,7 @@ import numpy as np
 
 from ..methods.spec import Fitted, SceneStats, Variant
 from ..oracle.quality import conformance
-from ..scene import Geometry
+from ..scene.geometry import Geometry
 from .device import Device
 from .frame import Frame
 from .scene_buffer import SceneBuffer

@@ -9,7 +9,7 @@ import numpy as np
 from ..methods.spec import Promise, SceneStats
 from ..oracle import twochannel
 from ..oracle.composite import Fragments, composite, fragment_counts, scene_stats, stats_of
-from ..scene import Scene
+from ..scene.quads import Quads
 from .capture import capture, count
 from .device import Device
 from .scene_buffer import SceneBuffer
@@ -19,7 +19,7 @@ from .targets import Canvas
 def true_stats(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> SceneStats:
     """The statistics of the scene on the device: of flat quads by the oracle, else as the device counts."""
     scene = scene_buffer.scene
-    return stats_of(scene) if isinstance(scene, Scene) else scene_stats(scene, count(device, scene_buffer, canvas))
+    return stats_of(scene) if isinstance(scene, Quads) else scene_stats(scene, count(device, scene_buffer, canvas))
 
 
 class Truth:
@@ -31,7 +31,7 @@ class Truth:
     @cached_property
     def _fragments(self) -> Fragments | None:
         """None for flat quads, whose oracle needs no device."""
-        if isinstance(self.scene, Scene):
+        if isinstance(self.scene, Quads):
             return None
         if self._quads.scene is not self.scene:
             raise ValueError("another scene is on the device")

@@ -17,7 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..methods.spec import SceneStats
-from ..scene import Geometry, Scene
+from ..scene.geometry import Geometry
+from ..scene.quads import Quads
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class Grid:
         return np.repeat(np.repeat(cells, np.diff(self.y), axis=0), np.diff(self.x), axis=1)
 
 
-def _grid(scene: Scene) -> Grid:
+def _grid(scene: Quads) -> Grid:
     width, height = scene.viewport
     if scene.rejects:
         return Grid(np.arange(width + 1), np.arange(height + 1))
@@ -46,27 +47,27 @@ def _grid(scene: Scene) -> Grid:
                 np.unique(np.concatenate([[0, height], rect[:, 1], rect[:, 3]])))
 
 
-def _cell_rects(scene: Scene, grid: Grid) -> np.ndarray:
+def _cell_rects(scene: Quads, grid: Grid) -> np.ndarray:
     """int (n, 4): the quads' rectangles in cells instead of pixels."""
     rect = scene.rasterized
     return np.stack([np.searchsorted(grid.x, rect[:, 0]), np.searchsorted(grid.y, rect[:, 1]),
                      np.searchsorted(grid.x, rect[:, 2]), np.searchsorted(grid.y, rect[:, 3])], axis=-1)
 
 
-def fragment_counts(scene: Scene) -> np.ndarray:
+def fragment_counts(scene: Quads) -> np.ndarray:
     """int64 (H, W): the fragments that each pixel receives."""
     grid = _grid(scene)
     return grid.expand(_cell_counts(scene, grid))
 
 
-def _cell_counts(scene: Scene, grid: Grid) -> np.ndarray:
+def _cell_counts(scene: Quads, grid: Grid) -> np.ndarray:
     counts = np.zeros((len(grid.y) - 1, len(grid.x) - 1), dtype=np.int64)
     for quad, (x0, y0, x1, y1) in enumerate(_cell_rects(scene, grid)):
         counts[y0:y1, x0:x1] += _mask(scene, quad, x0, y0, x1, y1) if scene.rejects else True
     return counts
 
 
-def stats_of(scene: Scene) -> SceneStats:
+def stats_of(scene: Quads) -> SceneStats:
     """What the scene asks of a method: its fragments, counted."""
     grid = _grid(scene)
     counts, areas = _cell_counts(scene, grid), grid.areas
@@ -84,12 +85,12 @@ def scene_stats(scene: Geometry, counts: np.ndarray, areas: np.ndarray | int = 1
         least=scene.least, occluded=scene.occluded)
 
 
-def _mask(scene: Scene, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray | bool:
+def _mask(scene: Quads, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray | bool:
     """Which cells of the rectangle have the quad's fragment. Cells are pixels wherever fragments are rejected."""
     return scene.kept(quad, x0, y0, x1, y1) if scene.rejects else True
 
 
-def composite(scene: Scene, layers: int | None = None, criterion: str = "nearest",
+def composite(scene: Quads, layers: int | None = None, criterion: str = "nearest",
               payload: np.ndarray | None = None) -> np.ndarray:
     """float64 (H, W, 4), premultiplied over transparent black, row 0 at the bottom.
 
@@ -121,14 +122,14 @@ def composite(scene: Scene, layers: int | None = None, criterion: str = "nearest
 
 
 # Quad indices from the best to the worst. Fragments of equal opacity: the nearer is the better.
-CRITERIA: dict[str, Callable[[Scene], np.ndarray]] = {
+CRITERIA: dict[str, Callable[[Quads], np.ndarray]] = {
     "nearest": lambda scene: scene.depth_order,
     "furthest": lambda scene: scene.depth_order[::-1],
     "opaque": lambda scene: np.lexsort((scene.depth, -scene.rgba[:, 3].astype(np.int64))),
 }
 
 
-def _last_taken(scene: Scene, grid: Grid, place: np.ndarray, layers: int) -> np.ndarray:
+def _last_taken(scene: Quads, grid: Grid, place: np.ndarray, layers: int) -> np.ndarray:
     """int64 (rows, columns): the place, in the order from best to worst, of the last quad that each cell takes."""
     shape = (len(grid.y) - 1, len(grid.x) - 1)
     taken, last = np.zeros(shape, dtype=np.int64), np.full(shape, -1, dtype=np.int64)

@@ -15,7 +15,8 @@ from typing import Any
 
 from ..config.model import Measure
 from ..methods.spec import SceneStats
-from . import Cell, expected_stats
+from .cells import Cell
+from .expected import expected_stats
 
 MEASURED, ALIKE, CALIBRATED = "measured here", "from the same method elsewhere", "by calibration alone"
 

@@ -14,7 +14,7 @@ from ..errors import MfrError
 from ..methods.spec import Fitted, Variant
 from ..oracle import twochannel
 from ..oracle.composite import stats_of
-from ..scene import Scene
+from ..scene.quads import Quads
 from .adapter import Frame, frame_of
 from .build import Built, build
 from .promise import Kind, Promised, expected, promised, tied_pixels
@@ -98,7 +98,7 @@ class Outcome:
 class Checker:
     """One variant in one scene, built, with the images that it may give."""
 
-    def __init__(self, variant: Variant, scene: Scene, helpers: bool = False):
+    def __init__(self, variant: Variant, scene: Quads, helpers: bool = False):
         self.variant, self.scene, self.helpers = variant, scene, helpers
         self.stats = stats_of(scene)
         self.frame: Frame = frame_of(Fitted(variant, self.stats), scene.bounds)
@@ -184,7 +184,7 @@ class Checker:
         return [str(len(rows)), *rows, " ".join(f"{v:.9g}" for v in base)]
 
 
-def _payloads(scene: Scene, two_channel: bool) -> tuple[list[float], np.ndarray]:
+def _payloads(scene: Quads, two_channel: bool) -> tuple[list[float], np.ndarray]:
     """The base colours, and the word of each fragment's payload."""
     if not two_channel:
         return [0.0] * 8, np.ascontiguousarray(scene.rgba).view("<u4")[:, 0]

@@ -11,7 +11,7 @@ import numpy as np
 from ..methods.spec import Fitted, SceneStats, Variant
 from ..oracle import twochannel
 from ..oracle.composite import composite
-from ..scene import Scene
+from ..scene.quads import Quads
 
 _WITHIN = re.compile(r"up\s+to 1 - `?(\w+)`?")
 
@@ -51,14 +51,14 @@ def promised(variant: Variant, stats: SceneStats) -> Promised:
     return Promised(Kind.NONE)
 
 
-def expected(variant: Variant, stats: SceneStats, scene: Scene, everything: bool = False) -> np.ndarray:
+def expected(variant: Variant, stats: SceneStats, scene: Quads, everything: bool = False) -> np.ndarray:
     """float64 (H, W, 4): the image that the variant aims at; `everything`: of all fragments."""
     aim = Fitted(variant, stats).promise()
     payload = twochannel.straight(scene.rgba) if variant.two_channel else None
     return composite(scene, None if everything else aim.layers, aim.criterion, payload)
 
 
-def tied_pixels(scene: Scene) -> np.ndarray:
+def tied_pixels(scene: Quads) -> np.ndarray:
     """bool (H, W): pixels in which two fragments have one depth."""
     width, height = scene.viewport
     tied = np.zeros((height, width), dtype=bool)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import UsageError
 from ..hashing import hash3
-from ..scene import Scene
+from ..scene.quads import Quads
 
 DEPTH_STEPS = 64  # depths are multiples of 1/64: exact in every format that stores them, 16 bits and more
 MOST_FRAGMENTS, MOST_PIXELS = 24, 64
@@ -27,7 +27,7 @@ def parse_counts(text: str) -> tuple[int, ...]:
     return counts
 
 
-def row_of(counts: Sequence[int], seed: int = 1, ties: bool = False) -> Scene:
+def row_of(counts: Sequence[int], seed: int = 1, ties: bool = False) -> Quads:
     """One pixel for each count, side by side; colours and the order of submission are drawn from `seed`.
 
     ties: the two nearest fragments of each pixel have one depth.
@@ -38,7 +38,7 @@ def row_of(counts: Sequence[int], seed: int = 1, ties: bool = False) -> Scene:
     drawn = np.array([hash3(i, seed, ORDER_STREAM) for i in range(len(pixel))], dtype=np.uint32)
     order = np.argsort(drawn, kind="stable")
     rect = np.stack([pixel, np.zeros_like(pixel), pixel + 1, np.ones_like(pixel)], axis=-1).astype(np.int32)
-    return Scene((len(counts), 1), rect[order], depth[order], _colours(len(pixel), seed)[order], 1.0, seed)
+    return Quads((len(counts), 1), rect[order], depth[order], _colours(len(pixel), seed)[order], 1.0, seed)
 
 
 def _colours(count: int, seed: int) -> np.ndarray:

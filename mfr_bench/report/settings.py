@@ -13,7 +13,8 @@ from functools import lru_cache
 
 from ..config.model import Experiment
 from ..errors import StoreError
-from ..plan import FLOOR, Cell
+from ..methods import FLOOR
+from ..plan import Cell
 from ..resources import reference_dir
 from .data import plain
 from .reference import SETTINGS

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..measure.split import Split
-from ..plan import Known, expected_stats, hopeless
+from ..plan import Outcome, expected_stats, predicted_timeout
 from ..store import ResultFolder
 from ..store.arrays import read_arrays, write_arrays
 from ..store.folder import folders_with_cells
@@ -61,7 +61,7 @@ class Ledger:
         self.elsewhere, self.split = list(elsewhere), split or Split()
         self._session = uuid.uuid4().hex[:12]
         self._journals = {sheet.folder.path: Journal(sheet.folder.journal_path) for sheet in sheets}
-        self._known: list[Known] = []
+        self._known: list[Outcome] = []
 
     # --- before ----------------------------------------------------------------------------------
 
@@ -150,7 +150,7 @@ class Ledger:
 
     def hopeless(self, job: Job) -> str | None:
         """Why a cell would take longer than it may, by what smaller ones took, or None."""
-        return hopeless(job.cell, self._known)
+        return predicted_timeout(job.cell, self._known)
 
     def write(self, job: Job, finished: Finished) -> None:
         """A cell's row, into the folder of every experiment that waits for it."""
@@ -182,7 +182,7 @@ class Ledger:
     def _done(self, sheet: Sheet, job: Job, row: Row) -> None:
         sheet.statuses[job.key] = row["status"]
         self._journal(sheet).forget(job.key)
-        known = Known(job.cell, row["status"], row["values"].get("time_ms"))
+        known = Outcome(job.cell, row["status"], row["values"].get("time_ms"))
         if known.over_limit(job.cell.measure):
             self._known.append(known)
 

@@ -15,7 +15,8 @@ from ..gpu.truth import Truth, true_stats
 from ..measure.split import Split
 from ..methods.spec import Fitted, Promise, SceneStats, Variant
 from ..oracle import quality
-from ..scene import Geometry, generate
+from ..scene import generate
+from ..scene.geometry import Geometry
 
 ANIMATION_FRAMES = 8  # that an animated scene cycles through
 ALL = Promise()  # every fragment: the A-buffer's image

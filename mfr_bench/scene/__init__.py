@@ -1,28 +1,24 @@
-"""Scene generation in numpy; no GL."""
+"""Scenes: what a config may say of them (`kinds`, `parameters`), and their generators in numpy; no GL.
+
+Importing this package loads no numpy: a generator is loaded when a scene of its kind is made.
+"""
 
 from __future__ import annotations
 
-from ..config.layout import is_flat
-from ..config.model import Scene as SceneConfig
-from .hairball import hairball
-from .needles import needles
-from .quads import Scene, flat_quads
-from .slanted import slanted
-from .strips import Strips
-from .temple import temple
-from .triangles import Triangles
+from importlib import import_module
+from typing import TYPE_CHECKING
 
-Geometry = Scene | Strips | Triangles
+from .kinds import kind_of
+from .parameters import Scene
 
-OBJECTS = {"hairball": hairball, "needles": needles, "temple": temple}
+if TYPE_CHECKING:
+    from .geometry import Geometry
 
 
-def generate(config: SceneConfig, frame: int = 0) -> Geometry:
-    """The scene of a config. In an animation's `frame` quads have another seed; an object is seen from nearer."""
-    if config.kind in OBJECTS:
-        return OBJECTS[config.kind](config, frame)
-    seed = (config.seed + frame) % 2**32
-    return flat_quads(config, seed) if is_flat(config) else slanted(config, seed)
+def generate(scene: Scene, frame: int = 0) -> Geometry:
+    """The primitives of a scene. In an animation's `frame` quads have another seed; an object is seen from nearer."""
+    module, _, name = kind_of(scene).generator.rpartition(".")
+    return getattr(import_module(f"{__name__}.{module}"), name)(scene, frame)
 
 
-__all__ = ["Geometry", "Scene", "Strips", "Triangles", "generate"]
+__all__ = ["Scene", "generate"]

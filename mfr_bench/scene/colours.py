@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..config.model import Scene as SceneConfig
 from ..hashing import WORD, hash3
+from .parameters import Scene
 from .streams import ALPHA, BLEND, COLOUR, LUMINANCE
 
 # Two colours at the rim of the RGB cube, seen from black: what every colour of a `plane` is a blend of.
@@ -13,7 +13,7 @@ TEAL, ORANGE = np.array([0.0, 0.8, 1.0]), np.array([1.0, 0.45, 0.0])
 DARKEST = 0.04  # light of a colour of a set, as a share of the brightest of its hue
 
 
-def rgba(config: SceneConfig, index: np.ndarray, seed: int) -> np.ndarray:
+def rgba(config: Scene, index: np.ndarray, seed: int) -> np.ndarray:
     """uint8 (n, 4) for the primitives of these indices."""
     found = np.empty((len(index), 4), dtype=np.uint8)
     found[:, :3] = _any(index, seed) if config.colours == "any" else _of_set(config.colours, index, seed)

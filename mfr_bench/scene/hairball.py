@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..config.layout import RINGS, mean_depth, sectors, spread
-from ..config.model import Scene as SceneConfig
 from ..hashing import WORD, hash3
+from .kinds.hairball import RINGS, sectors
 from .objects import approach, direction, half_block, zoom
+from .parameters import Scene
+from .spec.kind import mean_depth
+from .spec.layout import spread
 from .streams import CUT, LENGTH, ROOT, TIP, TURN, WIGGLE
 from .strips import Strips, orthographic, strips
 
 
-def hairball(config: SceneConfig, frame: int) -> Strips:
+def hairball(config: Scene, frame: int) -> Strips:
     """Hairs from the middle outwards, each a row of strips; those of a layer side by side around it.
 
     The squares of their lengths are spread so that the mean over what any hair covers is `mean_depth`.
@@ -30,7 +32,7 @@ def hairball(config: SceneConfig, frame: int) -> Strips:
     return strips(config, corners[np.arange(RINGS) < reach[..., None]], seed, part_of=np.repeat(hair, reach.ravel()))
 
 
-def _reach(config: SceneConfig, hair: np.ndarray, seed: int) -> np.ndarray:
+def _reach(config: Scene, hair: np.ndarray, seed: int) -> np.ndarray:
     """Rings that each hair crosses: in the mean the square of its length, 1 at least."""
     layers, mean = config.depth_complexity, mean_depth(config)
     share = (mean - 1) / (layers - 1 + 1e-9) if layers > 1 else 1.0
@@ -40,7 +42,7 @@ def _reach(config: SceneConfig, hair: np.ndarray, seed: int) -> np.ndarray:
     return np.clip(below + further, 1, RINGS).astype(np.int64)
 
 
-def _rim_points(config: SceneConfig, layers: int, around: int, frame: int) -> tuple[np.ndarray, np.ndarray]:
+def _rim_points(config: Scene, layers: int, around: int, frame: int) -> tuple[np.ndarray, np.ndarray]:
     """Edges between the hairs of a layer, float64 (layers, around, RINGS + 1): curves that never cross."""
     layer = np.arange(layers, dtype=np.uint64)[:, None, None]
     edge = np.arange(around, dtype=np.uint64)[None, :, None]

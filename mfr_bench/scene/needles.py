@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..config.layout import NEEDLE_LENGTH, block, needle_fill, needle_width
-from ..config.model import Scene as SceneConfig
 from ..hashing import WORD, hash3
+from .kinds.needles import NEEDLE_LENGTH, needle_fill, needle_width
 from .objects import direction, zoom
+from .parameters import Scene
+from .spec.layout import block
 from .streams import PLACE, ROOT, SHIFT, TIP, TURN
 from .strips import Strips, orthographic, strips
 
 
-def needles(config: SceneConfig, frame: int) -> Strips:
+def needles(config: Scene, frame: int) -> Strips:
     """Layers of parallel needles within the silhouette of a tree, each layer in a direction of its own.
 
     A layer is cut into cells; a needle lies somewhere across its cell, the one in the middle on the middle.
@@ -21,7 +22,7 @@ def needles(config: SceneConfig, frame: int) -> Strips:
     return strips(config, np.concatenate(parts) if parts else np.empty((0, 4, 4)), config.seed)
 
 
-def _needle_layer(config: SceneConfig, layer: int, frame: int) -> np.ndarray:
+def _needle_layer(config: Scene, layer: int, frame: int) -> np.ndarray:
     width = needle_width(config)
     across, along = width / needle_fill(config), float(width * NEEDLE_LENGTH)
     cosine, sine = direction(np.array((hash3(layer, TURN, config.seed) + 0.5) / 2**32 / 2))
@@ -38,7 +39,7 @@ def _needle_layer(config: SceneConfig, layer: int, frame: int) -> np.ndarray:
     return orthographic(_to_device(config, xy, frame), place)
 
 
-def _tree_cells(config: SceneConfig, across: float, along: float, cosine: np.ndarray,
+def _tree_cells(config: Scene, across: float, along: float, cosine: np.ndarray,
                 sine: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Cells whose middles lie in the silhouette: a triangle on the block's lower edge with its tip on the upper."""
     w, h = block(config.size, config.pixel_density)
@@ -54,7 +55,7 @@ def _whole(reach: float) -> np.ndarray:
     return np.arange(-int(reach) - 1, int(reach) + 2, dtype=np.float64)
 
 
-def _to_device(config: SceneConfig, xy: np.ndarray, frame: int) -> np.ndarray:
+def _to_device(config: Scene, xy: np.ndarray, frame: int) -> np.ndarray:
     """Normalized device coordinates of pixels, counted from the middle of the pixel in the middle."""
     size = np.array(config.size, dtype=np.float64)
     odd = np.array([(side % 2 == 0) / 2 for side in config.size])

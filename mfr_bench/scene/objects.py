@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..config.layout import block
-from ..config.model import Scene as SceneConfig
+from .parameters import Scene
+from .spec.layout import block
 
 CYCLE = 8  # frames of an animation: the camera comes nearer, and goes back
 NEARER = 1.0  # how much larger the object then is, on top of its own size
 
 
-def half_block(config: SceneConfig) -> np.ndarray:
+def half_block(config: Scene) -> np.ndarray:
     """Half the block's sides in normalized device coordinates."""
     return np.array(block(config.size, config.pixel_density)) / np.array(config.size, dtype=np.float64)
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..config.model import Scene as SceneConfig
 from ..hashing import WORD, hash3
-from .quads import depths, rectangles
+from .layouts import depths, rectangles
+from .parameters import Scene
 from .streams import SLANT, TILT
 from .strips import Strips, orthographic, strips
 
 
-def slanted(config: SceneConfig, seed: int) -> Strips:
+def slanted(config: Scene, seed: int) -> Strips:
     """Across a quad depth changes by `slant` of the depth range: a hashed part of it along x, the rest along y."""
     rect = rectangles(config, seed)
     index = np.arange(len(rect), dtype=np.uint64)

@@ -12,10 +12,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..config.model import Scene as SceneConfig
 from ..hashing import hash3
 from .colours import rgba
 from .overlap import bounds_of, boxes_of, most_over
+from .parameters import Scene
 from .streams import ORDER
 
 NEAREST, FURTHEST = 0.5 + 2.0**-10, 1.0 - 2.0**-10  # window depth of any corner
@@ -90,7 +90,7 @@ def orthographic(xy: np.ndarray, place: np.ndarray) -> np.ndarray:
     return xyzw
 
 
-def strips(config: SceneConfig, corners: np.ndarray, seed: int, part_of: np.ndarray | None = None) -> Strips:
+def strips(config: Scene, corners: np.ndarray, seed: int, part_of: np.ndarray | None = None) -> Strips:
     """A scene of corners (n, 4, 4) in clip space, in the order of the config, with its colours.
 
     Strips that are `part_of` the same thing (uint64 (n,)) have one colour.

@@ -6,10 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..config.layout import mean_depth, shares
-from ..config.model import Scene as SceneConfig
 from ..hashing import WORD, hash3
 from .objects import half_block, zoom
+from .parameters import Scene
+from .spec.kind import mean_depth
+from .spec.layout import shares
 from .streams import TURN, WIGGLE
 from .strips import Strips, strips, window_depth
 
@@ -22,7 +23,7 @@ MARGIN = 1.12  # of the block to the first facade, whose columns and turn reach 
 SOLID = 0.68  # mean depth / sum of the facades' areas, as shares of the largest
 
 
-def temple(config: SceneConfig, frame: int) -> Strips:
+def temple(config: Scene, frame: int) -> Strips:
     """Facades one behind the other in perspective, slightly turned; the eye is at their frieze."""
     layers = config.depth_complexity
     areas = shares(layers, min(float(layers), mean_depth(config) / SOLID))
@@ -30,7 +31,7 @@ def temple(config: SceneConfig, frame: int) -> Strips:
     return strips(config, np.concatenate(parts) if parts else np.empty((0, 4, 4)), config.seed)
 
 
-def _facade(config: SceneConfig, layer: int, area: float, frame: int) -> np.ndarray:
+def _facade(config: Scene, layer: int, area: float, frame: int) -> np.ndarray:
     """Corners of one facade, (pieces, 4, 4); its area on the screen is a share of the first one's."""
     fill = 0.4 + 0.2 * (hash3(layer, WIGGLE, config.seed) / WORD)
     yaw = 0.2 * (hash3(layer, TURN, config.seed) / WORD - 0.5)

@@ -18,7 +18,6 @@ def test_defaults_fill_what_a_config_leaves_out(load):
     assert experiment.title == "a"
     assert experiment.scene.as_dict() == {
         "kind": "quads", "size": [8, 4], "pixel_density": 1.0, "depth_complexity": 0, "mean_depth": None,
-        "least_depth": None,
         "layout": "block", "order": "random", "slant": 0.0, "alpha": [0.1, 0.6], "colours": "any",
         "fragment_probability": 1.0, "seed": 1, "animate": False,
         "quad_size": None, "depth_at": None, "depth_gap_log2": -4, "depth_copies": 1, "copies": "alike",

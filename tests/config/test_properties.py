@@ -6,9 +6,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mfr_bench import config
-from mfr_bench.config.layout import quad_count
-from mfr_bench.config.model import MAX_QUADS
 from mfr_bench.errors import UsageError
+from mfr_bench.scene.kinds import kind_of
+from mfr_bench.scene.spec.kind import MAX_PRIMITIVES
 
 from .conftest import GOOD
 from .fakes import CATALOG
@@ -67,7 +67,7 @@ def test_what_is_written_is_what_is_read(tmp_path, width, height, density, n, la
     loaded = outcome(tmp_path / "a.yaml", text)
     if loaded:
         assert loaded[0].scene.as_dict().items() >= scene.items()
-        assert quad_count(loaded[0].scene) <= MAX_QUADS
+        assert kind_of(loaded[0].scene).primitives(loaded[0].scene) <= MAX_PRIMITIVES
 
 
 @SLOW

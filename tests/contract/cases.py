@@ -10,7 +10,8 @@ from mfr_bench.gpu.single import Shown
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Fitted, Method, SceneStats, Value, Variant, When
 from mfr_bench.oracle.quality import conformance
-from mfr_bench.scene import Geometry, generate
+from mfr_bench.scene import generate
+from mfr_bench.scene.geometry import Geometry
 
 N = 9  # most scenes share a depth complexity, so that their programs are shared too
 

@@ -16,7 +16,8 @@ from mfr_bench.methods.spec import Fitted, Promise
 from mfr_bench.oracle import composite as oracle
 from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
 from mfr_bench.plan import Cell, expected_stats, judge
-from mfr_bench.scene import Strips, generate
+from mfr_bench.scene import generate
+from mfr_bench.scene.strips import Strips
 
 FLAT = [SceneConfig(size=(97, 71), depth_complexity=9, layout="mixed", mean_depth=5, seed=4),
         SceneConfig(size=(97, 71), depth_complexity=9, layout="tiles", pixel_density=0.5, fragment_probability=0.4),

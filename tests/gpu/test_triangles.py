@@ -8,8 +8,8 @@ import pytest
 from mfr_bench.gpu.capture import capture
 from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
-from mfr_bench.scene import Triangles
 from mfr_bench.scene.meshes.view import DIRECTIONS, axes_of, orthographic_camera, perspective_camera
+from mfr_bench.scene.triangles import Triangles
 from mfr_bench.store.status import EXACT_ERROR
 
 SIZE = (64, 48)

@@ -14,12 +14,12 @@ from mfr_bench.gpu.targets import Canvas
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Fitted
 from mfr_bench.oracle.composite import stats_of
-from mfr_bench.scene import Scene
+from mfr_bench.scene.quads import Quads
 
 SIZE = (7, 5)  # pixels of a stack's viewport
 
 
-def stack(depths: Sequence[float], rgba: Sequence[Sequence[int]] | None = None, size: tuple[int, int] = SIZE) -> Scene:
+def stack(depths: Sequence[float], rgba: Sequence[Sequence[int]] | None = None, size: tuple[int, int] = SIZE) -> Quads:
     """Quads over the whole viewport, in order of submission, of random colours where none are given.
 
     Equal depths are allowed.
@@ -27,12 +27,12 @@ def stack(depths: Sequence[float], rgba: Sequence[Sequence[int]] | None = None, 
     rect = np.tile(np.array([0, 0, *size], dtype=np.int32), (len(depths), 1))
     if rgba is None:
         rgba = np.random.default_rng(1).integers(30, 226, (len(depths), 4))
-    return Scene(size, rect, np.array(depths, dtype=np.float32), np.array(rgba, dtype=np.uint8), 1.0, 0)
+    return Quads(size, rect, np.array(depths, dtype=np.float32), np.array(rgba, dtype=np.uint8), 1.0, 0)
 
 
-def chosen(scene: Scene, quads) -> Scene:
+def chosen(scene: Quads, quads) -> Quads:
     """Some quads of a scene, by index or slice, in its order."""
-    return Scene(scene.viewport, scene.rect[quads], scene.depth[quads], scene.rgba[quads], 1.0, scene.seed)
+    return Quads(scene.viewport, scene.rect[quads], scene.depth[quads], scene.rgba[quads], 1.0, scene.seed)
 
 
 def over(rgba: Sequence[Sequence[int]]) -> np.ndarray:
@@ -44,7 +44,7 @@ def over(rgba: Sequence[Sequence[int]]) -> np.ndarray:
 
 
 @contextmanager
-def drawn(device, method: str, scene: Scene, frames: int = 1, **params) -> Iterator[Frame]:
+def drawn(device, method: str, scene: Quads, frames: int = 1, **params) -> Iterator[Frame]:
     """A frame of the method, drawn `frames` times; skipped where the device cannot run it."""
     variant = catalog()[method].variant(params)
     missing = set(variant.needs) - device.features

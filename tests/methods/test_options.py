@@ -8,7 +8,8 @@ from mfr_bench.methods import catalog
 from mfr_bench.methods.shared import BMA, CLASS_BOUNDS, LPLUS, SORT
 from mfr_bench.methods.spec import Fitted, SceneStats
 from mfr_bench.oracle.composite import composite, stats_of
-from mfr_bench.scene import Scene, generate
+from mfr_bench.scene import generate
+from mfr_bench.scene.quads import Quads
 
 from .drawing import SIZE, drawn, stack
 
@@ -17,17 +18,17 @@ MIXED = generate(SceneConfig(size=(33, 21), depth_complexity=70, fragment_probab
 SORTS = SORT.choices
 
 
-def staircase(counts) -> Scene:
+def staircase(counts) -> Quads:
     """A pixel for each count, in one row, with so many fragments; the furthest are submitted first."""
     quads = max(counts)
     rect = [[x, 0, x + 1, 1] for x, count in enumerate(counts) for _ in range(count)]
     depth = [(i + 1) / (quads + 1) for count in counts for i in reversed(range(count))]
     rgba = RANDOM.integers(3, 40, (len(rect), 4))
-    return Scene((len(counts), 1), np.array(rect, dtype=np.int32), np.array(depth, dtype=np.float32),
+    return Quads((len(counts), 1), np.array(rect, dtype=np.int32), np.array(depth, dtype=np.float32),
                  rgba.astype(np.uint8), 1.0, 0)
 
 
-def image_of(device, method: str, scene: Scene, **params) -> np.ndarray:
+def image_of(device, method: str, scene: Quads, **params) -> np.ndarray:
     with drawn(device, method, scene, **params) as frame:
         assert frame.lost_fragments() == 0
         return frame.image()
@@ -170,7 +171,7 @@ LAYERED = generate(SceneConfig(size=(33, 21), depth_complexity=24, fragment_prob
                                quad_size=(17, 13), seed=9))
 
 
-def occupied_frame(device, method: str, scene: Scene, **params):
+def occupied_frame(device, method: str, scene: Quads, **params):
     """Emulated atomics where the device has no others; a k that the method has slots or samples for."""
     declared = catalog()[method]
     if declared.param("atomic64"):

@@ -15,7 +15,8 @@ from mfr_bench.gpu.truth import true_stats
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import IMAGE, TILE_COMMAND, TILE_LIST, Fitted
-from mfr_bench.scene import Scene, generate
+from mfr_bench.scene import generate
+from mfr_bench.scene.quads import Quads
 from mfr_bench.store.status import EXACT_ERROR
 
 from ..contract.cases import Drawn, label, runs_here, stage, variants
@@ -89,13 +90,13 @@ def test_every_resolve_by_tiles_is_exact(device, method):
             assert all(held == drawn.kept for counter, held in drawn.probed.items() if counter == "stored_fragments")
 
 
-def part(scene: Scene, left: int, bottom: int, right: int, top: int) -> Scene:
+def part(scene: Quads, left: int, bottom: int, right: int, top: int) -> Quads:
     """The same quads within a window of the viewport."""
     window = np.clip(scene.rect, [left, bottom] * 2, [right, top] * 2)
-    return Scene(scene.viewport, window.astype(np.int32), scene.depth, scene.rgba, 1.0, scene.seed)
+    return Quads(scene.viewport, window.astype(np.int32), scene.depth, scene.rgba, 1.0, scene.seed)
 
 
-def animation() -> list[Scene]:
+def animation() -> list[Quads]:
     """Geometry over the whole viewport that shrinks, moves by part of a tile, vanishes, and comes back elsewhere."""
     whole = generate(replace(BASE, layout="random", quad_size=(19, 17)))
     windows = ((0, 0, 75, 53), (37, 9, 61, 30), (40, 15, 75, 47), (0, 0, 0, 0), (1, 1, 18, 16))

@@ -10,14 +10,15 @@ from hypothesis import strategies as st
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.hashing import hash3
 from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
-from mfr_bench.scene import Scene, generate
+from mfr_bench.scene import generate
+from mfr_bench.scene.quads import Quads
 
 from ..scenes import configs, placed
 
 CLOSE = 1e-13  # float64, some hundred operations on values up to 1
 
 
-def fragments(scene: Scene, x: int, y: int) -> list[tuple[float, list[int]]]:
+def fragments(scene: Quads, x: int, y: int) -> list[tuple[float, list[int]]]:
     """(depth, RGBA8) of everything that a pixel receives, nearest first."""
     found = []
     for quad, ((x0, y0, x1, y1), depth, rgba) in enumerate(zip(scene.rect, scene.depth, scene.rgba, strict=True)):
@@ -27,7 +28,7 @@ def fragments(scene: Scene, x: int, y: int) -> list[tuple[float, list[int]]]:
     return sorted(found)
 
 
-def drawn(scene: Scene, x: int, y: int, quad: int) -> bool:
+def drawn(scene: Quads, x: int, y: int, quad: int) -> bool:
     """Whether a pixel that draws its number of fragments receives the quad."""
     if not scene.least:
         return True
@@ -45,7 +46,7 @@ def over(layers: list[tuple[float, list[int]]]) -> list[float]:
     return [*colour, 1 - transmittance]
 
 
-def by_hand(scene: Scene, layers: int | None = None) -> np.ndarray:
+def by_hand(scene: Quads, layers: int | None = None) -> np.ndarray:
     width, height = scene.viewport
     return np.array([[over(fragments(scene, x, y)[:layers]) for x in range(width)] for y in range(height)])
 
@@ -110,7 +111,7 @@ def test_an_empty_scene_is_transparent_black(probability):
 
 
 def test_row_0_is_at_the_bottom_and_colours_are_premultiplied():
-    scene = Scene((2, 2), np.array([[0, 0, 1, 1]], dtype=np.int32), np.array([0.5], dtype=np.float32),
+    scene = Quads((2, 2), np.array([[0, 0, 1, 1]], dtype=np.int32), np.array([0.5], dtype=np.float32),
                   np.array([[255, 51, 0, 102]], dtype=np.uint8), 1.0, 1)
     image = composite(scene)
     assert image[0, 0].tolist() == pytest.approx([0.4, 0.08, 0, 0.4])
@@ -120,6 +121,6 @@ def test_row_0_is_at_the_bottom_and_colours_are_premultiplied():
 def test_an_opaque_fragment_hides_what_is_behind():
     rect = np.array([[0, 0, 1, 1]] * 3, dtype=np.int32)
     rgba = np.array([[255, 255, 255, 255], [0, 255, 0, 255], [255, 0, 0, 51]], dtype=np.uint8)
-    scene = Scene((1, 1), rect, np.array([0.75, 0.5, 0.25], dtype=np.float32), rgba, 1.0, 1)
+    scene = Quads((1, 1), rect, np.array([0.75, 0.5, 0.25], dtype=np.float32), rgba, 1.0, 1)
     assert composite(scene)[0, 0].tolist() == pytest.approx([0.2, 0.8, 0, 1])
     assert composite(scene, 1)[0, 0].tolist() == pytest.approx([0.2, 0, 0, 0.2])

@@ -182,42 +182,42 @@ def test_the_overview_says_what_would_be_skipped_and_why():
                        "scene": SCENE.as_dict(), "memory_bytes": 4 * 17 * 64 * 48, "decision": "measure"}
 
 
-# what is hopeless
+# what would time out
 
 LESS = Scene(size=(64, 48), layout="mixed", depth_complexity=20, mean_depth=4, pixel_density=0.5,
              fragment_probability=0.5)
 
 
-def told_hopeless(of, known, method="kplus-array"):
-    """Why a cell, of a scene and a k, is hopeless where the `known` one took 3 s a frame."""
+def told_timeout(of, known, method="kplus-array"):
+    """Why a cell, of a scene and a k, is predicted to time out where the `known` one took 3 s a frame."""
     def made(scene, k):
         entry = MethodEntry(method, method, {"k": k})
         return plan.expand(experiment(entry, scene=scene, measure=Measure(time_limit_s=1)), catalog(), [method])[-1]
-    return plan.hopeless(made(*of), [plan.Known(made(*known), "ok", 3000.0)])
+    return plan.predicted_timeout(made(*of), [plan.Outcome(made(*known), "ok", 3000.0)])
 
 
 @pytest.mark.parametrize(("name", "less", "more"), [
     ("mean_depth", 3, 5), ("size", (64, 47), (65, 48)), ("depth_complexity", 19, 21), ("pixel_density", 0.4, 0.6),
     ("fragment_probability", 0.4, 0.6)])
-def test_more_of_what_makes_work_is_hopeless_and_less_is_not(name, less, more):
-    reason = told_hopeless((replace(LESS, **{name: more}), 8), (LESS, 8))
+def test_more_of_what_makes_work_times_out_and_less_is_not(name, less, more):
+    reason = told_timeout((replace(LESS, **{name: more}), 8), (LESS, 8))
     assert reason.startswith("kplus-array at 64 x 48 pixels, n = 20 (mean 4), k = 8 took 3 s a frame")
-    assert told_hopeless((replace(LESS, **{name: less}), 8), (LESS, 8)) is None
+    assert told_timeout((replace(LESS, **{name: less}), 8), (LESS, 8)) is None
 
 
 @pytest.mark.parametrize("change", [{"order": "front_to_back"}, {"seed": 9}, {"layout": "block", "mean_depth": None}])
 def test_another_scene_tells_nothing(change):
-    assert told_hopeless((replace(LESS, depth_complexity=30, **change), 8), (LESS, 8)) is None
+    assert told_timeout((replace(LESS, depth_complexity=30, **change), 8), (LESS, 8)) is None
 
 
 def test_more_k_is_more_work_but_where_it_saves_passes():
-    assert told_hopeless((LESS, 16), (LESS, 8))
-    assert told_hopeless((LESS, 4), (LESS, 8)) is None
+    assert told_timeout((LESS, 16), (LESS, 8))
+    assert told_timeout((LESS, 4), (LESS, 8)) is None
     assert [m.id for m in catalog().values() if m.k_saves_passes] == ["peel-kplus"]
     for k in (4, 16):
-        assert told_hopeless((LESS, k), (LESS, 8), method="peel-kplus") is None
+        assert told_timeout((LESS, k), (LESS, 8), method="peel-kplus") is None
     deeper = replace(LESS, depth_complexity=30)
-    assert told_hopeless((deeper, 8), (LESS, 8), method="peel-kplus")
+    assert told_timeout((deeper, 8), (LESS, 8), method="peel-kplus")
 
 
 # what a scene comes to, against the scenes themselves

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mfr_bench.config.layout import shares, spread
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.capture import count
 from mfr_bench.gpu.scene_buffer import SceneBuffer
 from mfr_bench.gpu.targets import Canvas
 from mfr_bench.oracle.composite import fragment_counts
 from mfr_bench.scene import colours, generate, objects
+from mfr_bench.scene.spec.layout import shares, spread
 
 KINDS = ("hairball", "needles", "temple")
 SLANTED = {kind: SceneConfig(kind=kind, size=(97, 71), depth_complexity=12, mean_depth=5, seed=7) for kind in KINDS}

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-from mfr_bench.config.layout import TILE
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.hashing import hash3
 from mfr_bench.oracle.composite import fragment_counts
 from mfr_bench.scene import generate
+from mfr_bench.scene.kinds.quads import TILE
 
 from ..scenes import configs
 

@@ -1,0 +1,79 @@
+"""What a device, a method or a budget forbids, found before anything is allocated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from ..environment import MIB
+from ..methods.spec import SCENE_FACTS, Fitted, Method, SceneStats
+from .cells import Cell
+from .expected import expected_stats
+
+Decision = tuple[Literal["unsupported", "over_budget"], str]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What a device allows."""
+
+    features: frozenset[str]
+    max_block_bytes: int  # largest shader storage block
+    max_texture_size: int  # pixels, either side
+    max_local_array: int | None = None  # fragments in a shader's local array, where more would compile for minutes
+    failed_trials: Mapping[str, str] = field(default_factory=dict)  # of a feature that the driver claims and gets wrong
+
+    def lacks(self, feature: str) -> str:
+        """The feature, with the trial that it fails where the driver claims it."""
+        return f"{feature}, which fails {self.failed_trials[feature]}" if feature in self.failed_trials else feature
+
+
+def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: Limits | None) -> Decision | None:
+    """Why a cell is not measured, or None. Without limits only the budget is held against it."""
+    variant = catalog[cell.method].variant(cell.params)
+    fitted = Fitted(variant, stats)
+    missing = [limits.lacks(f) for f in variant.needs if limits and f not in limits.features]
+    missing += [SCENE_FACTS[f] for f in variant.asks if not getattr(stats, f)]
+    if missing:
+        return "unsupported", f"needs {', '.join(missing)}"
+    deepest = variant.method.deepest
+    if deepest and stats.n > deepest:
+        return "over_budget", f"a pixel has {stats.n} fragments, the method has room for {deepest}"
+    local = fitted.local_array()
+    if limits and limits.max_local_array and local > limits.max_local_array:
+        return "over_budget", (f"needs a local array of {local} fragments in a shader, which this driver compiles for "
+                               f"minutes; allowed: {limits.max_local_array}")
+    side = max(stats.W, stats.H)
+    if limits and side > limits.max_texture_size:
+        return "over_budget", f"needs textures of {side} pixels a side, the device allows {limits.max_texture_size}"
+    allowed, least = variant.budget_bytes, fitted.least_bytes()
+    if least > allowed:
+        return "over_budget", (f"needs at least {_mib(least)}, {variant.method.capacity.budget} allows it "
+                               f"{_mib(allowed)}")
+    memory = fitted.memory_bytes()
+    for buffer in variant.buffers:
+        if limits and memory[buffer.name] > limits.max_block_bytes:
+            return "over_budget", (f"needs {_mib(memory[buffer.name])} for {buffer.name}, the device allows "
+                                   f"{_mib(limits.max_block_bytes)} in a storage block")
+    total, budget = sum(memory.values()), cell.measure.memory_budget_mb * MIB
+    return ("over_budget", f"needs {_mib(total)}, the budget is {_mib(budget)}") if total > budget else None
+
+
+def _mib(count: float) -> str:
+    return f"{count / MIB:,.1f} MiB" if count >= 10 * MIB else f"{count / MIB:.3g} MiB"
+
+
+def overview(cells: Iterable[Cell], catalog: Mapping[str, Method],
+             limits: Limits | None = None) -> list[dict[str, Any]]:
+    """A row per cell for `--dry-run`: what it is, the memory it should take, and `measure` or why not."""
+    return [_row(cell, catalog, limits) for cell in cells]
+
+
+def _row(cell: Cell, catalog: Mapping[str, Method], limits: Limits | None) -> dict[str, Any]:
+    stats = expected_stats(cell.scene)
+    decision = judge(cell, catalog, stats, limits)
+    memory = Fitted(catalog[cell.method].variant(cell.params), stats).memory_bytes()
+    return {"experiment": cell.experiment, "label": cell.label, "method": cell.method, "point": dict(cell.point),
+            "scene": cell.scene.as_dict(), "memory_bytes": sum(memory.values()),
+            "decision": ": ".join(decision) if decision else "measure"}

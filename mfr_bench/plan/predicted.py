@@ -1,0 +1,60 @@
+"""Predicts that a cell times out, from smaller cells that took too long."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ..config.model import Measure
+from ..scene.kinds import kind_of
+from ..scene.spec.kind import mean_depth
+from .cells import Cell
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a cell has ended: its status, and the median time of its frame if it has one."""
+
+    cell: Cell
+    status: str
+    time_ms: float | None
+
+    def over_limit(self, measure: Measure) -> bool:
+        """Whether one frame already takes longer than all frames may by these settings."""
+        if self.time_ms is not None:
+            return self.time_ms / 1e3 > measure.time_limit_s
+        return self.status == "timeout" and self.cell.measure.longest_s >= measure.longest_s
+
+    def __str__(self) -> str:
+        scene = self.cell.scene
+        where = f"{scene.size[0]} x {scene.size[1]} pixels, n = {scene.depth_complexity}"
+        where += f" (mean {mean_depth(scene):g})" if kind_of(scene).has_mean_depth(scene) else ""
+        where += f", k = {self.cell.params['k']}" if "k" in self.cell.params else ""
+        took = "timed out" if self.time_ms is None else f"took {self.time_ms / 1e3:.3g} s a frame"
+        return f"{self.cell.label} at {where} {took}"
+
+
+GROWING = ("pixel_density", "depth_complexity", "fragment_probability")  # more of it is more work
+
+
+def predicted_timeout(cell: Cell, known: Iterable[Outcome]) -> str | None:
+    """The reason why a cell cannot be measured within its limits: a smaller one that could not. None without one."""
+    smaller = [k for k in known if k.over_limit(cell.measure) and _no_smaller(cell, k.cell)]
+    found = min(smaller, key=lambda k: k.time_ms is None, default=None)
+    return None if found is None else (f"{found}, where time_limit_s allows {cell.measure.time_limit_s:g} s for all "
+                                       "frames; --try-hopeless measures it all the same")
+
+
+def _no_smaller(cell: Cell, other: Cell) -> bool:
+    """Whether a cell is at least the work of another one, and otherwise the same."""
+    (kind, size), (other_kind, other_size) = _kind_and_size(cell), _kind_and_size(other)
+    return kind == other_kind and all(a >= b for a, b in zip(size, other_size, strict=True))
+
+
+def _kind_and_size(cell: Cell) -> tuple[tuple, tuple]:
+    scene, params = cell.scene.as_dict(), dict(cell.params)
+    scene["mean_depth"] = None
+    mean = mean_depth(cell.scene) if kind_of(cell.scene).has_mean_depth(cell.scene) else 0
+    k = 0 if cell.k_saves_passes else params.pop("k", 0)
+    size = (*scene.pop("size"), *(scene.pop(name) for name in GROWING), mean, k)
+    return (cell.method, repr(sorted(params.items())), repr(sorted(scene.items()))), size

@@ -1,0 +1,7 @@
+"""The geometries that a scene may consist of. Each names the vertex shader that draws it."""
+
+from .quads import Quads
+from .strips import Strips
+from .triangles import Triangles
+
+Geometry = Quads | Strips | Triangles

@@ -1,0 +1,143 @@
+"""What a kind of scene declares: its keys and their rules, what can be counted without making it, its words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated, Any, ClassVar, Literal
+
+from annotated_types import Interval
+
+from .values import Allowed, Alpha, Colours, Seed, Share, Size
+
+MAX_PRIMITIVES = 2**22  # distinct depths on the grid of 2**-23, with a free point between any two
+LATE = "late"  # metadata of a key that was added later
+
+Fault = tuple[tuple[str, ...], str]  # the keys that decide it, and what is wrong
+
+
+def late(default: Any) -> Any:
+    """A key that older records lack: while it has its default a record leaves it out, so that they stay valid."""
+    return field(default=default, metadata={LATE: True})
+
+
+@dataclass(frozen=True, kw_only=True)
+class CommonKeys:
+    """The keys that every kind of scene has.
+
+    size: viewport, pixels. pixel_density: share of the pixels that the block or the tiles cover, or the block around
+    an object. depth_complexity: fragments over every covered pixel, or the maximum over the pixels where the kind has
+    a mean_depth (None: two fifths of the maximum). alpha: lowest and highest opacity.
+    """
+
+    kind: str
+    size: Size
+    pixel_density: Share = 1.0
+    depth_complexity: Annotated[int, Interval(ge=0, le=MAX_PRIMITIVES),
+                                Allowed(f"a whole number from 0 to {MAX_PRIMITIVES}")]
+    mean_depth: Annotated[float, Interval(ge=1, le=MAX_PRIMITIVES),
+                          Allowed(f"a number from 1 to {MAX_PRIMITIVES}")] | None = None
+    order: Literal["random", "front_to_back", "back_to_front"] = "random"
+    alpha: Alpha = (0.1, 0.6)
+    colours: Colours = "any"
+    fragment_probability: Share = 1.0
+    seed: Seed = 1
+    animate: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class NoKeys:
+    """For a kind without keys of its own."""
+
+
+@dataclass(frozen=True)
+class Described:
+    """A row of the table in docs/scenes.md."""
+
+    name: str  # as a config writes it, in Markdown
+    what: str
+    depth_complexity: str
+    mean_depth: str
+    stands_for: str
+
+
+class Kind:
+    """One kind of scene. A file of `scene/kinds/` declares it as KIND.
+
+    Keys: a dataclass of the keys that only kinds which name it have. generator: the function that makes the scene, as
+    module.function within `scene/`; it takes the scene's parameters and the number of the frame. rules: each takes
+    the scene's parameters and gives a Fault or None. rows: the kind in docs/scenes.md; key_words: a Markdown list of
+    its keys there.
+    """
+
+    name: ClassVar[str]
+    Keys: ClassVar[type] = NoKeys
+    generator: ClassVar[str]
+    geometry: ClassVar[str] = "strip"  # shaders/scene/<geometry>.vert draws it
+    noun: ClassVar[str] = "strips"  # what the primitives are called in an error message
+    fullest: ClassVar[float] = 1.0  # most mean depth, as a share of the depth complexity
+    rules: ClassVar[Sequence[Callable[[Any], Fault | None]]] = ()
+    rows: ClassVar[Sequence[Described]]
+    key_words: ClassVar[str] = ""
+
+    def covered_pixels(self, scene: CommonKeys) -> int:
+        """Pixels with a fragment at least, where none is discarded; about, where the device decides."""
+        raise NotImplementedError
+
+    def primitives(self, scene: CommonKeys) -> int:
+        """Primitives submitted; about, but never less than a third of them."""
+        raise NotImplementedError
+
+    def expected_counts(self, scene: CommonKeys) -> list[float]:
+        """The covered pixels expected to have 0, 1, 2, … fragments."""
+        raise NotImplementedError
+
+    def geometry_of(self, scene: CommonKeys) -> str:
+        """The geometry that the scene is drawn with."""
+        return self.geometry
+
+    def has_mean_depth(self, scene: CommonKeys) -> bool:
+        """Whether depth_complexity is the maximum over the pixels, and mean_depth the mean over the covered ones."""
+        return False
+
+    def least_layers(self, scene: CommonKeys) -> int:
+        """Fewest fragments that a covered pixel draws before any is discarded; 0 where every pixel draws all."""
+        return 0
+
+    def rejects(self, scene: CommonKeys) -> bool:
+        """Whether some fragments of the primitives are not generated."""
+        return scene.fragment_probability < 1 or self.least_layers(scene) > 0
+
+    def where(self, scene: CommonKeys) -> str:
+        """The kind in an error message."""
+        return f"in kind {self.name}"
+
+    def faults(self, scene: CommonKeys) -> list[Fault]:
+        """What is wrong with values that are each allowed."""
+        found = (rule(scene) for rule in (self._too_many, self._no_mean, self._mean_too_high, *self.rules))
+        return [fault for fault in found if fault]
+
+    def _too_many(self, scene: CommonKeys) -> Fault | None:
+        count = self.primitives(scene)
+        what = (f"{count} {self.noun} {self.where(scene)}; allowed: at most {MAX_PRIMITIVES}, "
+                "so that depths stay distinct")
+        return (("r", "scene.depth_complexity"), what) if count > MAX_PRIMITIVES else None
+
+    def _no_mean(self, scene: CommonKeys) -> Fault | None:
+        unused = scene.mean_depth is not None and not self.has_mean_depth(scene)
+        what = (f"mean_depth has no use {self.where(scene)}; allowed: with layout mixed, or with a kind that has a "
+                "mean depth of its own")
+        return (("scene.mean_depth", "scene.layout"), what) if unused else None
+
+    def _mean_too_high(self, scene: CommonKeys) -> Fault | None:
+        if scene.mean_depth is None or not self.has_mean_depth(scene):
+            return None
+        most = max(1.0, self.fullest * scene.depth_complexity)
+        what = (f"a mean_depth of {scene.mean_depth:g} under a maximum of {scene.depth_complexity}; "
+                f"allowed in kind {scene.kind}: up to {most:g}")
+        return (("scene.mean_depth", "r", "scene.depth_complexity"), what) if scene.mean_depth > most else None
+
+
+def mean_depth(scene: CommonKeys) -> float:
+    """Fragments per covered pixel that a scene with a mean depth aims at."""
+    return scene.mean_depth or max(1.0, 0.4 * scene.depth_complexity)
