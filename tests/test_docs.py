@@ -11,6 +11,7 @@ from mfr_bench.config import load, shipped
 from mfr_bench.methods import catalog
 from mfr_bench.methods.catalog_text import as_markdown
 from mfr_bench.report.conformance import HAZARDS, HEAD, HEADER
+from mfr_bench.store.page import columns_page
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -29,6 +30,11 @@ def test_links_of_the_documentation_lead_somewhere():
     links = [(page, link) for page in pages for link in re.findall(r"\]\((?!http|#)([^)#]+)", page.read_text())]
     assert links
     assert [(page.name, link) for page, link in links if not (page.parent / link).exists()] == []
+
+
+def test_results_page_is_what_the_tables_give():
+    assert (DOCS / "results.md").read_text() == columns_page(), (
+        "docs/results.md is out of date: mfr-bench table --columns >docs/results.md")
 
 
 def test_methods_page_is_what_the_declarations_give():

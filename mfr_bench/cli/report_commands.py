@@ -71,8 +71,18 @@ def plot(folders: tuple[str, ...], together: str | None) -> None:
             note(line)
 
 
+def _print_columns(context: click.Context, parameter: click.Parameter, asked: bool) -> None:
+    if asked:
+        from ..store.page import columns_page
+
+        say(columns_page().rstrip("\n"))
+        context.exit()
+
+
 @click.command()
 @FOLDERS
+@click.option("--columns", is_flag=True, is_eager=True, expose_value=False, callback=_print_columns,
+              help="Print docs/results.md: every file and column of a result folder.")
 def table(folders: tuple[str, ...]) -> None:
     """Print the tables of all results at or below DIR.
 

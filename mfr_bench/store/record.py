@@ -14,7 +14,11 @@ from . import columns
 from .columns import Column
 from .status import STATUSES
 
-SCHEMA = 1  # docs/results.md has the history of the format
+SCHEMA = 1
+HISTORY = {  # of the format: a new schema is one that programs of the one before cannot read
+    1: "the first layout. Added since, and missing in earlier folders: `cells.zip` (the packed form), `methods` in the "
+       "manifest, `tables/summary.csv` (before: `tables/results.csv`). `lost_fragments` was the sum of all frames.",
+}
 LARGEST = 1e18  # of a number in a cell or a manifest; what is larger overflows in sums and squares
 KEY_DIGITS = 20  # 80 bits: two of a billion cells share a key with a chance below 1e-6
 

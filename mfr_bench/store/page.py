@@ -1,0 +1,83 @@
+"""docs/results.md: the files of a result folder, their columns, and the history of the format, from the tables here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from .columns import ARRAYS, COLUMNS, DERIVED, PASS_COLUMNS, Column
+from .record import HISTORY, SCHEMA
+from .status import STATUSES
+
+HEAD = f"""# Result folders
+
+What stands in a folder that `mfr-bench run` wrote (`mfr-bench table --columns` prints this page). An empty field was
+not measured; it is never 0.
+
+The format has schema {SCHEMA}, which every cell file and manifest says. A file of a later schema is left in place and
+not used, and a run into its folder is refused. The history of the format:
+"""
+
+FILES = """
+## Files
+
+| file | what |
+| --- | --- |
+| `manifest.json` | the config, the device, versions, calibration, the planned cells in order, where the time went |
+| `cells/<key>.json` | one measured cell, every raw sample included; written whole, renamed into place |
+| `cells/<key>.npz` | the arrays that the cell keeps, where `measure.keep` asks for them |
+| `cells.zip` | both, packed by `mfr-bench pack`; a file in cells/ counts before the one of its name in the pack |
+| `unfinished.jsonl` | samples of cells that a killed run did not finish, a line per batch; gone when they are |
+| `results.csv` | a row per cell: every cell in the folder |
+| `passes.csv` | a row per cell and timed pass |
+| `tables/results.md` | the tables that `mfr-bench table` prints, and the pass times |
+| `tables/summary.csv` | a row per cell that the config has, by its label and its place on each axis, with what tables show |
+| `tables/pass_times.csv` | a row per such cell, a column per pass: median times in ms |
+| `figures/<name>.png`, `.svg` | the figures that the config asks for, numbered where there are several |
+
+A cell whose scene moves, or whose method chooses k from the scene, has `frames` in its file. For each of them:
+`frame` (from 0), `fragments`, `covered_pixels`, `max_fragments`, `chosen_k` (null where nothing is chosen), `kept`
+(fragments that the method keeps of the frame) and `histogram` (pixels with 0, 1, 2, … fragments).
+"""
+
+COLUMNS_HEAD = """
+## Columns of results.csv
+
+`figures` says what a figure of a config may do with a column: a `place` is x, panels or rows; a `measure` is also y; a
+frontier has an `error` as y and a `cost` as x.
+"""
+
+
+def columns_page() -> str:
+    """The page, as docs/results.md has it."""
+    history = [f"- {schema}: {what}" for schema, what in HISTORY.items()]
+    arrays = [(f"`{a.name}`", a.type, str(a.dimensions), a.meaning) for a in ARRAYS.values()]
+    parts = [HEAD, *history, FILES, COLUMNS_HEAD, *_columns(COLUMNS),
+             "\n## Measures derived from them, for figures and tables\n", *_columns(DERIVED),
+             "\n## Columns of passes.csv\n", *_columns(PASS_COLUMNS), "\n## Statuses\n", *_statuses(),
+             "\n## Arrays\n", *_table(("array", "type", "dimensions", "what"), arrays)]
+    return "\n".join(parts) + "\n"
+
+
+def _columns(columns: Iterable[Column]) -> list[str]:
+    return _table(("column", "type", "unit", "meaning", "figures", "axis", "from"), (
+        (f"`{c.name}`", c.type, c.unit, c.meaning, c.drawn, c.axis if c.drawn not in ("", "place") else "",
+         f"`{c.producer}`") for c in columns))
+
+
+def _statuses() -> list[str]:
+    head = ("status", "meaning", "image", "refused", "retried", "failed", "over memory", "exit status", "breaks")
+    return _table(head, ((f"`{s.name}`", s.meaning, s.image, *(_yes(v) for v in (s.refused, s.retried, s.failed,
+                                                                                s.over_memory)),
+                          str(s.exit_status), s.breaks) for s in STATUSES.values()))
+
+
+def _yes(value: bool) -> str:
+    return "yes" if value else ""
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> list[str]:
+    return [_row(*head), _row(*("---" for _ in head)), *(_row(*row) for row in rows)]
+
+
+def _row(*cells: str) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
