@@ -13,7 +13,7 @@ from ..methods.spec import Value
 from ..report.figures.kind import Key
 from ..report.figures.kinds import KINDS, all_keys
 from ..scene import Scene
-from ..scene.spec.values import STRICT, Allowed, Text, plain
+from ..scene.spec.values import STRICT, Allowed, Text, Unit, plain
 from ..store.columns import ARRAYS
 
 Samples = Annotated[int, Interval(ge=1, le=1_000_000), Allowed("a whole number from 1 to 1000000")]
@@ -21,6 +21,7 @@ Seconds = Annotated[float, Interval(gt=0, le=86400), Allowed("seconds above 0, u
 Mebibytes = Annotated[float, Interval(gt=0, le=2**24), Allowed("MiB above 0, up to 16777216")]
 
 KEPT = tuple(ARRAYS)  # arrays that a cell may keep
+
 
 class _Plain:
     """Gives a dataclass its JSON form."""

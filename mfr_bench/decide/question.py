@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from ..config.model import MAX_SIDE
 from ..errors import UsageError
+from ..scene.spec.values import MAX_SIDE
 from ..store.status import EXACT_ERROR
 
 DURATION = re.compile(r"(\d+(?:\.\d+)?)(s|m|h)")
