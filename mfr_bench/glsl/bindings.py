@@ -10,8 +10,8 @@ from ..methods.spec import IMAGE, Pass, Variant
 DIAGNOSTICS_BINDING = 7  # GL guarantees eight storage blocks to a fragment shader
 DIAGNOSTICS = ("lost_fragments", "shaded_fragments", "stored_fragments")  # counters outside every method's memory
 
-# The uniform block `Frame`, one uint each, in order.
-FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k")
+# The uniform block `Frame`, one uint each, in order; box_near and box_far are the bits of floats.
+FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k", "box_near", "box_far")
 FRAME_BINDING = 0
 OPAQUE_UNIT = 15  # of the scene's opaque depth: GL guarantees sixteen texture units to a fragment shader
 COLOURS_BINDING = 1  # of the uniform block `Colours`: the base colours of a payload of two channels, as light

@@ -22,9 +22,11 @@ class Uniforms:
     def write(self, scene: Geometry, capacity: int, chosen_k: int) -> None:
         """Give every field its value. `chosen_k`: of a method whose k the host decides, else 0."""
         stats, (left, bottom, columns, rows) = self._stats, scene.bounds
+        near, far = np.array(scene.depth_bounds, dtype=np.float32).view(np.uint32)
         values = {
             "width": stats.W, "height": stats.H, "pixels": stats.P, "capacity": capacity, "seed": scene.seed,
             "keep_threshold": min(scene.keep_threshold, 2**32 - 1), "chosen_k": chosen_k,
+            "box_near": near, "box_far": far,
             "region_first": bottom * columns + left, "region_columns": columns, "region_pixels": columns * rows,
             "region_left": left, "region_bottom": bottom, "region_right": left + columns, "region_top": bottom + rows}
         self._buffer.write(np.array([values[name] for name in FIELDS], dtype=np.uint32).tobytes())

@@ -19,6 +19,7 @@ from .shared import (
     CLEAR_IMAGE,
     CULLING,
     OCCUPANCY,
+    OCCUPANCY_BOUNDS,
     PAYLOAD,
     PEELED,
     RESOLVE_OPTIONS,
@@ -54,6 +55,7 @@ RANGES = Buffer("nodes", "2*capacity", type="FRAGMENT", coherent=True)
 GROUP_TOTAL = Buffer("group_total", "counters", clear="0u")
 HISTOGRAM = Buffer("histogram", str(BINS), clear="0u")
 
+SLOTTED_WORDS = "counter and semaphore are the 2 words; with an interlock only the counter"
 RANGED_WORDS = ("the 3 words are address, semaphore, and a counter of both the fragments counted and the slots taken; "
                 f"beside them {SHARED_COUNTERS}")
 TIES = "kept; for the k-th place the lesser payload stays"
@@ -72,16 +74,15 @@ def kplus(method_id: str, name: str, section: str, summary: str, *params: Param,
     shader = more.pop("shader", "methods/kplus/store.frag")
     return Method(
         id=method_id, name=name, family="kplus", source=f"kplus_2015 {section}", summary=summary,
-        words="2*k + 2", beside="counter and semaphore are the 2 words; with sync: interlock only the counter",
-        local="k", fixed=fixed,
-        params=(K, *params, SYNC, CULLING, occupancy, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
+        words="2*k + 2", local="k", fixed=fixed,
+        params=(K, *params, SYNC, CULLING, occupancy, OCCUPANCY_BOUNDS, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
         buffers=(COUNTER, SEMAPHORE, NODES),
         steps=touching(
             clear("counter", "semaphore", "nodes"),
             *occupied(store(shader, defines=PER_PIXEL)),
             resolve("counter", "nodes", fetch=FETCH, defines=PER_PIXEL),
         ),
-        **{"guarantee": "exact k nearest", "ties": TIES, **more},
+        **{"guarantee": "exact k nearest", "ties": TIES, "beside": SLOTTED_WORDS, **more},
     )
 
 
@@ -180,6 +181,9 @@ METHODS = [
           "max-array: the furthest of the k fragments stands first, the others unsorted", fixed=(STRUCTURE, CRITERION)),
     kplus("kplus-array-r", "K+B-Array-R", "§3.2.1, Alg. 2",
           "max-array whose first k-1 fragments take their slots without the lock", fixed=(STRUCTURE, CRITERION),
+          beside=f"{SLOTTED_WORDS}. A direct insertion takes two atomics and a barrier where Alg. 2 has one: the "
+                 "second tells slots that are written from those that are taken, without which a search for the worst "
+                 "fragment may meet a slot that is not written yet",
           shader="methods/kplus/store_revised.frag"),
     kplus("kplus-heap", "K+B-Heap", "§3, Alg. 1 and 2",
           "max-heap: the furthest of the k fragments stands first; meant for k > 16",

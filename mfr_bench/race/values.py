@@ -38,7 +38,7 @@ BUILT_IN = frozenset(
      "bitCount", "packUnorm4x8", "unpackUnorm4x8", "packHalf2x16", "unpackHalf2x16", "packUint2x32", "unpackUint2x32"})
 UNIFORMS = {name: name.upper() for name in (
     "width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k", "region_first", "region_columns",
-    "region_pixels", "region_left", "region_bottom", "region_right", "region_top", "iteration")}
+    "region_pixels", "region_left", "region_bottom", "region_right", "region_top", "box_near", "box_far", "iteration")}
 BASES = {"base_a": 0, "base_b": 1}
 INPUTS = {"quad": "inputs().quad", "payload8": "inputs().payload", "instance": "inputs().instance"}
 GIVEN = {

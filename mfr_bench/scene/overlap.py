@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 CELL = 8  # pixels, side of the squares in which rectangles are counted
+DEPTH_MARGIN = 2.0**-20  # of the depth range, to spare for what a device rounds
 MARGIN = 1  # pixels to spare for what a device rounds
 
 
@@ -28,6 +29,17 @@ def bounds_of(boxes: np.ndarray) -> tuple[int, int, int, int]:
         return 0, 0, 0, 0
     (left, bottom), (right, top) = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
     return int(left), int(bottom), int(right - left), int(top - bottom)
+
+
+def depth_bounds_of(position: np.ndarray) -> tuple[float, float]:
+    """Nearest and furthest window depth of the primitives' corners, in [0, 1], with a step to spare for rounding.
+
+    position: (n, corners, 4), clip space. The whole range where there is no corner, or one at or behind the eye.
+    """
+    if not len(position) or position[..., 3].min() <= 0:
+        return 0.0, 1.0
+    depth = (position[..., 2].astype(np.float64) / position[..., 3] + 1.0) / 2.0
+    return max(0.0, float(depth.min()) - DEPTH_MARGIN), min(1.0, float(depth.max()) + DEPTH_MARGIN)
 
 
 def most_over(rects: np.ndarray, viewport: tuple[int, int]) -> int:

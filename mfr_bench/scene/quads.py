@@ -48,6 +48,12 @@ class Quads:
         return int(left), int(bottom), int(right - left), int(top - bottom)
 
     @cached_property
+    def depth_bounds(self) -> tuple[float, float]:
+        """Window depths between which the quads lie that can be seen; the whole range where there is none."""
+        inside = self.depth[(self.depth >= 0) & (self.depth <= 1)]
+        return (float(inside.min()), float(inside.max())) if len(inside) else (0.0, 1.0)
+
+    @cached_property
     def layers(self) -> int:
         """Most fragments that a pixel can have, by the rectangles alone."""
         return most_over(self.rasterized, self.viewport)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..hashing import hash3
 from .colours import rgba
-from .overlap import bounds_of, boxes_of, most_over
+from .overlap import bounds_of, boxes_of, depth_bounds_of, most_over
 from .parameters import Scene
 from .streams import ORDER
 
@@ -61,6 +61,11 @@ class Strips:
     def bounds(self) -> tuple[int, int, int, int]:
         """Left, bottom, width and height in pixels of a rectangle that bounds the strips in the viewport."""
         return bounds_of(self.boxes)
+
+    @cached_property
+    def depth_bounds(self) -> tuple[float, float]:
+        """Window depths between which the strips lie."""
+        return depth_bounds_of(self.position)
 
     @cached_property
     def layers(self) -> int:

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from .overlap import bounds_of, boxes_of, most_over
+from .overlap import bounds_of, boxes_of, depth_bounds_of, most_over
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,11 @@ class Triangles:
     def bounds(self) -> tuple[int, int, int, int]:
         """Left, bottom, width and height in pixels of a rectangle that bounds the triangles in the viewport."""
         return bounds_of(self.boxes)
+
+    @cached_property
+    def depth_bounds(self) -> tuple[float, float]:
+        """Window depths between which the triangles lie."""
+        return depth_bounds_of(self.position)
 
     @cached_property
     def layers(self) -> int:

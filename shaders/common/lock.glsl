@@ -32,19 +32,25 @@
 
 #else
 
+#if SYNC_ORDERED
+#define INTERLOCKED pixel_interlock_ordered
+#else
+#define INTERLOCKED pixel_interlock_unordered
+#endif
+
 #if defined(GL_ARB_fragment_shader_interlock)
-layout(pixel_interlock_unordered) in;
+layout(INTERLOCKED) in;
 #define INTERLOCK_BEGIN beginInvocationInterlockARB()
 #define INTERLOCK_END endInvocationInterlockARB()
 #elif defined(GL_NV_fragment_shader_interlock)
-layout(pixel_interlock_unordered) in;
+layout(INTERLOCKED) in;
 #define INTERLOCK_BEGIN beginInvocationInterlockNV()
 #define INTERLOCK_END endInvocationInterlockNV()
 #elif defined(GL_INTEL_fragment_shader_ordering)
 #define INTERLOCK_BEGIN beginFragmentShaderOrderingINTEL()
 #define INTERLOCK_END
 #else
-#error sync: interlock needs a fragment shader interlock extension
+#error sync: interlock and sync: ordered need a fragment shader interlock extension
 #endif
 
 // The interlock orders accesses; the barrier makes them visible to the next invocation.

@@ -139,8 +139,8 @@ def cost(good, dense_ms=6.0):
 
 def synchronization(good):
     times = {("kplus-array", "spin", "on"): 9.0, ("kb-ps", "spin", "off"): 14.0,
-             ("kplus-array", "interlock", "on"): 5.0,
-             ("kb-ps", "interlock", "off"): 10.0 if good else 5.5, ("kb-ps", "interlock", "on"): 5.0}
+             ("kplus-array", "ordered", "on"): 5.0,
+             ("kb-ps", "ordered", "off"): 10.0 if good else 5.5, ("kb-ps", "ordered", "on"): 5.0}
     return [cell(m, ms, {"k": 8, "sync": sync, "culling": culls}) for (m, sync, culls), ms in times.items()]
 
 
@@ -237,14 +237,16 @@ def compare_and_swap(good):
 def discarded(good, kplus=0.62):
     """Shares of the 95 % of the fragments that are not kept."""
     shares = {32: 0.97 if good else 0.7, 0: kplus}
-    return [cell("kplus-array", params={"k": 8, "occupancy": bits},
+    return [cell("kplus-array", params={"k": 8, "occupancy": bits, "occupancy_bounds": "box"},
                  values={"culled_share": 0.95 * share, "hit_ratio": 0.05})
             for bits, share in shares.items()]
 
 
 def occupancy(good, intervals=(32,)):
-    return [cell(m, ms, {"k": k, "occupancy": d}) for m in ("kplus-array", "kplus-heap") for k in (4, 64)
-            for d, ms in ((0, 6.5 if good else 4.5), *((d, 5.0) for d in intervals))]
+    return [cell(m, ms, {"k": k, "occupancy": d, "occupancy_bounds": bounds})
+            for m in ("kplus-array", "kplus-heap") for k in (4, 64)
+            for d, ms, bounds in ((0, 6.5 if good else 4.5, "geometry"), *((d, 5.0, "box") for d in intervals),
+                                  *((d, 5.0, "geometry") for d in intervals[1:] and (32,)))]
 
 
 def two_channel(good, luminance=0.002):

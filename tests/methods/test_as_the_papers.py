@@ -6,8 +6,13 @@ import numpy as np
 import pytest
 
 from mfr_bench.config import Scene as SceneConfig
+from mfr_bench.gpu.capture import capture
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
 from mfr_bench.oracle.composite import composite, fragment_counts
+from mfr_bench.oracle.quality import conformance
 from mfr_bench.scene import generate
 
 from .drawing import drawn
@@ -73,3 +78,38 @@ def test_probe_offsets_are_drawn_anew_before_each_frame(device):
             images.append(frame.image())
     assert all((a != b).mean() > 0.9 for a, b in ((offsets[0], offsets[1]), (offsets[1], offsets[2])))
     np.testing.assert_allclose(images[0], images[2], atol=1e-6)
+
+
+BOXES = {
+    "quads": SceneConfig(size=(40, 32), depth_complexity=40, pixel_density=0.5, seed=3),
+    "hairball": SceneConfig(kind="hairball", size=(40, 32), depth_complexity=40, mean_depth=20, seed=3),
+    "temple": SceneConfig(kind="temple", size=(40, 32), depth_complexity=30, mean_depth=12, seed=3),
+    "slanted": SceneConfig(size=(40, 32), depth_complexity=30, slant=0.5, seed=3),
+}
+
+
+@pytest.mark.parametrize("kind", BOXES)
+def test_no_fragment_lies_beyond_the_box_around_the_scene(device, kind):
+    with shown(device, generate(BOXES[kind])) as on:
+        depths = capture(device, on.scene_buffer, on.canvas).depth.view(np.float32)
+        near, far = on.scene_buffer.scene.depth_bounds
+        assert 0 <= np.float32(near) <= depths.min()
+        assert depths.max() <= np.float32(far) <= 1
+        assert far - near < 1.1 * (depths.max() - depths.min()) + 1e-3
+
+
+@pytest.mark.parametrize("kind", BOXES)
+def test_bounds_by_a_box_save_a_geometry_pass_and_keep_the_k_nearest(device, kind):
+    """occupancy_2015, Algorithm, step 1: a bounding box is drawn in place of the scene."""
+    found = {}
+    with shown(device, generate(BOXES[kind])) as on:
+        for bounds in ("geometry", "box"):
+            variant = catalog()["kplus-array"].variant({"k": 4, "occupancy": 64, "occupancy_bounds": bounds})
+            frame = Frame(device, Fitted(variant, on.stats), on.scene_buffer, on.canvas)
+            frame.draw_fitting()
+            error = conformance(frame.image(), on.truth.image(frame.fitted.promise()), on.truth.tied)["max_abs_error"]
+            assert error < 1e-4
+            found[bounds] = frame.geometry_passes, frame.probe()["shaded_fragments"]
+            frame.release()
+    assert found["box"][0] == found["geometry"][0] - 1
+    assert found["geometry"][1] <= 1.05 * found["box"][1] < on.stats.F  # tighter bounds discard about as many, or more

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..evidence import Bound, between
-from ..picks import pick
+from ..picks import ANY, pick
 from ..rules import Counted, Ratio
 from ..verdict import Claim, Reading
 
@@ -18,13 +18,14 @@ def _share(printed: float) -> Bound:
 
 
 def _discarded(intervals: int, of: str) -> tuple[Counted, ...]:
-    return (Counted(pick("kplus-array", occupancy=intervals, k=8), of, _share(98.28)),
+    return (Counted(pick("kplus-array", occupancy=intervals, occupancy_bounds="box", k=8), of, _share(98.28)),
             Counted(pick("kplus-array", occupancy=0, k=8), of, _share(63.66)))
 
 
-def _gain(intervals: int) -> tuple[Ratio, ...]:
-    return tuple(Ratio(pick(m, occupancy=0), pick(m, occupancy=intervals), between(1.195, 1.505, "20 to 50 %"))
-                 for m in METHODS)
+def _gain(intervals: int, *methods: str, bounds: str = "box") -> tuple[Ratio, ...]:
+    return tuple(Ratio(pick(m, occupancy=0, occupancy_bounds=ANY),
+                       pick(m, occupancy=intervals, occupancy_bounds=bounds), between(1.195, 1.505, "20 to 50 %"))
+                 for m in methods or METHODS)
 
 
 CLAIMS = (
@@ -50,7 +51,9 @@ CLAIMS = (
         ("occupancy2015-fig4",),
         _gain(32),
         hardware="it has no early depth test in hardware, by which the fragments are refused",
-        reading="d is the number of intervals",
-        otherwise=(Reading("128 intervals", _gain(128)),),
+        reading="d is the number of intervals, between the depths of a box",
+        otherwise=(Reading("128 intervals", _gain(128)),
+                   Reading("32 intervals between the depths of each pixel",
+                           _gain(32, "kplus-array", bounds="geometry"))),
     ),
 )

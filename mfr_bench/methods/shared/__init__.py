@@ -26,9 +26,10 @@ from ..spec import (
 )
 
 K = Param("k", 8, "fragments kept per pixel, the nearest", low=1, high=1024)
-SYNC = Param("sync", "spin", "mutual exclusion per pixel: spin lock with a semaphore, fragment shader interlock, or "
-             "none, to see what it is there for", choices=("spin", "interlock", "none"),
-             needs={"interlock": "fragment_shader_interlock"},
+SYNC = Param("sync", "spin", "mutual exclusion per pixel: spin lock with a semaphore; fragment shader interlock in any "
+             "order, or in that of submission, as GL_INTEL_fragment_shader_ordering always has it; or none, to see "
+             "what it is there for", choices=("spin", "interlock", "ordered", "none"),
+             needs=dict.fromkeys(("interlock", "ordered"), "fragment_shader_interlock"),
              weakens={"none": "fragments of a pixel in flight at once lose each other's changes"})
 LOCK = "with sync: spin a semaphore, one word per pixel"
 CULLING = Param("culling", "on", "refuse fragments beyond the furthest kept before the critical section",
@@ -80,6 +81,11 @@ MULTISAMPLING = Param(
 OCCUPANCY = Param("occupancy", 0, "intervals of the occupancy map, by which fragments beyond the k-th are discarded "
                   "before the store, by early z where the store has no depth or stencil test of its own; 0: none",
                   of=(0, 32, 64, 128), low=0, high=128)
+
+OCCUPANCY_BOUNDS = Param("occupancy_bounds", "geometry", "the depths between which the intervals lie: those of the "
+                         "pixel's fragments, for a further geometry pass, or those of a box around the scene, whose "
+                         "rectangle is drawn, as in the source", choices=("geometry", "box"),
+                         acts=when("occupancy", *(d for d in OCCUPANCY.of if d)))
 
 Expand = Callable[[Pass, Params], tuple[Pass, ...]]
 
@@ -228,12 +234,20 @@ def occupancy_map() -> tuple[Pass, ...]:
     return (
         Pass("occupancy", "fullscreen", "common/clear.frag", writes=("occupied",), buffers=(mask,), when=on),
         Pass("occupancy", "geometry", "common/depth_bounds.frag", into=("bounds",), clears={"bounds": NO_BOUNDS},
-             state=State(blend=MAX), targets=(Target("bounds", "rg32f"), KTH_DEPTH), when=on),
+             state=State(blend=MAX), targets=(Target("bounds", "rg32f"), KTH_DEPTH), when=on, expand=_bounded),
         Pass("occupancy", "geometry", "common/occupancy/mark.frag", reads=("bounds",), writes=("occupied",), when=on),
         Pass("occupancy", "fullscreen", "common/occupancy/cull.frag", reads=("bounds", "occupied"),
              into=(KTH_DEPTH.name,), state=State(depth_test="always"), when=on),
         _before_kth(Pass("occupancy", "geometry", "common/occupancy/shaded.frag", probes=SHADED, when=on)),
     )
+
+
+def _bounded(step: Pass, scope: Params) -> tuple[Pass, ...]:
+    """The pass that finds the depth bounds of pixels, by OCCUPANCY_BOUNDS from the geometry or from a box around it."""
+    if scope.get(OCCUPANCY_BOUNDS.name) != "box":
+        return (replace(step, expand=None),)
+    return (replace(step, kind="fullscreen", shader="common/occupancy/box.frag", state=State(), region=True,
+                    expand=None),)
 
 
 def culled(store: Pass) -> Pass:

@@ -47,7 +47,8 @@ extern const FrameDesc frame;
 
 enum Op { LOAD, STORE, ADD, AND, OR, XOR, MIN, MAX, EXCHANGE, SWAP, REACH, FENCE, BARRIER, BEGIN, END, DISCARD, GATE };
 enum Uniform { WIDTH, HEIGHT, PIXELS, CAPACITY, SEED, KEEP_THRESHOLD, CHOSEN_K, REGION_FIRST, REGION_COLUMNS,
-               REGION_PIXELS, REGION_LEFT, REGION_BOTTOM, REGION_RIGHT, REGION_TOP, ITERATION, UNIFORMS };
+               REGION_PIXELS, REGION_LEFT, REGION_BOTTOM, REGION_RIGHT, REGION_TOP, BOX_NEAR, BOX_FAR,
+               ITERATION, UNIFORMS };
 struct Inputs {  // of the running invocation
     uint32_t x = 0, y = 0, quad = 0, payload = 0, instance = 0;
     float z = 0.0f;

@@ -299,7 +299,8 @@ void set_uniforms(uint32_t seed) {
     const uint32_t* r = frame.region;
     uint32_t first = r[1] * r[2] + r[0];
     const uint32_t values[] = {frame.width, frame.height, frame.width * frame.height, frame.capacity, seed, 0xFFFFFFFFu,
-                               frame.chosen_k, first, r[2], r[2] * r[3], r[0], r[1], r[0] + r[2], r[1] + r[3], 0};
+                               frame.chosen_k, first, r[2], r[2] * r[3], r[0], r[1], r[0] + r[2], r[1] + r[3],
+                               0, 0x3F800000u, 0};  // a box of all depths, 0 to 1
     std::copy(std::begin(values), std::end(values), m.uniforms);
 }
 

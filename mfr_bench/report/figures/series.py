@@ -34,8 +34,9 @@ def _gains(points: Sequence[Point], name: str) -> list[Point]:
 
 
 def _but(point: Point, name: str) -> str:
-    """All that makes a point but one parameter."""
-    params = {key: value for key, value in point.cell["params"].items() if key != name}
+    """All that makes a point but a parameter and those of how it acts: of `occupancy` also `occupancy_bounds`."""
+    params = {key: value for key, value in point.cell["params"].items()
+              if key != name and not key.startswith(f"{name}_")}
     return json.dumps([point.method, params, point.cell["scene"], point.row["device"]], sort_keys=True)
 
 
