@@ -4,7 +4,7 @@ VENV := .venv
 PYTHON_READY := $(VENV)/python-ready
 DRIVER_READY := $(VENV)/driver-ready
 
-.PHONY: help bench papers test lint setup lock clean
+.PHONY: help bench papers test lint setup lock clean drivers
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -22,6 +22,9 @@ test: setup  ## run every test (ARGS="-k scene")
 lint: $(PYTHON_READY)  ## check the style of the code
 	@$(VENV)/bin/python -m ruff check .
 	@if command -v shellcheck >/dev/null; then shellcheck scripts/setup.sh .ci/run; fi
+
+drivers:  ## test every driver that a CPU runs, in fresh roots; needs root (ARGS="--root trixie --driver zink")
+	@scripts/drivers.py $(ARGS)
 
 setup: $(PYTHON_READY) $(DRIVER_READY)  ## make .venv (PYTHON=/path/to/python3) and see to an OpenGL driver
 

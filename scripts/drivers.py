@@ -1,0 +1,239 @@
+#!/usr/bin/env python3
+"""Tests mfr-bench on the OpenGL drivers that a CPU can run, each in a fresh root made by debootstrap; needs root.
+
+    sudo scripts/drivers.py                              every root and driver
+    sudo scripts/drivers.py --root trixie --driver zink  one of them, or several with commas between
+    scripts/drivers.py --table                           the table of what was run before
+
+Goes on where it stopped: a check that ended is not run again until a file of the work tree changes (--again). Roots,
+logs and outcomes stand in --dir. The network is needed for Debian's or Ubuntu's packages and PyPI alone.
+docs/drivers.md tells what is known of each driver.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+SOURCES = Path(__file__).resolve().parent.parent
+DEBIAN, UBUNTU = "http://deb.debian.org/debian", "http://archive.ubuntu.com/ubuntu"
+ROOTS = {"bookworm": DEBIAN, "trixie": DEBIAN, "forky": DEBIAN, "sid": DEBIAN, "noble": UBUNTU, "resolute": UBUNTU}
+PACKAGES = ("ca-certificates", "python3", "python3-venv", "python3-dev", "g++", "make", "git", "libegl1", "libgl1",
+            "libgl1-mesa-dri", "mesa-vulkan-drivers")
+SCRIPTS = Path("/usr/share/debootstrap/scripts")
+INSIDE = """
+mount --make-rprivate / && mount -t proc proc "$0/proc" && mount --rbind /dev "$0/dev" && mount -t sysfs sysfs "$0/sys"
+exec chroot "$0" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive bash -c "$1"
+"""
+VIRGL = """
+command -v virgl_test_server >/dev/null || { apt-get -qq update && apt-get -qq install -y virgl-server; } >&2
+virgl_test_server --use-egl-surfaceless >/tmp/virgl.log 2>&1 & server=$!; trap 'kill $server' EXIT; sleep 1
+export GALLIUM_DRIVER=virpipe LIBGL_ALWAYS_SOFTWARE=1
+"""
+MEASURE = ".venv/bin/mfr-bench {} --out /tmp/drivers/$NAME --device {}"
+
+
+@dataclass(frozen=True)
+class Driver:
+    """How a driver is chosen inside a root, and what its renderer's name begins with."""
+
+    choose: str
+    renderer: str
+
+
+DRIVERS = {
+    "llvmpipe": Driver("", "llvmpipe"),
+    "zink": Driver("export MESA_LOADER_DRIVER_OVERRIDE=zink LIBGL_ALWAYS_SOFTWARE=1", "zink"),
+    "virgl": Driver(VIRGL, "virgl"),
+}
+
+
+@dataclass(frozen=True)
+class Check:
+    """One command in a root, with the longest that it may take."""
+
+    command: str
+    limit_s: int
+
+
+CHECKS = {
+    "newcomer": Check("make bench && make test", 2400),
+    "doctor": Check(".venv/bin/mfr-bench doctor --device $DEVICE", 120),
+    "smoke": Check(f"{MEASURE.format('run smoke --force', '$DEVICE')}", 300),
+    "conformance": Check(MEASURE.format("run conformance determinism --profile smoke", "$DEVICE"), 1200),
+    "stress": Check(MEASURE.format("stress --profile smoke", "$DEVICE"), 1200),
+    "contract": Check(".venv/bin/python -m pytest -q tests/contract tests/gpu", 1200),
+}
+
+
+class Matrix:
+    """The roots, logs and outcomes below one folder."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self.sources = _sources()
+        self.stamp = _stamp(self.sources)
+
+    def run(self, root: str, driver: str, checks: Sequence[str], again: bool) -> None:
+        """Run the checks of one driver in one root, and keep how each ended."""
+        wanted = [c for c in checks if again or self.outcome(root, driver, c).get("stamp") != self.stamp]
+        if not wanted or not self._made(root):
+            return
+        self._copy_sources(root)
+        for check in wanted:
+            self._keep(root, driver, check, self._check(root, driver, check))
+
+    def outcome(self, root: str, driver: str, check: str) -> Mapping[str, object]:
+        """How a check ended, or nothing."""
+        try:
+            return json.loads(self._log(root, driver, check).with_suffix(".json").read_text())
+        except (OSError, ValueError):
+            return {}
+
+    def _log(self, root: str, driver: str, check: str) -> Path:
+        return self.folder / "logs" / f"{root}-{driver}-{check}.log"
+
+    def _keep(self, root: str, driver: str, check: str, outcome: Mapping[str, object]) -> None:
+        path = self._log(root, driver, check).with_suffix(".json")
+        path.write_text(json.dumps({"stamp": self.stamp, **outcome}))
+        say(f"{root}, {driver}, {check}: {said(outcome)}")
+
+    def _made(self, root: str) -> bool:
+        """Whether the root is there; makes it where it is not. A root that was not finished is made anew."""
+        place, ready = self.folder / root, self.folder / f"{root}.ready"
+        if ready.exists():
+            return True
+        shutil.rmtree(place, ignore_errors=True)
+        script = [] if (SCRIPTS / root).exists() else [str(SCRIPTS / ("sid" if ROOTS[root] == DEBIAN else "gutsy"))]
+        begun = time.monotonic()
+        components = ["--components=main,universe"] if ROOTS[root] == UBUNTU else []
+        made = self._logged(root, "none", "root", ["debootstrap", "--variant=minbase", *components,
+                                                   f"--include={','.join(PACKAGES)}", root, str(place), ROOTS[root],
+                                                   *script], 600)
+        self._keep(root, "none", "root", {"status": made, "seconds": round(time.monotonic() - begun)})
+        if made != 0:
+            return False
+        for file in ("/etc/resolv.conf", "/etc/ssl/certs/ca-certificates.crt"):  # a proxy may have its own certificate
+            shutil.copy(file, f"{place}{file}")
+        ready.touch()
+        return True
+
+    def _copy_sources(self, root: str) -> None:
+        """The work tree as it is now, beside the .venv of earlier runs."""
+        place = self.folder / root / "mfr-bench"
+        for path in place.glob("*") if place.exists() else ():
+            if path.name != ".venv":
+                shutil.rmtree(path) if path.is_dir() else path.unlink()
+        for source in self.sources:
+            target = place / source
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(SOURCES / source, target, follow_symlinks=False)
+
+    def _check(self, root: str, driver: str, check: str) -> Mapping[str, object]:
+        begun = time.monotonic()
+        lines = ["set -e; cd /mfr-bench; make setup >&2" if check != "newcomer" else "set -e; cd /mfr-bench",
+                 f"NAME={driver}-{check}; DEVICE={DRIVERS[driver].renderer}; mkdir -p /tmp/drivers",
+                 DRIVERS[driver].choose if check != "newcomer" else "", CHECKS[check].command]
+        command = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "bash", "-c", INSIDE,
+                   str(self.folder / root), "\n".join(lines)]
+        status = self._logged(root, driver, check, command, CHECKS[check].limit_s)
+        return {"status": status, "seconds": round(time.monotonic() - begun), "last": self._last(root, driver, check)}
+
+    def _logged(self, root: str, driver: str, check: str, command: Sequence[str], limit_s: int) -> int:
+        """The exit status; 124 where the time limit was reached, 127 where the command is not installed."""
+        path = self._log(root, driver, check)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w") as log:
+            try:
+                return subprocess.run(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, timeout=limit_s,
+                                      check=False).returncode
+            except subprocess.TimeoutExpired:
+                return 124
+            except FileNotFoundError as error:
+                log.write(f"{error}\n")
+                return 127
+
+    def _last(self, root: str, driver: str, check: str) -> str:
+        lines = self._log(root, driver, check).read_text(errors="replace").splitlines()
+        told = [line for line in lines if " passed" in line or " cells: " in line or line.startswith("version")]
+        return " ".join((told or lines or [""])[-1].split())[:120]
+
+
+def _sources() -> list[str]:
+    """Every file that git tracks or would, results of earlier runs left out."""
+    listed = subprocess.run(["git", "-C", str(SOURCES), "ls-files", "-co", "--exclude-standard", "-z"],
+                            capture_output=True, text=True, check=True).stdout.split("\0")
+    return [name for name in listed if name and (SOURCES / name).is_file()]
+
+
+def _stamp(sources: Sequence[str]) -> str:
+    """A hash of what a check depends on: every file but documents and results."""
+    digest = hashlib.sha256()
+    for name in sorted(sources):
+        if not name.startswith(("docs/", "results/", "findings/")):
+            digest.update(name.encode() + b"\0" + (SOURCES / name).read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def said(outcome: Mapping[str, object]) -> str:
+    """A cell of the table."""
+    if not outcome:
+        return "not run"
+    ended = {0: "pass", 124: "timeout"}.get(outcome["status"], f"FAIL ({outcome['status']})")
+    return f"{ended}, {outcome['seconds']} s"
+
+
+def table(matrix: Matrix, roots: Sequence[str], drivers: Sequence[str], checks: Sequence[str]) -> str:
+    """Markdown: a row for each root and driver, a column for each check."""
+    rows = [("root", "driver", *checks), ("---",) * (2 + len(checks))]
+    rows += [(root, driver, *(said(matrix.outcome(root, driver, check)) for check in checks))
+             for root in roots for driver in drivers]
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
+def say(text: str) -> None:
+    print(f"drivers: {text}", file=sys.stderr, flush=True)
+
+
+def chosen(text: str | None, known: Mapping[str, object], option: str) -> list[str]:
+    """The names that an option lists, or all."""
+    names = list(known) if text is None else text.split(",")
+    for name in names:
+        if name not in known:
+            sys.exit(f"drivers: {option} {name}: no such name; allowed: {', '.join(known)}")
+    return names
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--root", help=f"of {', '.join(ROOTS)}; all by default")
+    parser.add_argument("--driver", help=f"of {', '.join(DRIVERS)}; all by default")
+    parser.add_argument("--check", help=f"of {', '.join(CHECKS)}; all by default")
+    parser.add_argument("--dir", type=Path, default=SOURCES / ".drivers", help="default: %(default)s")
+    parser.add_argument("--again", action="store_true", help="run checks that ended before, too")
+    parser.add_argument("--table", action="store_true", help="print the table and run nothing")
+    given = parser.parse_args()
+    roots, drivers = chosen(given.root, ROOTS, "--root"), chosen(given.driver, DRIVERS, "--driver")
+    checks = chosen(given.check, CHECKS, "--check")
+    matrix = Matrix(given.dir.resolve())
+    if not given.table:
+        if not shutil.which("debootstrap"):
+            sys.exit("drivers: debootstrap is missing; run: sudo apt-get install -y debootstrap")
+        for root in roots:
+            for driver in drivers:
+                matrix.run(root, driver, checks, given.again)
+    print(table(matrix, roots, drivers, checks))
+    outcomes = [matrix.outcome(root, driver, check) for root in roots for driver in drivers for check in checks]
+    sys.exit(0 if all(outcome.get("status") == 0 for outcome in outcomes) else 1)
+
+
+if __name__ == "__main__":
+    main()
