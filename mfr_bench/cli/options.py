@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import click
 
 from ..errors import nearest
@@ -95,6 +97,26 @@ ONLY = click.option("--only", metavar="METHOD,...", type=MethodName(), help="Onl
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 
+UNITS_S = {"s": 1, "m": 60, "h": 3600}
+
+
+class Duration(click.ParamType):
+    """A time as 90s, 2m or 1.5h, in seconds."""
+
+    name = "duration"
+
+    def convert(self, value, param, context):
+        match = re.fullmatch(r"(\d+(?:\.\d+)?)([smh])", str(value).strip())
+        if not match or not float(match[1]):
+            self.fail(f"{value!r} is no time; allowed: a number above 0 with its unit, as 90s, 2m or 1.5h")
+        return float(match[1]) * UNITS_S[match[2]]
+
+
+TIME_BUDGET = click.option("--time-budget", "budget_s", metavar="TIME", type=Duration(),
+                           help="Stop measuring in time to end within TIME, as 90s, 8m or 1h: every method and figure "
+                                "gets its coarse points before any gets finer ones.")
+
+
 def measuring(what: str, folder: str):
     """The options of a command that measures `what`, each into a `folder` of its own."""
     out = click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
@@ -102,7 +124,7 @@ def measuring(what: str, folder: str):
                             f"[default: results/<device>/{folder}]")
 
     def decorate(command):
-        for option in (DRY_RUN, TRY_HOPELESS, KEEP_FAILED, FORCE, DEVICE, SET, ONLY, PROFILE, out):
+        for option in (DRY_RUN, TIME_BUDGET, TRY_HOPELESS, KEEP_FAILED, FORCE, DEVICE, SET, ONLY, PROFILE, out):
             command = option(command)
         return command
     return decorate

@@ -21,7 +21,7 @@ from .session import Choices, Session
 @measuring("configs", "<config name>")
 def run(configs: tuple[str, ...], out: str | None, profile: str | None, only: str | None,
         overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
-        dry_run: bool) -> int:
+        budget_s: float | None, dry_run: bool) -> int:
     """Measure what the results lack, then write tables and figures.
 
     CONFIG is a file, a folder of files, or the name of a shipped config (see mfr-bench configs). What several
@@ -36,7 +36,7 @@ def run(configs: tuple[str, ...], out: str | None, profile: str | None, only: st
       mfr-bench run smoke --set scene.order=back_to_front --force
     """
     statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
-                         Choices(out, force, keep_failed, try_hopeless), dry_run)
+                         Choices(out, force, keep_failed, try_hopeless, budget_s), dry_run)
     return exit_status(statuses)
 
 

@@ -25,6 +25,7 @@ class Choices:
     force: bool
     keep_failed: bool
     try_hopeless: bool
+    budget_s: float | None = None
 
 
 def result_folders(plans, out: str | None, slug: str):
@@ -111,15 +112,21 @@ class Session:
     def _measure(self, parts: Sequence[Part], ledger) -> None:
         """Measure what is pending, then tell of each experiment."""
         from ..errors import DeviceError, Interrupted
+        from ..plan.budget import TimeBudget
+        from ..plan.forecast import Rates
         from .progress import Progress
 
-        groups = ledger.groups()
+        budget_s = self.choices.budget_s
+        groups = ledger.groups(coarse_first=budget_s is not None)
+        budget = TimeBudget(float("inf") if budget_s is None else budget_s, self.started)
+        deadline = time.monotonic() - time.perf_counter() + budget.deadline(
+            len(parts), sum(len(part.sheet.jobs) for part in parts), self.split.seconds["start-up"], Rates())
         measuring = [part for part in parts if part.sheet.pending]
         name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
         try:
             with Progress(sum(map(len, groups)), name, self.asked) as progress:
                 ledger.report = progress.row
-                self.supervisor.measure(groups, ledger, progress.sampled, self.choices.try_hopeless)
+                self.supervisor.measure(groups, ledger, progress.sampled, self.choices.try_hopeless, deadline)
             self._at_the_end(measuring)
             for part in parts:
                 self._tell(part)
@@ -146,6 +153,7 @@ class Session:
         """Print an experiment's tables, write what is derived from its cells, say how it ended."""
         from ..report import terminal_table
 
+        part.manifest["left_out"] = left_out(part.sheet)
         say((self.table or terminal_table)(part.folder, width()))
         say(summary(part.sheet, part.manifest, self._report(part)))
 
@@ -175,6 +183,12 @@ def _of_the_measuring(before: Mapping[str, Any], now: Mapping[str, Any], all_kep
     return {name: before[name] for name in names if name in before}
 
 
+def left_out(sheet) -> dict[str, int]:
+    """Cells that the time budget left no time for, by label."""
+    labels = [job.cell.label for job in sheet.pending]
+    return {label: labels.count(label) for label in dict.fromkeys(labels)}
+
+
 def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
     """How an experiment ended, and where its results are."""
     from ..report.data import percent
@@ -183,7 +197,11 @@ def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
     kept = f"; {sheet.kept} kept from before, --force measures them again" if sheet.kept else ""
     copied = f"; {sheet.copied} copied from other results, where they are the same" if sheet.copied else ""
     noise = manifest.get("noise_floor_rel")
-    lines = [f"{len(sheet.statuses)} cells: {statuses}{kept}{copied}"]
+    lines = [f"{len(sheet.statuses)} cells: {statuses or 'none'}{kept}{copied}"]
+    if left := left_out(sheet):
+        told = ", ".join(f"{label} {count}" for label, count in left.items())
+        lines.append(f"left out for the time budget: {sum(left.values())} cells ({told}); "
+                     "the same command measures them")
     if noise is not None:
         lines.append(f"noise floor {percent(noise)}: the same method measured twice differs by that")
     for title, suffix in (("tables", ".md"), ("figures", ".png")):

@@ -10,6 +10,7 @@ from typing import Any
 
 from ..measure.split import Split
 from ..plan import Outcome, expected_stats, predicted_timeout
+from ..plan.budget import coarseness
 from ..store import ResultFolder
 from ..store.arrays import read_arrays, write_arrays
 from ..store.folder import folders_with_cells
@@ -108,14 +109,27 @@ class Ledger:
         rows = ((folder, final(folder, key, keep_failed)) for folder in (*own, *self.elsewhere))
         return next(((folder, row) for folder, row in rows if row), None)
 
-    def groups(self) -> list[list[Job]]:
-        """What is to be measured, each key once: the cells of a scene together, small scenes before large ones."""
+    def groups(self, coarse_first: bool = False) -> list[list[Job]]:
+        """What is to be measured, each key once: the cells of a scene together, small scenes before large ones.
+
+        With `coarse_first`, every experiment gets its coarse points before any gets finer ones.
+        """
+        looks = self._looks() if coarse_first else {}
         pending: dict[Any, dict[str, Job]] = {}
         for sheet in self.sheets:
             for job in sheet.pending:
-                pending.setdefault(job.cell.scene, {}).setdefault(job.key, job)
-        scenes = sorted(pending, key=lambda scene: expected_stats(scene).F)
-        return [list(pending[scene].values()) for scene in scenes]
+                group = looks.get(job.key, 0), job.cell.scene
+                pending.setdefault(group, {}).setdefault(job.key, job)
+        order = sorted(pending, key=lambda group: (group[0], expected_stats(group[1]).F))
+        return [list(pending[group].values()) for group in order]
+
+    def _looks(self) -> dict[str, int]:
+        """Of each key, the coarsest look that needs it in any experiment."""
+        found: dict[str, int] = {}
+        for sheet in self.sheets:
+            for key, look in zip(sheet.jobs, coarseness([job.cell for job in sheet.jobs.values()]), strict=True):
+                found[key] = min(look, found.get(key, look))
+        return found
 
     # --- while cells are measured ----------------------------------------------------------------
 

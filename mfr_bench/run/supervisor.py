@@ -92,6 +92,7 @@ class Supervisor:
         self.free_bytes = free_bytes()
         self._worker: Worker | None = Worker(want)
         self._ready: Ready | None = None
+        self._deadline = float("inf")
 
     def __enter__(self):
         return self
@@ -139,14 +140,18 @@ class Supervisor:
         return None
 
     def measure(self, groups: Iterable[Sequence[Job]], ledger: Ledger, share: Callable[[float], None] = lambda _: None,
-                try_hopeless: bool = False) -> None:
-        """Measure the cells of each group; every one ends as a row.
+                try_hopeless: bool = False, deadline: float = float("inf")) -> None:
+        """Measure the cells of each group; every one ends as a row, but for those left at the `deadline`.
 
-        Raises KeyboardInterrupt where the user asked for it, and DeviceError where the device does not come back;
+        The deadline is a time of `time.monotonic`: what is in hand then stops at its next frame, and its samples are
+        kept. Raises KeyboardInterrupt where the user asked for it, and DeviceError where the device does not come back;
         what was measured is kept.
         """
         self.ready()
+        self._deadline = deadline
         for group in groups:
+            if self._late:
+                return
             left = {job.key: job for job in group}
             deaths = 0  # in a row that no cell is to blame for
             while left:
@@ -156,6 +161,8 @@ class Supervisor:
                     break
                 if self.asked():
                     raise KeyboardInterrupt
+                if self._late:
+                    break
                 deaths = 0 if self._progressed else deaths + 1
                 self._replace(deaths)
                 ledger.next_session()
@@ -177,9 +184,14 @@ class Supervisor:
                 self._progressed = True
             return False
         ledger.add_split(ended.split_s)
-        if ended.interrupted:
+        if ended.interrupted and not self._late:
             raise KeyboardInterrupt
         return True
+
+    @property
+    def _late(self) -> bool:
+        """Whether the time is up, and the user has not asked to stop, which is an end of another kind."""
+        return time.monotonic() >= self._deadline and not self.asked()
 
     def _event(self, hand: Hand, ledger: Ledger, share: Callable[[float], None]) -> Ended | None:
         """Take in the next event, if one comes soon. Raises Died."""
@@ -204,7 +216,7 @@ class Supervisor:
 
     def _look(self, hand: Hand) -> None:
         """Tell the worker to stop where the user asked; end it where it takes more time or memory than it may."""
-        if self.asked() and not self._stopping:
+        if (self.asked() or self._late) and not self._stopping:
             self._stopping = True
             self._worker.send(Stop())
         if limit_s := hand.overdue_s():

@@ -21,6 +21,8 @@ MISTAKES = [
     (["run", "tiny.yaml", "--profile", "smok"], "tiny.yaml:", "no profile 'smok'; allowed: none"),
     (["run", "tiny.yaml", "--device", ""], "mfr-bench run: Invalid value for '--device': '' is no device; allowed: ",
      "or an index, UUID, PCI address or part of a name that 'mfr-bench doctor' lists; see mfr-bench run --help"),
+    (["run", "tiny.yaml", "--time-budget", "5"], "mfr-bench run: Invalid value for '--time-budget': '5' is no time; ",
+     "allowed: a number above 0 with its unit, as 90s, 2m or 1.5h; see mfr-bench run --help"),
     (["run", "tiny.yaml", "--ot", "x"], "mfr-bench run: No such option '--ot'", "see mfr-bench run --help"),
     (["run", "tiny.yaml", "--out", ""], "mfr-bench run: Invalid value for '--out': '' is no place to write to", ""),
     (["scene", "tiny.yaml", "--out", ""], "mfr-bench scene: Invalid value for '--out': '' is no place to ", ""),

@@ -254,6 +254,23 @@ def test_a_wish_to_stop_reaches_the_worker_once(play):
     assert sum(isinstance(request, Stop) for request in actor.sent) == 1
 
 
+def test_at_the_deadline_what_is_in_hand_stops_and_the_rest_is_left(play, monkeypatch):
+    """The clock is planted: the time is up while the first scene is measured. No row is made up for what is left."""
+    now = [0.0]
+    monkeypatch.setattr(supervisors.time, "monotonic", lambda: now[0])
+
+    def script(group):
+        first, *_ = group.jobs
+        return [Begun(first.key, "sampling"), finished(first), lambda: now.__setitem__(0, 11.0), None, None,
+                Ended({}, interrupted=True)]
+
+    actor = Actor(script)
+    stage = play([*CELLS, cell("ab-array", n=9)], actor, deadline=10.0)
+    assert list(stage.rows()) == [("floor", 4)]
+    assert sum(isinstance(request, Stop) for request in actor.sent) == 1
+    assert sum(isinstance(request, Group) for request in actor.sent) == 1
+
+
 # --- what is hopeless ----------------------------------------------------------------------------
 
 
