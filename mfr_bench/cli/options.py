@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import click
 
 from ..errors import nearest
@@ -97,22 +95,13 @@ ONLY = click.option("--only", metavar="METHOD,...", type=MethodName(), help="Onl
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 
-UNITS_S = {"s": 1, "m": 60, "h": 3600}
+def _seconds(context, param, value: str | None) -> float | None:
+    from ..decide.question import parsed_duration
+
+    return None if value is None else parsed_duration(value)
 
 
-class Duration(click.ParamType):
-    """A time as 90s, 2m or 1.5h, in seconds."""
-
-    name = "duration"
-
-    def convert(self, value, param, context):
-        match = re.fullmatch(r"(\d+(?:\.\d+)?)([smh])", str(value).strip())
-        if not match or not float(match[1]):
-            self.fail(f"{value!r} is no time; allowed: a number above 0 with its unit, as 90s, 2m or 1.5h")
-        return float(match[1]) * UNITS_S[match[2]]
-
-
-TIME_BUDGET = click.option("--time-budget", "budget_s", metavar="TIME", type=Duration(),
+TIME_BUDGET = click.option("--time-budget", "budget_s", metavar="TIME", callback=_seconds,
                            help="Stop measuring in time to end within TIME, as 90s, 8m or 1h: every method and figure "
                                 "gets its coarse points before any gets finer ones.")
 
