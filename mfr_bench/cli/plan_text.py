@@ -70,9 +70,8 @@ def _decide(rows: list[dict[str, Any]], todo, folders, choices: Choices, shared:
     from ..plan import Outcome, predicted_timeout
 
     rows_by_number = {} if choices.force else _kept(todo, folders, choices.keep_failed)
-    known = [Outcome(todo[number].cell, row["status"], row["values"].get("time_ms"))
-             for number, (_, row) in rows_by_number.items()]
-    known = [k for k in known if k.over_limit(k.cell.measure)]
+    told = (Outcome.of(todo[number].cell, row) for number, (_, row) in rows_by_number.items())
+    known = [outcome for outcome in told if outcome]
     for number, (row, job) in enumerate(zip(rows, todo, strict=True)):
         if row["decision"] != "measure":
             continue

@@ -15,6 +15,8 @@ from ..stats import Interval, goals, sampled_interval
 
 WARMUP_FRAMES = (2, 4, 8, 16, 32)  # looked at after so many
 WARMUP_SHARE = 0.2  # of the time limit, at most
+CONFIRMED = 3  # samples, at least, where the first that reached the time limit is not like the fastest frame
+STALLED = 2.0  # times the fastest frame, from which on a sample may be a stall
 HALVES_AGREE = 0.05  # relative difference of the medians of two halves
 
 
@@ -116,10 +118,16 @@ class Sampler:
             self.warm = self._warmed_up()
             return
         self.samples_ms.append(time_ms)
-        if self.spent_s >= self.measure.time_limit_s:
+        if self.spent_s >= self.measure.time_limit_s and self._confirmed():
             self.stop_reason = "precise" if self.precise else "time limit"
         elif len(self.samples_ms) >= self._goal:
             self._next_batch()
+
+    def _confirmed(self) -> bool:
+        """Whether so few samples may stand for the cell: one stalled frame must not, however long it took."""
+        if len(self.samples_ms) >= min(CONFIRMED, self.measure.max_samples):
+            return True
+        return max(self.samples_ms) <= STALLED * min(self.samples_ms + self.warmup_ms)
 
     def _warmed_up(self) -> bool:
         count = len(self.warmup_ms)

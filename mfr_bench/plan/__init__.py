@@ -10,7 +10,7 @@
 from .cells import Cell, expand
 from .expected import expected_stats
 from .limits import Decision, Limits, judge, overview
-from .predicted import Outcome, predicted_timeout
+from .predicted import NOT_TRIED, Outcome, predicted_timeout
 
-__all__ = ["Cell", "Decision", "Limits", "Outcome", "expand", "expected_stats", "judge", "overview",
+__all__ = ["NOT_TRIED", "Cell", "Decision", "Limits", "Outcome", "expand", "expected_stats", "judge", "overview",
            "predicted_timeout"]

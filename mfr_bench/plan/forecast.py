@@ -71,16 +71,18 @@ class Record:
 
 @dataclass(frozen=True)
 class Prediction:
-    """Seconds in all, of which frames, and how many cells' frame times come from where."""
+    """Seconds in all, of which frames and comparisons of images, and how many cells' frame times come from where."""
 
     total_s: float
     frames_s: float
+    checks_s: float
     sources: Mapping[str, int]
 
     @property
     def text(self) -> str:
         basis = ", ".join(f"{count} {source}" for source, count in self.sources.items())
-        return f"about {duration(self.total_s)}; frame times: {basis or 'none'}"
+        checks = f" ({duration(self.checks_s)} of it to check images)" if self.checks_s > self.total_s / 5 else ""
+        return f"about {duration(self.total_s)}{checks}; frame times: {basis or 'none'}"
 
 
 def duration(seconds: float) -> str:
@@ -123,15 +125,16 @@ class Forecast:
 
     def run(self, cells: Sequence[Cell]) -> Prediction:
         """One run that measures these cells."""
-        rates, spent_s, around_s = self.rates, 0.0, self.rates.start_s if cells else 0.0
+        rates, spent_s, checks_s, around_s = self.rates, 0.0, 0.0, self.rates.start_s if cells else 0.0
         sources: Counter[str] = Counter()
         for cell in cells:
             stats = expected_stats(cell.scene)
             frame = self.frame(cell, stats)
             spent_s += frames_s(frame, cell.measure)
             sources[frame.source] += 1
-            around_s += rates.compile_s + rates.pixel_s * stats.P + rates.store_s + rates.report_s
-        return Prediction(spent_s + around_s, spent_s, sources)
+            checks_s += rates.pixel_s * stats.P
+            around_s += rates.compile_s + rates.store_s + rates.report_s
+        return Prediction(spent_s + checks_s + around_s, spent_s, checks_s, sources)
 
 
 def frames_s(frame: Frame, measure: Measure) -> float:

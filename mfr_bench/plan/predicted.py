@@ -2,28 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from ..config.model import Measure
 from ..scene.kinds import kind_of
 from ..scene.spec.kind import mean_depth
 from .cells import Cell
 
+NOT_TRIED = "--try-hopeless measures it all the same"  # ends the reason of every cell that was not tried
+
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a cell has ended: its status, and the median time of its frame if it has one."""
+    """How a cell has ended: its status, its median frame and its fastest one, warm-up included, if it has any."""
 
     cell: Cell
     status: str
     time_ms: float | None
+    fastest_ms: float | None = None
+
+    @classmethod
+    def of(cls, cell: Cell, row: Mapping[str, Any]) -> Outcome | None:
+        """From the record of a cell; None where it was not tried, which tells nothing."""
+        if str(row.get("reason") or "").endswith(NOT_TRIED):
+            return None
+        frames_ms = [*(row.get("warmup_ms") or ()), *(row.get("samples_ms") or ())]
+        return cls(cell, row["status"], row["values"].get("time_ms"), min(frames_ms, default=None))
 
     def over_limit(self, measure: Measure) -> bool:
-        """Whether one frame already takes longer than all frames may by these settings."""
+        """Whether even its fastest frame takes longer than all frames may by these settings; a stall proves nothing."""
         if self.time_ms is not None:
-            return self.time_ms / 1e3 > measure.time_limit_s
+            fastest_ms = self.time_ms if self.fastest_ms is None else min(self.time_ms, self.fastest_ms)
+            return fastest_ms / 1e3 > measure.time_limit_s
         return self.status == "timeout" and self.cell.measure.longest_s >= measure.longest_s
+
+    def within_limit(self, measure: Measure) -> bool:
+        """Whether it was measured, and a frame takes no longer than all frames may by these settings."""
+        return self.time_ms is not None and self.time_ms / 1e3 <= measure.time_limit_s
 
     def __str__(self) -> str:
         scene = self.cell.scene
@@ -38,11 +55,17 @@ GROWING = ("pixel_density", "depth_complexity", "fragment_probability")  # more 
 
 
 def predicted_timeout(cell: Cell, known: Iterable[Outcome]) -> str | None:
-    """The reason why a cell cannot be measured within its limits: a smaller one that could not. None without one."""
+    """The reason why a cell cannot be measured within its limits: a smaller one that could not. None without one.
+
+    A smaller one tells nothing where a cell of no less work than it was measured within the limits.
+    """
+    known = list(known)
     smaller = [k for k in known if k.over_limit(cell.measure) and _no_smaller(cell, k.cell)]
+    smaller = [k for k in smaller if not any(_no_smaller(other.cell, k.cell) for other in known
+                                             if other.within_limit(cell.measure))]
     found = min(smaller, key=lambda k: k.time_ms is None, default=None)
     return None if found is None else (f"{found}, where time_limit_s allows {cell.measure.time_limit_s:g} s for all "
-                                       "frames; --try-hopeless measures it all the same")
+                                       f"frames; {NOT_TRIED}")
 
 
 def _no_smaller(cell: Cell, other: Cell) -> bool:

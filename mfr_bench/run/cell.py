@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,7 +23,7 @@ from ..plan.forecast import PASS_FRAMES, PASS_SHARE
 from ..stats import interleaved_ratio
 from ..store.journal import Partial
 from ..store.status import EXACT_ERROR
-from .events import Begun, Finished, Sampled
+from .events import CHECK, Begun, Finished, Sampled
 from .jobs import Job
 from .scene_work import ALL, SceneWork
 
@@ -89,6 +90,7 @@ class CellWork:
         return sum(self.frame.memory_bytes.values())
 
     def _begin(self, phase: str) -> None:
+        self._phase = phase
         self.bench.emit(Begun(self.job.key, phase))
 
     def _drawn(self) -> Frame:
@@ -109,12 +111,20 @@ class CellWork:
         return frame
 
     def _check(self) -> None:
-        self._begin("check")
-        with self.bench.split.work("check"):
-            image = self.frame.image()
+        image = self.frame.image()
+        self.lost = self.frame.lost_in_a_frame()
+        with self._checking():
             self.conformance = self._conformance(image)
             self.quality = self.scene.quality(image, not self.job.cell.measure.eliminate) if self.checked else {}
-            self.lost = self.frame.lost_in_a_frame()
+
+    @contextmanager
+    def _checking(self):
+        """The harness's own work on images, which counts as no time of the method."""
+        before = self._phase
+        self._begin(CHECK)
+        with self.bench.split.work("check"):
+            yield
+        self._begin(before)
 
     def _conformance(self, image) -> dict[str, float | int]:
         return self.scene.conformance(self.variant, image) if self.checked else {}
@@ -186,10 +196,9 @@ class CellWork:
         """Time the passes, check the image once more: the row."""
         self._begin("passes")
         self._time_passes(self.pass_frames)
-        self._begin("last check")
-        with self.bench.split.work("check"):
-            self._check_again()
-            distinct = self._distinct_images()
+        self._begin("last frames")
+        self._check_again()
+        distinct = self._distinct_images()
         status, reason = verdict(self.variant, self.conformance, self.lost, distinct or 1)
         sampler, frame = self.sampler, self.frame
         low, middle, high = sampler.interval
@@ -221,9 +230,10 @@ class CellWork:
             found["discarded"] = truth.counts - entered
         if self.checked and {"image", "error", "loss"}.intersection(wanted):
             image = self.frame.image()
-            made = {"image": np.rint(255 * np.clip(image, 0, 1)),
-                    "error": quality.pixel_errors(image, self.scene.promised(self.variant), truth.tied),
-                    "loss": quality.pixel_errors(image, self.scene.oracle(ALL))}
+            with self._checking():
+                made = {"image": np.rint(255 * np.clip(image, 0, 1)),
+                        "error": quality.pixel_errors(image, self.scene.promised(self.variant), truth.tied),
+                        "loss": quality.pixel_errors(image, self.scene.oracle(ALL))}
             found |= {name: made[name] for name in made if name in wanted}
         return found
 
@@ -238,7 +248,8 @@ class CellWork:
 
     def _hold_against_promise(self, image: np.ndarray) -> None:
         """Of all images that are looked at the worst counts."""
-        again = self._conformance(image)
+        with self._checking():
+            again = self._conformance(image)
         self.conformance = {name: max(value, again[name]) for name, value in self.conformance.items()}
 
     def _noise_floor_rel(self) -> float | None:
@@ -263,8 +274,9 @@ class CellWork:
             self.bench.stop_if_asked()
             self.frame.draw()
             image = self.frame.image()
-            seen, digest = len(images), hashlib.sha256(self.scene.untied(image)).digest()
-            images.add(digest)
+            seen = len(images)
+            with self._checking():
+                images.add(hashlib.sha256(self.scene.untied(image)).digest())
             if len(images) > seen:
                 self._hold_against_promise(image)
         self.lost = max(self.lost, self.frame.lost_in_a_frame())

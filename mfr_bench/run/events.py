@@ -42,6 +42,8 @@ class Go:
     """What was sent until `Synced` is kept."""
 
 
+CHECK = "check"  # phase in which the harness compares images: no time of the method, and within none of its limits
+
 # --- worker to parent ----------------------------------------------------------------------------
 
 

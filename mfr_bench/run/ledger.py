@@ -196,8 +196,7 @@ class Ledger:
     def _done(self, sheet: Sheet, job: Job, row: Row) -> None:
         sheet.statuses[job.key] = row["status"]
         self._journal(sheet).forget(job.key)
-        known = Outcome(job.cell, row["status"], row["values"].get("time_ms"))
-        if known.over_limit(job.cell.measure):
+        if known := Outcome.of(job.cell, row):
             self._known.append(known)
 
     def _journal(self, sheet: Sheet) -> Journal:

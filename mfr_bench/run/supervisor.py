@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from ..environment import MIB
 from ..errors import DeviceError
 from .events import (
+    CHECK,
     Begun,
     Calibrate,
     Calibrated,
@@ -56,7 +57,8 @@ class Hand:
         if self._accused:
             return
         now = time.monotonic()
-        self._spent_s[self.key] = self._spent_s.get(self.key, 0.0) + now - self._since
+        if self.phase != CHECK:
+            self._spent_s[self.key] = self._spent_s.get(self.key, 0.0) + now - self._since
         self.key, self.phase, self._since, self._looked = key, phase, now, now
 
     def drop(self) -> None:
@@ -71,8 +73,14 @@ class Hand:
         return [self.jobs[self.key]] if self.key in self.jobs else []
 
     def overdue_s(self) -> float | None:
-        """The limit that the cell in hand, or the scene, has passed. Time during which nobody looked does not count."""
+        """The limit that the cell in hand, or the scene, has passed, or None.
+
+        Time during which nobody looked does not count, nor does that in which the harness compares images.
+        """
         now = time.monotonic()
+        if self.phase == CHECK:
+            self._looked = now
+            return None
         if now - self._looked > SUSPENDED_S:
             self._since += now - self._looked
         self._looked = now

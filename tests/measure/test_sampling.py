@@ -52,6 +52,14 @@ def test_warm_up_takes_no_more_than_its_share_of_the_time():
     assert sampler.stop_reason == "time limit"
 
 
+def test_one_stalled_frame_does_not_stand_for_a_cell():
+    """Frames of 0.2 ms, the first sample stalled beyond the time limit: two more outvote it."""
+    sampler = fed(Sampler(Measure(time_limit_s=0.05)), [0.2, 0.2, 50.6, *[0.2] * 9])
+    assert sampler.samples_ms == [50.6, 0.2, 0.2] and sampler.interval[1] == 0.2
+    slow = fed(Sampler(Measure(time_limit_s=0.05)), steady(60.0))
+    assert slow.samples_ms == [60.0] and slow.stop_reason == "time limit"
+
+
 @pytest.mark.parametrize(("times", "agree"), [([1, 1], True), ([1.04, 1], True), ([1.1, 1], False), ([1, 1.1], False),
                                               ([1, 9, 1, 1, 9, 1], True), ([2, 2, 2, 1, 1, 1], False)])
 def test_halves_agree_within_5_percent_of_their_medians(times, agree):

@@ -78,6 +78,13 @@ def test_a_run_is_what_its_cells_and_what_surrounds_them_take():
     assert Forecast([], rates).run([]).total_s == 0
 
 
+def test_what_it_takes_to_check_large_images_is_predicted():
+    found = Forecast([record(time_ms=5.0)], Rates(pixel_s=1e-2)).run([cell()])
+    assert found.checks_s == pytest.approx(1e-2 * 64 * 64) and found.checks_s > found.total_s / 2
+    assert "(40 s of it to check images)" in found.text
+    assert "check" not in Forecast([record(time_ms=5.0)], Rates(pixel_s=1e-9)).run([cell()]).text
+
+
 def test_rates_are_those_of_earlier_runs_each_counted_once():
     """A run of two configs tells its time in both manifests."""
     split = {"start-up": 2.0, "compile": 4.0, "check": 1.0, "store": 0.4, "report": 0.8, "measure": 99.0}

@@ -282,3 +282,31 @@ def test_a_local_array_that_the_driver_cannot_compile_is_refused():
     assert status == "over_budget"
     assert "local array of 2000 fragments" in reason
     assert plan.judge(cell, methods, replace(stats, n=1024), limits) is None
+
+
+def known(scene, time_ms, **more):
+    entry = MethodEntry("floor", "floor", {})
+    made = plan.expand(experiment(entry, scene=scene, measure=Measure(time_limit_s=1)), catalog(), ["floor"])[-1]
+    return plan.Outcome(made, "ok", time_ms, **more)
+
+
+def test_a_cell_of_no_less_work_that_was_fast_overrules_a_slow_one():
+    small, large, larger = (replace(LESS, depth_complexity=n) for n in (20, 30, 40))
+    slow, beyond = known(small, 3000.0), known(larger, None).cell
+    assert plan.predicted_timeout(beyond, [slow])
+    assert plan.predicted_timeout(beyond, [slow, known(large, 0.2)]) is None
+    assert plan.predicted_timeout(beyond, [slow, known(large, 3000.0)])
+    assert plan.predicted_timeout(beyond, [slow, known(replace(LESS, depth_complexity=19), 0.2)])
+
+
+def test_a_stalled_frame_proves_nothing_where_another_was_fast():
+    larger = known(replace(LESS, depth_complexity=40), None).cell
+    assert plan.predicted_timeout(larger, [known(LESS, 3000.0, fastest_ms=0.2)]) is None
+    assert plan.predicted_timeout(larger, [known(LESS, 3000.0, fastest_ms=1500.0)])
+
+
+def test_a_cell_that_was_not_tried_tells_nothing():
+    tried = {"status": "timeout", "reason": "first frame: no end within 30 s", "values": {}}
+    cell = known(LESS, None).cell
+    assert plan.Outcome.of(cell, tried).over_limit(cell.measure)
+    assert plan.Outcome.of(cell, tried | {"reason": f"floor took 3 s a frame; {plan.NOT_TRIED}"}) is None

@@ -137,15 +137,15 @@ def test_a_driver_that_vanishes_ends_the_run_in_one_line(tmp_path):
 
 # A fullscreen pass of minutes: llvmpipe ends loops near 65,535 iterations, so each of them is long.
 ENDLESS = """
-from mfr_bench import glsl
-real = glsl.read
+from mfr_bench.glsl import includes
+real = includes.read
 LOOP = '''    float endless = gl_FragCoord.x;
     for (int i = 0; i < 60000; i++) {
         endless = sin(endless) + cos(endless * 3.0) + sin(endless * 5.0) + cos(endless * 7.0) + sqrt(abs(endless));
     }
     if (endless == 12345.0) { discard; }
 '''
-glsl.read = lambda p: real(p).replace("void main() {", "void main() {\\n" + LOOP) if "array/store" in p else real(p)
+includes.read = lambda p: real(p).replace("void main() {", "void main() {\\n" + LOOP) if "array/store" in p else real(p)
 """
 HANGS = CONFIG % "ab-array" + "profiles: {hang: {scene.size: [512, 512], measure.hard_limit_s: 15}}\n"
 

@@ -18,7 +18,7 @@ from mfr_bench.methods.spec import Fitted
 from mfr_bench.plan import Cell, expected_stats
 from mfr_bench.run import measuring, scene_work
 from mfr_bench.run.cell import Bench, failure
-from mfr_bench.run.events import Finished, Group, Sampled, Share
+from mfr_bench.run.events import CHECK, Begun, Finished, Group, Sampled, Share
 from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger, Sheet
 from mfr_bench.run.measuring import Measuring
@@ -431,3 +431,26 @@ def test_a_still_scene_has_frames_where_the_method_chooses(run):
     assert len(rows["kplus-sb-dynamic", None]["frames"]) == 1
     assert rows["ab-array", None]["frames"] == []
 
+
+
+def test_images_are_compared_in_a_phase_of_their_own_and_frames_drawn_outside_it(device, tmp_path, monkeypatch):
+    """What compares them is no time of the method; what draws them is."""
+    assert device.limits  # whose trials draw and compare images of their own
+    run, seen = Run(device, [cell()], Clock(), tmp_path), []
+    compared, drawn = scene_work.quality.conformance, Frame.draw
+    phase = lambda: next(event.phase for event in reversed(run.events) if isinstance(event, Begun))  # noqa: E731
+
+    def comparing(*args):
+        seen.append(("compared", phase()))
+        return compared(*args)
+
+    def drawing(self, *args):
+        seen.append(("drawn", phase()))
+        return drawn(self, *args)
+
+    monkeypatch.setattr(scene_work.quality, "conformance", comparing)
+    monkeypatch.setattr(Frame, "draw", drawing)
+    run.all()
+    assert {phase for what, phase in seen if what == "compared"} == {CHECK}
+    assert CHECK not in {phase for what, phase in seen if what == "drawn"}
+    assert [what for what, _ in seen].count("compared") == 2

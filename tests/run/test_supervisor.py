@@ -6,12 +6,26 @@ import pickle
 
 import pytest
 
+from mfr_bench import plan
 from mfr_bench.config.model import Measure, Scene
 from mfr_bench.errors import DeviceError
 from mfr_bench.methods import catalog
 from mfr_bench.plan import Cell
 from mfr_bench.run import supervisor as supervisors
-from mfr_bench.run.events import Begun, Calibrated, Ended, Failed, Finished, Go, Group, Ready, Sampled, Stop, Synced
+from mfr_bench.run.events import (
+    CHECK,
+    Begun,
+    Calibrated,
+    Ended,
+    Failed,
+    Finished,
+    Go,
+    Group,
+    Ready,
+    Sampled,
+    Stop,
+    Synced,
+)
 from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger, Sheet
 from mfr_bench.run.process import Died
@@ -194,6 +208,23 @@ def test_time_in_which_the_parent_was_stopped_does_not_count(play, monkeypatch):
     assert {row["status"] for row in play(CELLS, Actor(patient)).rows().values()} == {"ok"}
 
 
+def test_time_in_which_the_harness_compares_images_is_no_time_of_the_method(play, monkeypatch):
+    """FLIP of a large image takes longer than the cell may; samples before and after it stand."""
+    now = [0.0]
+    monkeypatch.setattr(supervisors.time, "monotonic", lambda: now[0])
+    measure = Measure(time_limit_s=2, hard_limit_s=30)
+
+    def later():
+        now[0] += 4
+
+    def compares(group):
+        (job,) = group.jobs
+        return [Begun(job.key, "first frame"), later, Begun(job.key, CHECK), *[later] * 50, Begun(job.key, "sampling"),
+                *[later] * 5, Sampled(job.key, (1.0,)), Begun(job.key, CHECK), *[later] * 50, finished(job), Ended({})]
+
+    assert play([cell("floor", measure=measure)], Actor(compares)).rows()["floor", 4]["status"] == "ok"
+
+
 def test_the_default_limit_leaves_room_for_ten_time_limits():
     assert Measure(time_limit_s=10).longest_s == 220
     assert Measure(time_limit_s=10, hard_limit_s=15).longest_s == 15
@@ -301,6 +332,33 @@ def test_what_is_hopeless_is_known_from_before(play):
     stage = play([cell("floor", n=4), cell("floor", n=9)], Actor(slow))
     assert stage.rows()["floor", 9]["status"] == "timeout"
     assert not any(isinstance(request, Group) for request in stage.actors[0].sent)
+
+
+def stalls(group):
+    """Frames of 1 ms, but for the one sample of a small cell, which was stalled for 50 s."""
+    def row(job):
+        if job.cell.scene.depth_complexity != 4:
+            return finished(job)
+        return Finished(job.key, "ok", None, {"time_ms": 5e4, "timer": "wall"},
+                        {"samples_ms": [5e4], "warmup_ms": [1.0, 1.0]})
+
+    return [*map(row, group.jobs), Ended({})]
+
+
+def test_one_stalled_sample_condemns_no_larger_cell(play):
+    rows = play([cell("floor", n=n) for n in (4, 9, 16)], Actor(stalls)).rows()
+    assert {row["status"] for row in rows.values()} == {"ok"}
+
+
+def test_condemned_cells_are_measured_once_their_evidence_has_gone(play):
+    """Rows of a run that took the stall for the truth."""
+    cells = [cell("floor", n=n) for n in (4, 9)]
+    stage = play(cells, Actor(slow))
+    rows = stage.rows()
+    stage.sheet.folder.write_cell(rows["floor", 4] | {"warmup_ms": [1.0]})
+    stage.sheet.folder.write_cell(rows["floor", 9] | {"status": "timeout", "reason": f"long; {plan.NOT_TRIED}",
+                                                      "values": {}})
+    assert play(cells, Actor(well)).rows()["floor", 9]["status"] == "ok"
 
 
 def test_after_a_timeout_larger_k_of_the_same_scene_are_left_out(play):
