@@ -52,23 +52,24 @@ def plot(folders: tuple[str, ...], together: str | None) -> None:
     Examples: mfr-bench plot results/nvidia-h200/smoke
               mfr-bench plot results --together results/devices
     """
-    from ..report import write_figures, write_together
+    from ..report import write_all, write_together
 
     results = _results(folders)
     if together is None:
         _announce(results)
-    for folder in results if together is None else ():
-        for path in write_figures(folder, processes=2):
-            say(path)
+    notes: list[str] = []
+    for paths, damaged in write_all(results) if together is None else ():
+        if paths:
+            say("\n".join(map(str, paths)))
+        notes += damaged
     if together is not None:
         written = write_together(results, Path(together))
         for path in written:
             say(path)
         if not written:
             note("no experiment is in more than one of these results; nothing drawn")
-    for folder in results:
-        for line in folder.damaged:
-            note(line)
+    for line in notes if together is None else (line for folder in results for line in folder.damaged):
+        note(line)
 
 
 def _print_columns(context: click.Context, parameter: click.Parameter, asked: bool) -> None:

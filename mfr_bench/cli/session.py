@@ -221,6 +221,7 @@ def manifest(experiment, todo, ready) -> dict[str, Any]:
     return {
         "name": experiment.name, "title": experiment.title, "source": dict(experiment.source),
         "config": experiment.path.name, "scene": experiment.scene.as_dict(), "params": dict(experiment.params),
+        "profile": experiment.profile,
         "sweep": {name: list(values) for name, values in experiment.sweep.items()},
         "zip": {name: list(values) for name, values in experiment.zip.items()},
         "methods": [{"id": m.id, "label": m.label, "params": dict(m.params)} for m in experiment.methods],

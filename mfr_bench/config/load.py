@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from ..errors import UsageError, nearest
@@ -108,7 +109,7 @@ class _Loader:
         if experiment and self.names.setdefault(experiment.name, path) != path:
             self.problems.append(Problem(document.place(("name",)), f"{experiment.name!r} is also the name in "
                                  f"{self.names[experiment.name]}; allowed: a name of its own"))
-        return experiment
+        return experiment and replace(experiment, profile=self.profile)
 
     def _read(self, path: Path) -> Document | None:
         try:

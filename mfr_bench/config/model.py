@@ -136,3 +136,4 @@ class Experiment:
     measure: Measure
     figures: tuple[Figure, ...]
     path: Path
+    profile: str | None = None

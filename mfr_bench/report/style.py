@@ -10,6 +10,7 @@ from functools import cache
 WIDTH_IN = 7.2  # the text width of a two-column paper
 NARROW_IN = 3.5  # one of its columns
 DPI = 150  # 1080 pixels across: 100 % on a screen
+FONT = "mfr-bench DejaVu Sans"  # see sheet.styled
 TITLE_PT, SMALL_PT, NUMBER_PT, SIGN_PT = 10.0, 6.2, 5.6, 6.0
 
 INK = "#1a1a1a"
@@ -65,7 +66,7 @@ STATE_COLOURS = {
 }
 
 RC = {
-    "font.family": "DejaVu Sans", "font.size": 8.0, "axes.titlesize": 8.0, "axes.labelsize": 8.0,
+    "font.family": FONT, "font.size": 8.0, "axes.titlesize": 8.0, "axes.labelsize": 8.0,
     "xtick.labelsize": 7.5, "ytick.labelsize": 7.5, "legend.fontsize": 7.5,
     "text.color": INK, "axes.labelcolor": INK, "axes.edgecolor": QUIET, "xtick.color": INK, "ytick.color": INK,
     "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6, "ytick.minor.width": 0.4,

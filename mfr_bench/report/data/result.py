@@ -9,7 +9,14 @@ from typing import Any
 
 from ...store import ResultFolder
 from .point import Point
-from .words import bare, figure_of, heading
+from .words import bare, figure_of, heading, plain
+
+SPELT_OUT = {  # symbols, as headings and axes have them
+    "depth_complexity": "depth complexity n = {} (fragments per covered pixel)",
+    "k": "k = {} (fragments kept per pixel)",
+    "pixel_density": "pixel density p_d = {} (covered pixels / all)",
+    "fragment_probability": "fragment probability f_p = {} (share that is not discarded)"}
+SCENE_WORDS = {"kind": "", "layout": "layout ", "order": "order ", "alpha": "opacity "}
 
 
 @dataclass(frozen=True)
@@ -44,6 +51,19 @@ class Result:
                  manifest.get("timer") and f"timer: {manifest['timer']}", self.dates,
                  version and f"mfr-bench {version}"]
         return " · ".join(str(part) for part in parts if part)
+
+    @property
+    def scene(self) -> str:
+        """One line: viewport, profile and scene, with the symbols of the headings spelt out; empty without points."""
+        if not self.points:
+            return ""
+        parts = [f"{_range(values(self.points, 'size'))} pixels"]
+        parts += [text.format(_range(found)) for name, text in SPELT_OUT.items()
+                  if (found := values(self.points, name))]
+        parts += [f"{text}{_range(found, ', ')}" for name, text in SCENE_WORDS.items()
+                  if (found := values(self.points, name))]
+        profile = self.manifest.get("profile")
+        return f"Scene: {'; '.join(parts)}{f'; profile {profile}' if profile else ''}."
 
     @property
     def readings(self) -> str:
@@ -111,6 +131,13 @@ def values(points: Iterable[Point], name: str) -> list[Any]:
     """Distinct coordinates along `name`, ascending where they are numbers, else in order of appearance."""
     found = list(dict.fromkeys(v for v in (p.at(name) for p in points) if v is not None))
     return sorted(found) if all(isinstance(v, (int, float)) for v in found) else found
+
+
+def _range(found: Sequence[Any], between: str = " … ") -> str:
+    """A value; of several the first and the last where they are numbers, else all."""
+    if between != " … " or len(found) == 1:
+        return between.join(map(plain, found))
+    return between.join((plain(found[0]), plain(found[-1])))
 
 
 def _distinguishes(points: Sequence[Point], axis: str, used: Sequence[str]) -> bool:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import gc
 import io
+import multiprocessing
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -34,6 +35,27 @@ def write_figures(folder: ResultFolder, processes: int = 1) -> list[Path]:
     With 2 `processes` a forked child draws every other figure; not where the process holds a GL context.
     """
     return _draw_all(data.load(folder), folder.path / "figures", processes)
+
+
+def write_all(folders: Sequence[ResultFolder],
+              processes: int | None = None) -> Iterator[tuple[list[Path], list[str]]]:
+    """For each folder the files of its figures, written, and what of it could not be used. Raises StoreError.
+
+    Forked processes draw a folder each, as many at a time as there are cores; not where the process holds a GL context.
+    """
+    count = min(processes or len(os.sched_getaffinity(0)), len(folders))
+    if count < 2:
+        yield from ((write_figures(folder, processes=2), folder.damaged) for folder in folders)
+        return
+    from matplotlib.backends import backend_agg, backend_svg  # noqa: F401  loaded once, for all
+
+    with multiprocessing.get_context("fork").Pool(count) as pool:
+        yield from pool.imap(_written, folders)
+
+
+def _written(folder: ResultFolder) -> tuple[list[Path], list[str]]:
+    paths = write_figures(folder)
+    return paths, folder.damaged
 
 
 def write_together(folders: Sequence[ResultFolder], target: Path) -> list[Path]:

@@ -52,7 +52,7 @@ def _fit(label: str, points: Sequence[Point], x: str, y: str, degree: int) -> Fi
         return None
     xs, ys = np.array(list(pairs), dtype=float), np.array(list(pairs.values()))
     coefficients = np.polynomial.Polynomial.fit(xs, ys, degree).convert().coef
-    coefficients = tuple(float(c) for c in coefficients) + (0.0,) * (degree + 1 - len(coefficients))
+    coefficients = tuple(float(f"{c:.7g}") for c in coefficients) + (0.0,) * (degree + 1 - len(coefficients))
     spread = float(((ys - ys.mean()) ** 2).sum())
     missed = float(((ys - sum(c * xs**i for i, c in enumerate(coefficients))) ** 2).sum())
     return Fit(label, points[0].method, coefficients, 1 - missed / spread if spread else 1.0,

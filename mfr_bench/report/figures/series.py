@@ -85,17 +85,23 @@ def axis_label(name: str) -> str:
     return names.get(data.short(name), data.short(name))
 
 
-def gaps(points: Sequence[Point], x: str, y: str) -> list[str]:
-    """A sentence for each method with cells that are no points of its line."""
-    groups: dict[tuple[str, str], list[str]] = {}
+def gaps(points: Sequence[Point], x: str, panels: str | None) -> list[str]:
+    """A sentence on the cells that are no points of a line, by method and by panel."""
+    groups: dict[tuple[str, str, str], list[str]] = {}
     for p in points:
         if p.status != "ok":
-            groups.setdefault((p.label, p.sign), []).append(data.plain(p.at(x)) if p.at(x) is not None else "")
-    texts = [f"{label}: {sign}{_at(x, where, sum(p.label == label for p in points))}"
-             for (label, sign), where in groups.items()]
-    return [f"Not drawn: {'; '.join(texts)}"] if texts else []
+            panel = data.heading(panels, p.at(panels)) if panels and p.at(panels) is not None else ""
+            groups.setdefault((p.label, panel, p.sign), []).append(data.plain(p.at(x)) if p.at(x) is not None else "")
+    texts = [f"{label}: {sign}{_at(x, where, panel, [p for p in points if p.label == label], panels)}"
+             for (label, panel, sign), where in groups.items()]
+    return [f"Not drawn: {'; '.join(dict.fromkeys(texts))}"] if texts else []
 
 
-def _at(x: str, where: Sequence[str], cells: int) -> str:
+def _at(x: str, where: Sequence[str], panel: str, cells: Sequence[Point], panels: str | None) -> str:
+    """Where cells of one label are missing: the panel unless all are, and x unless the whole panel is."""
+    if all(p.status != "ok" for p in cells):
+        return ""
     found = list(dict.fromkeys(w for w in where if w))
-    return f" at {data.short(x)} = {', '.join(found)}" if found and len(where) < cells else ""
+    whole = panel and len(where) == sum(data.heading(panels, p.at(panels)) == panel for p in cells)
+    at = "" if whole or not found else f"{data.short(x)} = {', '.join(found)}"
+    return f" at {', '.join(part for part in (panel, at) if part)}" if panel or at else ""

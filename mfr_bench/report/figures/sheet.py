@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .. import printed, style
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 LEFT, RIGHT, EDGE = 0.76, 0.08, 0.07  # room for y labels; at the right; around text
 HINTING = 1.03  # glyphs fitted to a screen's pixels are up to this much wider than their outlines
+SMALL_HINTING = 1.06  # of small print, besides
 LONG_LABEL = 24  # characters from which a label is broken where there is room
 TITLE_IN, HEADING_IN, LEGEND_LINE_IN, SMALL_LINE_IN = 0.2, 0.2, 0.165, 0.112
 
@@ -25,8 +27,20 @@ def styled():
     """The library's defaults and this package's style, whatever the user's own matplotlibrc says."""
     import matplotlib as mpl
 
+    _register_fonts()
     ours = {k: v for k, v in mpl.rcParamsDefault.items() if not k.startswith(("backend", "webagg", "date."))}
     return mpl.rc_context(ours | style.RC)
+
+
+@cache
+def _register_fonts() -> None:
+    """The DejaVu fonts that come with matplotlib under a name of their own: a system may have another version."""
+    from matplotlib import font_manager, get_data_path
+
+    for path in sorted(Path(get_data_path(), "fonts", "ttf").glob("DejaVuSans*.ttf")):
+        face = font_manager.ttfFontProperty(font_manager.get_font(path))
+        if face.name == "DejaVu Sans":
+            font_manager.fontManager.ttflist.append(replace(face, name=style.FONT))
 
 
 def text_width(text: str, points: float, weight: str = "normal") -> float:
@@ -39,6 +53,7 @@ def _width_per_point(text: str, weight: str) -> float:
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import text_to_path
 
+    _register_fonts()
     font = FontProperties(family=style.RC["font.family"], weight=weight, size=100)
     return HINTING * text_to_path.get_text_width_height_descent(text, font, False)[0] / 100
 
@@ -94,14 +109,14 @@ class Sheet:
 
 def sheet_of(result: Result, options: Options, notes: Iterable[str], width: float, body: float) -> Sheet:
     title = str(options.get("title") or result.manifest.get("title") or result.name)
-    lines = *notes, result.lacking, *printed.notes(result), result.readings, result.provenance
+    lines = *notes, result.lacking, *printed.notes(result), result.readings, result.scene, result.provenance
     small = [part for line in lines if line for part in fitted(line, style.SMALL_PT, width)]
     return Sheet(width, tuple(fitted(title, style.TITLE_PT, width, "bold")), tuple(small), body)
 
 
 def fitted(text: str, points: float, width: float, weight: str = "normal") -> list[str]:
     """The text in lines that fit between the edges, broken between words."""
-    room = width - 2 * EDGE
+    room = (width - 2 * EDGE) / (SMALL_HINTING if points < 7 else 1.0)
     if text_width(text, points, weight) <= room:
         return [text]
     lines = [""]

@@ -43,7 +43,8 @@ def _about(result: Result) -> list[str]:
     noise = manifest.get("noise_floor_rel")
     noise_line = "" if noise is None else f"noise floor {data.percent(noise)} (the same method measured twice)"
     drift = manifest.get("calibration_drift")
-    return [line for line in (title, result.provenance, noise_line, drift and f"unsteady: {drift}") if line]
+    lines = title, result.provenance, result.scene, noise_line, drift and f"unsteady: {drift}"
+    return [line for line in lines if line]
 
 
 def _head(result: Result, width: int) -> str:

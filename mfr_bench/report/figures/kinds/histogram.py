@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMNS = 4
+LABEL_STEP = 0.085  # of the height of a plot, above the highest bar: the line of one k
 PLOT_HEIGHT, GAP, BELOW = 1.75, 0.16, 0.36  # inches
 
 KIND = Kind("pixels by their number of fragments, with the k that was chosen from them; kplus_2015 Figs. 3 and 4",
@@ -54,8 +55,9 @@ def draw(result: Result, options: Options) -> Figure:
             _draw(axes, panels[i])
         else:
             nothing(axes)
+    room = LABEL_STEP * max((len({k for _, k in panel.chosen}) for panel in panels), default=0)
     for i, axes in enumerate(grid):
-        _finish(axes, options, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
+        _finish(axes, options, room, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
     return figure
 
 
@@ -99,7 +101,7 @@ def _draw(axes: Axes, panel: Panel) -> None:
     for place, (k, words) in enumerate(sorted(by_k.items())):
         axes.axvline(k, color=style.ALARM, linewidth=0.9, zorder=3)
         left = k > 0.6 * len(panel.pixels)
-        axes.annotate(_words(k, words), (k, 0.98 - 0.085 * place), (-2.5 if left else 2.5, 0), va="top",
+        axes.annotate(_words(k, words), (k, 0.99 - LABEL_STEP * place), (-2.5 if left else 2.5, 0), va="top",
                       ha="right" if left else "left", xycoords=axes.get_xaxis_transform(),
                       textcoords="offset points", fontsize=style.NUMBER_PT,
                       color=style.INK, zorder=5, annotation_clip=False,
@@ -111,10 +113,14 @@ def _words(k: int, told: Sequence[str]) -> str:
     return f"k = {k}" + (f" by {'; '.join(told)}" if told else "")
 
 
-def _finish(axes: Axes, options: Options, leftmost: bool, lowest: bool) -> None:
+def _finish(axes: Axes, options: Options, room: float, leftmost: bool, lowest: bool) -> None:
     if "y" in log_axes(options):
         axes.set_ylim(bottom=0.7)
+        high = max(axis.dataLim.intervaly[1] for axis in axes.figure.axes)
+        axes.set_ylim(top=0.7 * (1.1 * high / 0.7) ** (1 / (1 - room)) if high > 0 else None)
         log_axis(axes, "y", log_base(options))
+    elif room:
+        axes.set_ylim(top=1.05 * max(axis.dataLim.intervaly[1] for axis in axes.figure.axes) / (1 - room))
     axes.set_xlim(left=0.4)
     axes.grid(axis="y", which="major")
     axes.tick_params(labelbottom=lowest, labelleft=leftmost)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+TICK_GAP_IN = 0.07  # between two ticks; values of x that are nearer share one
 MOST_TICKS = 13  # each value of x has one, up to so many
 
 KIND = Kind(
@@ -45,7 +46,8 @@ def draw(result: Result, options: Options) -> Figure:
     headings = [fitted(panel, style.RC["axes.titlesize"], panel_width + EDGE) for panel, _ in panels]
     heading = HEADING_IN + 0.13 * (max(map(len, headings)) - 1) if any(panel for panel, _ in panels) else 0.06
     step = heading + plot_height + 0.24
-    sheet = sheet_of(result, options, gaps(plot.points, plot.x, plot.y), style.WIDTH_IN, rows * step + 0.18)
+    missing = gaps(plot.points, plot.x, options.get("panels"))
+    sheet = sheet_of(result, options, missing, style.WIDTH_IN, rows * step + 0.18)
     figure = sheet.figure()
     grid: list[Axes] = []
     for i, (_, members) in enumerate(panels):
@@ -91,10 +93,15 @@ class Plot:
     def marks(self) -> list[Mark]:
         return marks_of(self.result, self.options, self.points)
 
+    def variant(self, point: Point) -> int:
+        """The place of the point's label among the labels of its method."""
+        return labels_of(p for p in self.points if p.method == point.method).index(point.label)
+
     def colour(self, point: Point) -> str:
-        """Its method's; in a figure of one method, whose variants are compared, the variant's."""
+        """Its method's, lighter for every second variant; in a figure of one method the variant's own."""
         if len({p.method for p in self.points}) > 1 or len(self.labels) == 1:
-            return style.method_colour(point.method)
+            colour = style.method_colour(point.method)
+            return style.lighter(colour) if self.variant(point) % 2 else colour
         return style.VARIANT_COLOURS[self.labels.index(point.label) % len(style.VARIANT_COLOURS)]
 
     @cached_property
@@ -164,8 +171,14 @@ class Plot:
         i = self.labels.index(label)
         axes.errorbar(xs, [middle for _, middle, _ in intervals], (lows, highs), label=label,
                       color=self.colour(members[0]), linestyle=style.LINES[i % len(style.LINES)],
-                      marker="" if level else style.MARKERS[i % len(style.MARKERS)], markeredgecolor="white",
-                      markeredgewidth=0.4, elinewidth=0.8, capsize=1.8, capthick=0.8)
+                      marker="" if level else style.MARKERS[i % len(style.MARKERS)], **self._marker(members[0]),
+                      elinewidth=0.8, capsize=1.8, capthick=0.8)
+
+    def _marker(self, point: Point) -> dict[str, Any]:
+        """Full with a white edge; hollow for every second variant of a method."""
+        if self.variant(point) % 2:
+            return {"markerfacecolor": "white", "markeredgecolor": self.colour(point), "markeredgewidth": 1.0}
+        return {"markeredgecolor": "white", "markeredgewidth": 0.4}
 
     def _floor(self, axes: Axes, points: Sequence[Point]) -> None:
         found = {self.places[p.at(self.x)]: p.floor["values"]["time_ms"] for p in points
@@ -198,7 +211,7 @@ class Plot:
         axes.set_xlim(low, high)
         axes.grid(which="major")
         if len(self.places) <= MOST_TICKS or not self.numeric:
-            axes.set_xticks(list(self.places.values()), self._tick_labels(width))
+            axes.set_xticks(*self._ticks(width))
         axes.tick_params(labelbottom=lowest, labelleft=leftmost)
         if lowest:
             axes.set_xlabel(str(self.options.get("x_label") or axis_label(self.x)))
@@ -213,18 +226,24 @@ class Plot:
         pad = 0.05 * (last - first) or 1.0
         return first - pad, last + pad
 
-    def _tick_labels(self, width: float) -> list[str]:
-        """The values of x; one that would run into its left neighbour is left blank."""
+    def _ticks(self, width: float) -> tuple[list[float], list[str]]:
+        """Places and labels of the values of x, apart from those next to another.
+
+        A label that would run into its left neighbour is left blank.
+        """
         scale = math.log if self.log_x else float
         low, high = map(scale, self._x_limits())
-        labels, free = [], -math.inf
+        places, labels, last, free = [], [], -math.inf, -math.inf
         for value, place in self.places.items():
             text = data.plain(value)
             middle, half = (scale(place) - low) / (high - low) * width, text_width(text, 7.5) / 2
-            fits = middle - half > free
+            if middle - last < TICK_GAP_IN:
+                continue
+            last, fits = middle, middle - half > free
+            places.append(place)
             labels.append(text if fits else "")
             free = middle + half + 0.04 if fits else free
-        return labels
+        return places, labels
 
     def handles(self, grid: Iterable[Axes]) -> dict[str, Any]:
         """Legend entries from the highest line's right end to the lowest, as the eye meets them; the floor last."""

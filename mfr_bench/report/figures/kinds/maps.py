@@ -132,7 +132,14 @@ class Maps:
 
     def notes(self) -> list[str]:
         meaning = MEANINGS.get(self.name, "")
-        return [f"Colour: {meaning}; one scale for all panels, from 0 to {number(self.highest)}."] if meaning else []
+        if not meaning:
+            return []
+        found = [f"Colour: {meaning}; one scale for all panels, from 0 to {number(self.highest)}."]
+        most = max((float(array.max()) for array in self.kept.values()), default=0.0)
+        if self.name in ("error", "loss") and most < LEAST_SEEN:
+            found.append(f"The largest error of all panels is {number(most, 2)}, less than one step of 8 bits "
+                         f"({LEAST_SEEN:.2g}): the panels are black because the images are right.")
+        return found
 
 
 def _over_checks(image: Any) -> Any:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 LEAST = 1e-9  # where an error of 0 is drawn
 PLOT_IN, LABEL_CHARACTERS = 2.3, 34
-FADED = 0.22
+FADED = 0.6
 
 KIND = Kind("an error y against a cost x, and what nothing measured beats in both", keys=(LOG, X_LABEL, Y_LABEL),
             x=names((*COLUMNS, *DERIVED), "cost"), y=names(COLUMNS, "error"), needs=("y",))
@@ -39,7 +39,7 @@ def draw(result: Result, options: Options) -> Figure:
     legend_in = LEGEND_LINE_IN * 0.92 * math.ceil(len(names) / across)
     step = HEADING_IN + PLOT_IN + 0.24
     zero = any(p.measure(plot.y)[1] == 0 for place in plot.places for p in place.points)
-    key = (f"Solid: no measured cell is both cheaper and more accurate ({equal(plot.y)}). Faded: some cell is. "
+    key = (f"Solid: no measured cell is both cheaper and more accurate ({equal(plot.y)}). Hollow: some cell is. "
            "Bars: 95 % interval of the median.")
     notes = [key, f"An error of 0 is drawn at {LEAST:g}." * zero]
     sheet = sheet_of(result, options, notes, style.WIDTH_IN, rows * step + 0.2 + legend_in)
@@ -105,8 +105,10 @@ class Plot:
         low, middle, high = point.measure(self.x)
         ends = None if low is None or high is None else ([middle - low], [high - middle])
         axes.errorbar([middle], [self._error(point)], xerr=ends, fmt="o" if faded else self._marker(point.label),
-                      markersize=2.6 if faded else 4.8, color=style.method_colour(point.method), elinewidth=0.7,
-                      alpha=FADED if faded else 1.0, markeredgecolor="none" if faded else "white", markeredgewidth=0.4,
+                      markersize=3.2 if faded else 4.8, color=style.method_colour(point.method), elinewidth=0.7,
+                      alpha=FADED if faded else 1.0, markeredgewidth=0.6 if faded else 0.4,
+                      markeredgecolor=style.method_colour(point.method) if faded else "white",
+                      markerfacecolor="none" if faded else style.method_colour(point.method),
                       zorder=1.5 if faded else 3)
 
     def _marker(self, label: str) -> str:
@@ -128,5 +130,6 @@ class Plot:
         named = [Line2D([], [], linestyle="", marker=self._marker(label), color=style.method_colour(p.method),
                         markersize=4.8, markeredgecolor="white", markeredgewidth=0.4, label=label)
                  for label, p in self._members().items()]
-        return [*named, Line2D([], [], linestyle="", marker="o", markersize=2.6, color=style.QUIET, alpha=0.5,
+        return [*named, Line2D([], [], linestyle="", marker="o", markersize=3.2, color=style.QUIET, alpha=FADED,
+                               markerfacecolor="none", markeredgewidth=0.6,
                                label="on no frontier")]

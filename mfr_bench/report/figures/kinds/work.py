@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-ROW_IN, HEADING_IN, FOOT_IN, GAP_IN = 0.2, 0.24, 0.42, 0.16
+NEAR = 1.15  # counts within this factor would hide each other's markers
+ROW_IN, HEADING_IN, FOOT_IN, GAP_IN = 0.26, 0.24, 0.42, 0.16
 LIMITS_IN = 1.9  # width of the bars against the device's limits
 COUNTED: Mapping[str, tuple[str, str, str]] = {  # counters that are added up: name, colour, marker
     "fragments shaded": ("geometry", style.BLUE, "o"),
@@ -75,10 +76,11 @@ class Work:
     def draw_counts(self, axes: Axes, points: Sequence[Point], heading: str) -> None:
         for row, point in enumerate(points):
             total = totals(point.cell["work"])
+            places = _spread({name: total[name] for name, _, _ in COUNTED.values() if total[name]})
             for label, (name, colour, marker) in COUNTED.items():
                 if total[name]:
-                    axes.plot(total[name], row, linestyle="", marker=marker, color=colour, markersize=4.4, label=label,
-                              alpha=0.9, clip_on=False)
+                    axes.plot(total[name], row + places[name], linestyle="", marker=marker, color=colour,
+                              markersize=4.4, label=label, alpha=0.9, clip_on=False)
         log_axis(axes, "x", 10)
         _rows(axes, [p.label for p in points])
         axes.set_title(heading, loc="left", fontsize=7.0, pad=3)
@@ -89,12 +91,12 @@ class Work:
         """Shares of the frame's time that its bytes would take at the copy bandwidth, its shading at the fill rate."""
         for row, point in enumerate(points):
             for place, share, colour in self._shares(point):
-                axes.barh(row + place, share, 0.34, color=colour, linewidth=0)
+                axes.barh(row + place, share, 0.36, color=colour, linewidth=0)
                 axes.text(share + 1.5, row + place, f"{number(share)} %", va="center", fontsize=style.NUMBER_PT)
         _rows(axes, [""] * len(points))
         axes.set_xlim(0, 118)
         axes.set_title("of the time, at the device's limits", loc="left", fontsize=7.0, pad=3)
-        axes.set_xlabel("bytes at copy bandwidth (dark), shading at fill rate (%)", fontsize=style.SMALL_PT,
+        axes.set_xlabel("above: bytes at copy bandwidth; below: shading at fill rate (%)", fontsize=style.SMALL_PT,
                         labelpad=1.5, loc="right")
         axes.grid(axis="x")
 
@@ -104,7 +106,7 @@ class Work:
             return []
         moved = 4 * total["words"] / self.rates["copy_bytes_per_s"]
         shaded = (total["geometry"] + total["pixels"]) / self.rates["fill_pixels_per_s"]
-        return [(-0.18, 100 * moved / time_s, style.INK), (0.18, 100 * shaded / time_s, style.GREY)]
+        return [(-0.21, 100 * moved / time_s, style.INK), (0.21, 100 * shaded / time_s, style.GREY)]
 
     def notes(self) -> list[str]:
         if not self.points:
@@ -124,6 +126,15 @@ def totals(work: Mapping[str, Mapping[str, int]]) -> dict[str, int]:
     return {name: add(name) for name in ("stored", "loaded", "moved", "atomics", "empty")} | {
         "geometry": add("invocations", geometry=True), "pixels": add("invocations", geometry=False),
         "words": add("words_read") + add("words_written")}
+
+
+def _spread(counts: Mapping[str, int]) -> dict[str, float]:
+    """Where each marker stands within its row, in rows: counts that would hide each other one above the other."""
+    groups: list[list[str]] = []
+    for name in sorted(counts, key=lambda name: counts[name]):
+        near = groups and counts[name] < NEAR * counts[groups[-1][-1]]
+        groups[-1].append(name) if near else groups.append([name])
+    return {name: 0.52 * ((i + 0.5) / len(group) - 0.5) for group in groups for i, name in enumerate(group)}
 
 
 def _rows(axes: Axes, labels: Sequence[str]) -> None:
