@@ -87,7 +87,13 @@ def literal(name: str, value: int) -> str:
 
 def _buffer_block(buffer: Buffer, binding: int, name: str, readonly: bool) -> str:
     qualifiers = ("coherent " if buffer.coherent and not readonly else "") + ("readonly " if readonly else "")
-    return f"layout(std430, binding = {binding}) {qualifiers}buffer Block{binding} {{ {buffer.type} {name}[]; }};"
+    block = f"layout(std430, binding = {binding}) {qualifiers}buffer Block{binding} {{ {buffer.type} {name}[]; }};"
+    return _said(block, buffer)
+
+
+def _said(declaration: str, resource: Buffer | Target | None) -> str:
+    """The declaration with what the resource contains as a comment beside it."""
+    return f"{declaration}  // {resource.doc}" if resource and resource.doc else declaration
 
 
 def _sampler(target: Target | None) -> str:
@@ -172,8 +178,9 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
         prelude += [_buffer_block(by_name[split_ref(b.ref)[0]], b.index, b.name, b.ref not in step.writes)
                     for b in buffer_bindings(variant, step)]
         targets = {t.name: t for t in variant.targets}
-        prelude += [f"layout(binding = {b.index}) uniform {_sampler(targets.get(split_ref(b.ref)[0]))} {b.name};"
-                    for b in texture_bindings(variant, step)]
+        for b in texture_bindings(variant, step):
+            target = targets.get(split_ref(b.ref)[0])
+            prelude.append(_said(f"layout(binding = {b.index}) uniform {_sampler(target)} {b.name};", target))
         if fitted.stats.occluded and "opaque_depth" in words:
             prelude.append(f"layout(binding = {OPAQUE_UNIT}) uniform sampler2D opaque_depth;")
         prelude += [f"uniform uint {length_name(b.name)};" for b in buffer_bindings(variant, step)
@@ -209,8 +216,9 @@ def _outputs(fitted: Fitted, step: Pass) -> list[str]:
         layers = fitted.layer_count(target) if target else 1
         array = f"[{layers}]" if target and target.layers else ""
         kind = _INTEGER.get(target.format, "") if target else ""
-        lines.append(f"layout(rgba32f, binding = {location}) writeonly uniform image2D out_{name};"
-                     if step.kind == "compute" else f"layout(location = {location}) out {kind}vec4 out_{name}{array};")
+        output = (f"layout(rgba32f, binding = {location}) writeonly uniform image2D out_{name};"
+                  if step.kind == "compute" else f"layout(location = {location}) out {kind}vec4 out_{name}{array};")
+        lines.append(_said(output, target))
         location += layers
     return lines
 

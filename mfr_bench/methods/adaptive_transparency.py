@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import LOCK, SYNC, K, clear
-from .shared.touched import TOUCHED, touching
-from .spec import ADD, IMAGE, Buffer, Method, Pass, State, when
+from .shared import LOCK, SEMAPHORE, SYNC, K, clear
+from .shared.screen_region import TOUCHED, in_screen_region
+from .spec import ADD, IMAGE, Buffer, Method, Pass, State
 
 ORDER = 8
 
@@ -25,9 +25,10 @@ METHODS = [
                 "is right",
         beside=LOCK, mixes=True, exact_where="n <= k",
         params=(replace(K, doc="nodes of a pixel's visibility function"), SYNC, TOUCHED), local="k",
-        buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
-                 Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True)),
-        steps=touching(
+        buffers=(SEMAPHORE,
+                 Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True,
+                        doc="k nodes of the visibility function, sorted: depth, and factor of the transmittance")),
+        steps=in_screen_region(
             clear("semaphore", "nodes"),
             Pass("store", "geometry", "methods/visibility/store.frag", writes=("semaphore", "nodes")),
             Pass("opacity", "fullscreen", "methods/visibility/opacity.frag", reads=("nodes",), into=(IMAGE,),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .shared import OCCUPANCY, PAYLOAD, RESOLVE_OPTIONS, K, clear, occupied, resolve
-from .shared.touched import TOUCHED, touching
+from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Method, Param, Pass
 
 ORDER = 2
@@ -23,8 +23,10 @@ def array(method_id: str, name: str, source: str, summary: str, *params: Param, 
         id=method_id, name=name, family="array", source=source, summary=summary, words="2*n + 1",
         beside="with `room` below n, as many words fewer",
         params=(*params, ROOM, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
-        buffers=(Buffer("counter", "P", clear="0u"), Buffer("nodes", "2*min(room or n, n)*P", type="FRAGMENT")),
-        steps=touching(
+        buffers=(Buffer("counter", "P", clear="0u", doc="fragments of each pixel"),
+                 Buffer("nodes", "2*min(room or n, n)*P", type="FRAGMENT",
+                        doc="fragments of each pixel, in order of arrival")),
+        steps=in_screen_region(
             clear("counter"),
             *(occupied(store) if select else (store,)),
             resolve("counter", "nodes", fetch="methods/array/fetch.glsl", select=select, defines=SLOTS),

@@ -25,7 +25,7 @@ METHODS = [
         summary="the nearest fragment by the hardware depth test",
         guarantee="exact k nearest", words="1", ties="the last submitted is kept",
         fixed=(Param("k", 1, "fragments kept per pixel"),),
-        targets=(Target("depth", "depth32f"),),
+        targets=(Target("depth", "depth32f", doc="nearest depth so far"),),
         steps=(Pass("draw", "geometry", "methods/baseline/zbuffer.frag", into=(IMAGE, "depth"),
                     clears={IMAGE: CLEARED, "depth": (1.0,)}, state=State(depth_test="lequal")),),
     ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from .spec import ALPHA_STEPS, LEAF_ROUNDINGS, Method
+from .spec import ALPHA_STEPS, LEAF_ROUNDINGS, Buffer, Method, Target
 
 HEAD = """# The methods
 
@@ -15,6 +15,8 @@ pixel and one for every 32 intervals, backwards memory allocation one, a payload
 `touched: tiles` takes one per tile of 16x16 pixels and 8 per frame.
 Whether a device runs a method, `mfr-bench methods` says.
 """
+CONTENTS = ("The formula of a buffer counts 32-bit words; in it `capacity` is the number of fragments that there is "
+            "room for. A target has the size of the viewport.")
 
 
 def _row(*cells: str) -> str:
@@ -47,6 +49,38 @@ def _bound(method: Method) -> str:
     return f"{steps} + {LEAF_ROUNDINGS}" + (f", and `{method.leaves_out}`" if method.leaves_out else "")
 
 
+def _size(resource: Buffer | Target) -> str:
+    """The formula of a buffer's words, or the format of a target with its samples and layers."""
+    if isinstance(resource, Buffer):
+        size = f"{resource.type}, `{resource.words}` words"
+    else:
+        more = [f"`{value}` {what}" for what in ("samples", "layers") if (value := getattr(resource, what))]
+        size = ", ".join([resource.format, *more])
+    return f"{size}, {resource.copies} copies" if resource.copies > 1 else size
+
+
+def _added(method: Method) -> dict[str, Buffer | Target]:
+    """What single choices of parameters add to the buffers and targets that the method declares, by name."""
+    declared = {r.name for r in (*method.buffers, *method.targets)}
+    chosen = [{p.name: choice} for p in method.params for choice in (*p.choices, *p.of)]
+    variants = (method.variant(params) for params in ({}, *chosen))
+    return {r.name: r for v in variants for r in (*v.buffers, *v.targets) if r.name not in declared}
+
+
+def _contents(methods: Iterable[Method]) -> Iterable[tuple[str, ...]]:
+    """A row for each different buffer or target, with the methods that declare it; then what parameters add."""
+    declared: dict[tuple[str, ...], list[str]] = {}
+    added: dict[str, Buffer | Target] = {}
+    for method in methods:
+        for resource in (*method.buffers, *method.targets):
+            declared.setdefault((f"`{resource.name}`", _size(resource), resource.doc), []).append(f"`{method.id}`")
+        added |= _added(method)
+    for row, ids in declared.items():
+        yield *row, ", ".join(ids)
+    for name, resource in added.items():
+        yield f"`{name}`", _size(resource), resource.doc, "by parameters"
+
+
 def as_markdown(methods: Iterable[Method]) -> str:
     """docs/methods.md: what each method is, promises and costs; its parameters; what becomes of equal depths."""
     methods = list(methods)
@@ -59,6 +93,8 @@ def as_markdown(methods: Iterable[Method]) -> str:
                       ", ".join(m.pass_names), _needs(m)) for m in methods))
     lines += ["", "## What is allocated beside the words, or how they are used", ""]
     lines += _table(("id", "beside the words"), ((f"`{m.id}`", m.beside) for m in methods if m.beside))
+    lines += ["", "## What buffers and targets contain", "", CONTENTS, ""]
+    lines += _table(("name", "size", "contents", "methods"), _contents(methods))
     lines += ["", "## Why some take more than thrice the time of the fastest A-buffer", ""]
     lines += _table(("id", "reason"), ((f"`{m.id}`", m.cost) for m in methods if m.cost))
     lines += ["", "## Equal depths", ""]

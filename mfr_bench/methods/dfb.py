@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE, rewind
 from .shared import PAYLOAD, RESOLVE_OPTIONS, REUSE_COUNT, clear, count, once
-from .shared.touched import TOUCHED, touching
+from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Counted, Loop, Method, Pass
 
 ORDER = 5
@@ -30,7 +30,7 @@ METHODS = [
         guarantee="exact all", words="2*f + 2",
         beside="the tree of sums above the pixels, a fifteenth of a word per pixel", ties="kept, in no fixed order",
         params=(*RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD), capacity=Counted(),
-        buffers=(COUNTER, ADDRESS, NODES, Buffer("sums", SUMS_WORDS)),
+        buffers=(COUNTER, ADDRESS, NODES, Buffer("sums", SUMS_WORDS, doc="levels 1, 2, … of the hierarchical sum")),
         steps=(
             *once(
                 clear("counter"),
@@ -40,7 +40,7 @@ METHODS = [
                 Loop((Pass("scan", "fullscreen", "methods/dfb/sum_down.frag", reads=("counter",),
                            writes=("sums", "address"), defines=TREE),), times=LEVELS, until_empty=False),
             ),
-            *touching(rewind("scan"), STORE, RESOLVE),
+            *in_screen_region(rewind("scan"), STORE, RESOLVE),
         ),
     ),
 ]

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import LOCK, STAGE, SYNC, K, clear, resolve_sorted
-from .shared.touched import TOUCHED, touching
-from .spec import Buffer, Method, Pass, when
+from .shared import LOCK, SEMAPHORE, STAGE, SYNC, K, clear, resolve_sorted
+from .shared.screen_region import TOUCHED, in_screen_region
+from .spec import Buffer, Method, Pass
 
 ORDER = 8
 
@@ -25,11 +25,13 @@ METHODS = [
                 "colours are",
         beside=LOCK, mixes=True, exact_where="n <= k + 1",
         params=(replace(K, doc="fragments of the core"), SYNC, STAGE, TOUCHED), local="k",
-        buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
-                 Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True),
-                 Buffer("tail", "4*P", type="vec4", clear="0.0", coherent=True),
-                 Buffer("tail_count", "P", clear="0u", coherent=True)),
-        steps=touching(
+        buffers=(SEMAPHORE,
+                 Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True,
+                        doc="k fragments of the core, sorted"),
+                 Buffer("tail", "4*P", type="vec4", clear="0.0", coherent=True,
+                        doc="sums of the colours and opacities of the tail"),
+                 Buffer("tail_count", "P", clear="0u", coherent=True, doc="fragments of the tail")),
+        steps=in_screen_region(
             clear("semaphore", "nodes", "tail", "tail_count"),
             Pass("store", "geometry", "methods/hybrid/store.frag",
                  writes=("semaphore", "nodes", "tail", "tail_count")),

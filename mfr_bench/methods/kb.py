@@ -29,7 +29,7 @@ from .shared import (
     route,
     routed_targets,
 )
-from .shared.touched import TOUCHED, touching
+from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Loop, Method, Param, Pass, State, Target
 
 ORDER = 6
@@ -41,7 +41,8 @@ K32 = replace(K, doc="fragments kept per pixel, the first to arrive",
 SAMPLES = "doubled(4, k)"
 PASSES = Param("passes", 16, "most geometry passes; as many as k repair every hazard, 1 repairs the nearest layer")
 
-NODES = Buffer("nodes", "2*k*P", type="uvec2", clear="uvec2(EMPTY, 0u)", coherent=True)
+NODES = Buffer("nodes", "2*k*P", type="uvec2", clear="uvec2(EMPTY, 0u)", coherent=True,
+               doc="k nearest fragments of each pixel, sorted unless hazards occur")
 HAZARD = "fragments of a pixel in flight at once lose each other's changes: fragments go missing or stand twice"
 
 METHODS = [
@@ -53,7 +54,7 @@ METHODS = [
         failure=f"{HAZARD}; right where a device shades the fragments of a pixel one by one",
         params=(K16, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         buffers=(NODES,),
-        steps=touching(
+        steps=in_screen_region(
             clear("nodes"),
             *occupied(Pass("store", "geometry", "methods/kb/store.frag", writes=("nodes",))),
             resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", hazards=True),
@@ -72,8 +73,9 @@ METHODS = [
         beside="2 words per pixel: depth and colour of the nearest fragment that was missing, which the hardware finds "
                "for certain",
         buffers=(NODES,),
-        targets=(Target("layer", "r32ui"), Target("layer_depth", "depth32f")),
-        steps=touching(
+        targets=(Target("layer", "r32ui", doc="colour of the nearest missing fragment"),
+                 Target("layer_depth", "depth32f", doc="depth of the nearest missing fragment")),
+        steps=in_screen_region(
             clear("nodes"),
             *occupancy_map(),
             Loop((
@@ -98,7 +100,7 @@ METHODS = [
         params=(K32, MULTISAMPLING, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED), local="k",
         beside="3 words for each sample that k leaves unused: samples come in powers of two from 4",
         targets=routed_targets(SAMPLES),
-        steps=touching(
+        steps=in_screen_region(
             *occupancy_map(),
             *(culled(p) if p.kind == "geometry" else p for p in route(SAMPLES)),
             resolve("depths", "colours", fetch="methods/routing/fetch.glsl", hazards=True),
@@ -113,8 +115,10 @@ METHODS = [
         failure=f"{HAZARD}, and one torn slot in four passes for whole; right where a device shades the fragments of "
                 "a pixel one by one",
         params=(K16, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED), local="k",
-        buffers=(Buffer("depths", "k*P", clear="EMPTY", coherent=True), Buffer("colours", "k*P", coherent=True)),
-        steps=touching(
+        buffers=(Buffer("depths", "k*P", clear="EMPTY", coherent=True,
+                        doc="depths of the k slots, with a code of depth and colour in two bits"),
+                 Buffer("colours", "k*P", coherent=True, doc="colours of the k slots")),
+        steps=in_screen_region(
             clear("depths"),
             *occupied(Pass("store", "geometry", "methods/kb/store_coded.frag", writes=("depths", "colours"))),
             resolve("depths", "colours", fetch="methods/kb/fetch_coded.glsl", hazards=True),

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
 
-from .sbuffer import ADDRESS, COUNTERS, HASH, MAPPING, SHARED_COUNTERS, referencing
+from .sbuffer import ADDRESS, COUNTERS, GROUP_TOTAL, HASH, MAPPING, SHARED_COUNTERS, referencing
 from .shared import (
     CLEAR_IMAGE,
     CULLING,
@@ -24,6 +24,7 @@ from .shared import (
     PEELED,
     RESOLVE_OPTIONS,
     REUSE_COUNT,
+    SEMAPHORE,
     SORT,
     SYNC,
     K,
@@ -35,7 +36,7 @@ from .shared import (
     resolve,
 )
 from .shared.prediction import BINS, fragments_in, largest_k, predict_k
-from .shared.touched import TOUCHED, touching
+from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import PAYLOAD_WORDS, UNDER, Buffer, Choice, Counted, Decided, Loop, Method, Param, Params, Pass, State, when
 
 ORDER = 7
@@ -48,12 +49,12 @@ MEMORY_MB = Param("memory_mb", 200.0, "memory budget M_b in MiB", real=True, low
 HIT_RATIO = Param("hit_ratio", 0.95, "robustness ratio R_h: share of the fragments that should be kept", real=True,
                   low=0, high=1)
 
-COUNTER = Buffer("counter", "P", clear="0u", coherent=True)
-SEMAPHORE = Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin"))
-NODES = Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", clear_heads=True, coherent=True)
-RANGES = Buffer("nodes", "2*capacity", type="FRAGMENT", coherent=True)
-GROUP_TOTAL = Buffer("group_total", "counters", clear="0u")
-HISTOGRAM = Buffer("histogram", str(BINS), clear="0u")
+COUNTER = Buffer("counter", "P", clear="0u", coherent=True, doc="slots taken (upper bits) and fragments counted")
+NODES = Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", clear_heads=True, coherent=True,
+               doc="k best fragments of each pixel, the worst first")
+RANGES = replace(NODES, words="2*capacity", clear=None, clear_heads=False,
+                 doc="best fragments, the range of one pixel after another, the worst of each first")
+HISTOGRAM = Buffer("histogram", str(BINS), clear="0u", doc="pixels with 1, 2, … fragments; the last bin also more")
 
 SLOTTED_WORDS = "counter and semaphore are the 2 words; with an interlock only the counter"
 RANGED_WORDS = ("the 3 words are address, semaphore, and a counter of both the fragments counted and the slots taken; "
@@ -77,7 +78,7 @@ def kplus(method_id: str, name: str, section: str, summary: str, *params: Param,
         words="2*k + 2", local="k", fixed=fixed,
         params=(K, *params, SYNC, CULLING, occupancy, OCCUPANCY_BOUNDS, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
         buffers=(COUNTER, SEMAPHORE, NODES),
-        steps=touching(
+        steps=in_screen_region(
             clear("counter", "semaphore", "nodes"),
             *occupied(store(shader, defines=PER_PIXEL)),
             resolve("counter", "nodes", fetch=FETCH, defines=PER_PIXEL),
@@ -96,7 +97,7 @@ def ranged(method_id: str, name: str, section: str, summary: str, counting: tupl
                 REUSE_COUNT, PAYLOAD),
         fixed=(STRUCTURE.at("adaptive"), CRITERION, MAPPING),
         buffers=(COUNTER, ADDRESS, SEMAPHORE, GROUP_TOTAL, RANGES, *buffers),
-        steps=touching(
+        steps=in_screen_region(
             *once(clear("counter", "semaphore", shared=("group_total", *(b.name for b in buffers))), *counting,
                   *referencing(bounded=True)),
             again("referencing", "methods/kplus/empty.frag", "counter", "nodes", reads=("address",),
@@ -136,7 +137,7 @@ def slotted_dynamic(method_id: str, name: str, structure: str) -> Method:
         fixed=(STRUCTURE.at(structure), CRITERION), capacity=Decided("histogram", predicted_slots),
         params=(MEMORY_MB, HIT_RATIO, SYNC, CULLING, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
         buffers=(COUNTER, SEMAPHORE, replace(NODES, words="2*capacity"), HISTOGRAM),
-        steps=touching(
+        steps=in_screen_region(
             clear("counter", shared=("histogram",)),
             count(),
             HISTOGRAM_PASS,
@@ -162,9 +163,10 @@ MULTI_PASS = Method(
     params=(replace(K, doc="fragments peeled per pixel and iteration"), SYNC, SORT, PEELED, TOUCHED),
     most_layers="ceil(layers / k) * k",
     fixed=(STRUCTURE, CRITERION, CULLING), local="k",
-    buffers=(COUNTER, SEMAPHORE, NODES, Buffer("last", "2*P", type="uvec2", clear="0u"),
-             Buffer("repeats", "P", clear="0u")),
-    steps=touching(
+    buffers=(COUNTER, SEMAPHORE, NODES,
+             Buffer("last", "2*P", type="uvec2", clear="0u", doc="furthest fragment composited; EMPTY if all are"),
+             Buffer("repeats", "P", clear="0u", doc="fragments equal to the last that were composited")),
+    steps=in_screen_region(
         CLEAR_IMAGE,
         clear("counter", "semaphore", "nodes", "last", "repeats"),
         Loop((

@@ -21,14 +21,14 @@ from .shared import (
     STAGE,
     STOP_OPACITY,
     K,
+    buffers_of_64_bits,
     clear,
     expanded,
     occupied,
     resolve,
     resolve_sorted,
-    wide_buffers,
 )
-from .shared.touched import TOUCHED, touching
+from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import ON_OFF, SPARE_CELLS, Buffer, Grown, Method, Param, Params, Pass, when
 
 ORDER = 3
@@ -40,12 +40,13 @@ GROWN = Grown(start="P", counter="cell_counter")
 GROWN_IN_PAGES = replace(GROWN, wanted=f"paged({PAGE})")
 GROWN_EITHER_WAY = replace(GROWN, wanted=f"paged({PAGE}) if allocation == 'paged' else F")
 
-COUNTER = Buffer("cell_counter", "1", clear="0u")
+COUNTER = Buffer("cell_counter", "1", clear="0u", doc="cells given out, or asked for beyond the capacity")
 # One index space for heads and links, so that a walk treats both alike.
-NEXT = Buffer("next", "buckets*P + capacity", clear="EMPTY", clear_heads="BUCKETS")
-CELLS = Buffer("cells", "2*capacity", type="FRAGMENT")
-PLACE = Buffer("place", "P", clear="0u", coherent=True)
-COLOURS = Buffer("payload", "capacity", type="PAYLOAD", coherent=True)
+NEXT = Buffer("next", "buckets*P + capacity", clear="EMPTY", clear_heads="BUCKETS",
+              doc="head of each list, then the link of each cell")
+CELLS = Buffer("cells", "2*capacity", type="FRAGMENT", doc="fragments, each in its cell")
+PLACE = Buffer("place", "P", clear="0u", coherent=True, doc="next cell of each pixel in its page, and the lock")
+COLOURS = Buffer("payload", "capacity", type="PAYLOAD", coherent=True, doc="colour of each cell")
 
 FETCH = "methods/list/fetch.glsl"
 FETCH_PACKED = "methods/list/fetch_packed.glsl"
@@ -78,11 +79,11 @@ def rendered(step: Pass) -> Pass:
     return replace(step, name="render", expand=expand)
 
 
-def gpupro(method_id: str, name: str, section: str, summary: str, switch: Param, plain: str, wide: str,
-           wide_type: str, unsorted: bool, **more) -> Method:
-    """A method of gpupro5_ch1 §1.2: 32-bit cells where `switch` is at its default, else 64-bit records.
+def gpupro(method_id: str, name: str, section: str, summary: str, switch: Param, plain: str, packed: str,
+           packed_type: str, unsorted: bool, **more) -> Method:
+    """A method of gpupro5_ch1 §1.2: 32-bit cells if `switch` is at its default, otherwise 64-bit records.
 
-    The shader `wide` takes records of `wide_type`.
+    The shader `packed` uses records of `packed_type`.
     """
     other = next(c for c in switch.choices if c != switch.default)
     narrow, broad = when(switch.name, switch.default), when(switch.name, other)
@@ -93,12 +94,14 @@ def gpupro(method_id: str, name: str, section: str, summary: str, switch: Param,
         beside=f"{SPARE_CELLS}; 64-bit records take 3f + 2, and emulated a lock per pixel",
         buffers=(COUNTER, replace(NEXT, coherent=not unsorted, when=narrow),
                  replace(CELLS, coherent=not unsorted, when=narrow),
-                 *wide_buffers("records", "P + capacity", condition=broad, native_type=wide_type, clear_heads=True),
+                 *buffers_of_64_bits("records", "P + capacity", condition=broad, native_type=packed_type,
+                                     clear_heads=True,
+                                     doc="head of each list, then each cell: link, and inverted depth"),
                  replace(COLOURS, when=broad), replace(PLACE, when=when("allocation", "paged"))),
-        steps=touching(
-            clear("next", "records", "wide_lock", "place", shared=("cell_counter",)),
+        steps=in_screen_region(
+            clear("next", "records", "lock64", "place", shared=("cell_counter",)),
             store(plain, "next", "cells", "place", name="build", when=narrow),
-            store(wide, "records", "payload", "place", "wide_lock", name="build", when=broad),
+            store(packed, "records", "payload", "place", "lock64", name="build", when=broad),
             rendered(finish("next", "cells", when=narrow, fetch=FETCH)),
             rendered(finish("records", "payload", when=broad, fetch=FETCH_PACKED)),
         ),
@@ -114,7 +117,7 @@ METHODS = [
         guarantee="exact all", words="3*f + 1", beside=SPARE_CELLS, ties="kept, in no fixed order",
         params=(*RESOLVE_OPTIONS, TOUCHED, PAYLOAD), fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN,
         buffers=(COUNTER, NEXT, CELLS),
-        steps=touching(clear("next", shared=("cell_counter",)),
+        steps=in_screen_region(clear("next", shared=("cell_counter",)),
                        store("methods/list/store.frag", "next", "cells"),
                        resolve("next", "cells", fetch=FETCH)),
     ),
@@ -126,8 +129,9 @@ METHODS = [
         beside=f"a link per page in place of one per cell, Crassin's page, counter and lock of a pixel in one word; "
                f"beside them {SPARE_CELLS}",
         params=(*RESOLVE_OPTIONS, TOUCHED, PAYLOAD), fixed=(ALLOCATION.at("paged"), ONE_LIST), capacity=GROWN_IN_PAGES,
-        buffers=(COUNTER, PLACE, Buffer("page_link", f"ceil(capacity/{PAGE})"), CELLS),
-        steps=touching(clear("place", shared=("cell_counter",)),
+        buffers=(COUNTER, PLACE, Buffer("page_link", f"ceil(capacity/{PAGE})",
+                                        doc="value of `place` before each page was taken"), CELLS),
+        steps=in_screen_region(clear("place", shared=("cell_counter",)),
                        store("methods/list/store_paged.frag", "place", "page_link", "cells"),
                        resolve("place", "page_link", "cells", fetch="methods/list/fetch_paged.glsl", defines=PAGED)),
     ),
@@ -137,8 +141,9 @@ METHODS = [
         summary="several linked lists per pixel by depth range, after a pass for the depth bounds; smaller sorts",
         guarantee="exact all", words="3*f + buckets + 2", beside=SPARE_CELLS, ties="kept, in no fixed order",
         params=(BUCKETS, MAXIMUM, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD), fixed=(ONE_BY_ONE,), capacity=GROWN,
-        buffers=(COUNTER, Buffer("nearest", "P", clear="EMPTY"), Buffer("furthest", "P", clear="0u"), NEXT, CELLS),
-        steps=touching(clear("next", "nearest", "furthest", shared=("cell_counter",)),
+        buffers=(COUNTER, Buffer("nearest", "P", clear="EMPTY", doc="nearest depth of each pixel"),
+                 Buffer("furthest", "P", clear="0u", doc="furthest depth of each pixel"), NEXT, CELLS),
+        steps=in_screen_region(clear("next", "nearest", "furthest", shared=("cell_counter",)),
                        Pass("bounds", "geometry", "methods/list/bounds.frag", writes=("nearest", "furthest")),
                        store("methods/list/store.frag", "next", "cells", reads=("nearest", "furthest")),
                        resolve("next", "cells", fetch="methods/list/fetch_buckets.glsl", defines={"LISTS": "buckets"})),
@@ -166,7 +171,7 @@ METHODS = [
         params=(K, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD), fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN,
         local="k",
         buffers=(COUNTER, NEXT, CELLS),
-        steps=touching(clear("next", shared=("cell_counter",)),
+        steps=in_screen_region(clear("next", shared=("cell_counter",)),
                        *occupied(store("methods/list/store.frag", "next", "cells")),
                        resolve("next", "cells", select=True, fetch=FETCH)),
     ),

@@ -8,7 +8,7 @@ from __future__ import annotations
 from functools import partial
 
 from .shared import OCCUPANCY, STAGE, STOP_OPACITY, K, occupied, resolve_sorted, zeroed_apart
-from .shared.touched import TOUCHED, touching
+from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import SPARE_CELLS, Buffer, Grown, Method, Param, Pass
 
 ORDER = 6
@@ -27,9 +27,11 @@ METHODS = [
         ties="kept, in order of arrival; the first to arrive has the k-th place",
         params=(K, RETRIES, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         capacity=Grown(start="P", counter="cell_counter"),
-        buffers=(Buffer("cell_counter", "1"), Buffer("next", "2*P + capacity", coherent=True),
-                 Buffer("cells", "2*(2*P + capacity)", type="uvec2", coherent=True)),
-        steps=touching(
+        buffers=(Buffer("cell_counter", "1", doc="cells given out"),
+                 Buffer("next", "2*P + capacity", coherent=True, doc="link of each node: heads, tails, then cells"),
+                 Buffer("cells", "2*(2*P + capacity)", type="uvec2", coherent=True,
+                        doc="depth and colour of each node: heads, tails, then cells")),
+        steps=in_screen_region(
             Pass("clear", "fullscreen", "methods/ll/clear.frag", writes=("cell_counter", "next", "cells"),
                  expand=partial(zeroed_apart, shared=("cell_counter",))),
             *occupied(Pass("store", "geometry", "methods/ll/store.frag", writes=("cell_counter", "next", "cells"),

@@ -2,8 +2,19 @@
 
 from __future__ import annotations
 
-from .shared import ATOMIC64, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, K, clear, occupied, resolve_sorted, wide_buffers
-from .shared.touched import TOUCHED, touching
+from .shared import (
+            ATOMIC64,
+            CULLING,
+            OCCUPANCY,
+            STAGE,
+            STOP_OPACITY,
+            K,
+            buffers_of_64_bits,
+            clear,
+            occupied,
+            resolve_sorted,
+)
+from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Method, Param, Pass, when
 
 ORDER = 6
@@ -21,8 +32,9 @@ METHODS = [
         summary="32-bit atomic minima sort the k nearest depths, a second geometry pass brings their colours",
         guarantee="exact k nearest", words="2*k", ties="collide: one colour is kept, further slots show none",
         params=(K, KEY, DEPTH_BITS, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
-        buffers=(Buffer("depths", "k*P", clear="EMPTY", coherent=True), Buffer("colours", "k*P", clear="0u")),
-        steps=touching(
+        buffers=(Buffer("depths", "k*P", clear="EMPTY", coherent=True, doc="keys of the k nearest depths, sorted"),
+                 Buffer("colours", "k*P", clear="0u", doc="colours of the same fragments")),
+        steps=in_screen_region(
             clear("depths", "colours"),
             *occupied(
                 Pass("store_depth", "geometry", "methods/mdt/store_depth.frag", writes=("depths",)),
@@ -39,10 +51,10 @@ METHODS = [
         beside="with atomic64: emulated a lock, one word per pixel",
         ties="kept, in order of payload, the k-th place included",
         params=(K, ATOMIC64, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
-        buffers=wide_buffers("nodes", "k*P", word="EMPTY"),
-        steps=touching(
-            clear("nodes", "wide_lock"),
-            *occupied(Pass("store", "geometry", "methods/mdt/store64.frag", writes=("nodes", "wide_lock"))),
+        buffers=buffers_of_64_bits("nodes", "k*P", word="EMPTY", doc="k nearest fragments, sorted: depth above colour"),
+        steps=in_screen_region(
+            clear("nodes", "lock64"),
+            *occupied(Pass("store", "geometry", "methods/mdt/store64.frag", writes=("nodes", "lock64"))),
             resolve_sorted("nodes", fetch="methods/mdt/fetch64.glsl"),
         ),
     ),

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import LOCK, PAYLOAD, STAGE, SYNC, K, clear, resolve_sorted
-from .shared.touched import TOUCHED, touching
-from .spec import Buffer, Method, Pass, when
+from .shared import LOCK, PAYLOAD, SEMAPHORE, STAGE, SYNC, K, clear, resolve_sorted
+from .shared.screen_region import TOUCHED, in_screen_region
+from .spec import Buffer, Method, Pass
 
 ORDER = 8
 
@@ -26,9 +26,9 @@ METHODS = [
         failure="a fragment that comes late may belong in front of what was merged; each merge rounds to the payload",
         beside=LOCK, mixes=True, exact_where="n <= k",
         params=(replace(K, doc="layers per pixel"), SYNC, STAGE, TOUCHED, ANY_COLOUR), local="k",
-        buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
-                 Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", coherent=True)),
-        steps=touching(
+        buffers=(SEMAPHORE,
+                 Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", coherent=True, doc="k layers, sorted")),
+        steps=in_screen_region(
             clear("semaphore", "nodes"),
             Pass("store", "geometry", "methods/mlab/store.frag", writes=("semaphore", "nodes")),
             resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", mixes=True),

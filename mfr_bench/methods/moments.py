@@ -7,7 +7,7 @@ their 0th, and four for the shaded colour, for which the paper takes the image i
 from __future__ import annotations
 
 from .shared import CLEARED
-from .shared.touched import touching, without_tiles
+from .shared.screen_region import in_screen_region, without_tiles
 from .spec import ADD, IMAGE, Method, Param, Pass, State, Target, when
 
 ORDER = 8
@@ -30,9 +30,10 @@ METHODS = [
                 Param("bias", 5e-7, BIAS, real=True, low=0, high=1, acts=when("moments", 4)),
                 Param("bias_6", 5e-6, BIAS, real=True, low=0, high=1, acts=when("moments", 6)),
                 TOUCHED_BOUNDS),
-        targets=(Target("absorbance", "r32f"), Target("moments", "rg32f", layers="moments // 2"),
-                 Target("shaded", "rgba32f")),
-        steps=touching(
+        targets=(Target("absorbance", "r32f", doc="total absorbance"),
+                 Target("moments", "rg32f", layers="moments // 2", doc="power moments of the absorbance over depth"),
+                 Target("shaded", "rgba32f", doc="sum of the attenuated colours and alphas")),
+        steps=in_screen_region(
             Pass("store", "geometry", "methods/moments/store.frag", into=("absorbance", "moments"),
                  clears={"absorbance": CLEARED, "moments": CLEARED}, state=State(blend=ADD)),
             Pass("shade", "geometry", "methods/moments/shade.frag", reads=("absorbance", "moments"),

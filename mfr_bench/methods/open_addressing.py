@@ -35,7 +35,7 @@ from .shared import (
     resolve,
     resolve_sorted,
 )
-from .shared.touched import TOUCHED, touching
+from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Grown, Method, Param, Pass, when
 
 ORDER = 3
@@ -57,20 +57,24 @@ def open_addressing(method_id: str, name: str, section: str, summary: str, order
         beside="256 probe offsets and the counter, per frame; a cell per pixel at least; emulated 3 words per cell, an "
                "index and a record of two", fixed=(ORDER_KEPT.at(order),), deepest=DEEPEST,
         capacity=Grown(start="max(P, ceil(F/load_factor))", counter="cell_counter"),
-        buffers=(Buffer("cell_counter", "1", clear="0u", coherent=True),
-                 Buffer("ages", "P", clear="0u", coherent=True),
-                 Buffer("offsets", str(MOST_AGES), clear="hash3(i, seed, offsets[i]) % capacity"),
-                 Buffer("cells", "2*capacity", type="uint64_t", clear="0", coherent=True, when=NATIVE),
-                 Buffer("cells", "capacity", clear="0u", coherent=True, when=EMULATED),
-                 Buffer("records", "2*capacity", type="uvec2", coherent=True, when=EMULATED),
-                 Buffer("record_counter", "1", clear="0u", when=EMULATED)),
+        buffers=(Buffer("cell_counter", "1", clear="0u", coherent=True, doc="cells of the table that are occupied"),
+                 Buffer("ages", "P", clear="0u", coherent=True, doc="age of the oldest fragment of each pixel"),
+                 Buffer("offsets", str(MOST_AGES), clear="hash3(i, seed, offsets[i]) % capacity",
+                        doc="offset of the probe sequence for each age"),
+                 Buffer("cells", "2*capacity", type="uint64_t", clear="0", coherent=True, when=NATIVE,
+                        doc="hash table: age, inverted depth and colour of a fragment; 0 is an empty cell"),
+                 Buffer("cells", "capacity", clear="0u", coherent=True, when=EMULATED,
+                        doc="hash table: 1 + index of a record; 0 is an empty cell"),
+                 Buffer("records", "2*capacity", type="uvec2", coherent=True, when=EMULATED,
+                        doc="age, inverted depth and colour of the fragments in the table"),
+                 Buffer("record_counter", "1", clear="0u", when=EMULATED, doc="records given out")),
         steps=(
             replace(clear("cell_counter", "ages", "offsets", "cells", "record_counter"),
                     shader="methods/open/clear.frag"),
             Pass("build", "geometry", "methods/open/insert.frag", reads=("offsets",),
                  writes=("cell_counter", "ages", "cells", "records", "record_counter"),
                  defines={"LOAD_LIMIT": "ceil(65536*max(10/16, load_factor))"}),
-            *touching(rendered(finish)),
+            *in_screen_region(rendered(finish)),
         ),
         **more,
     )

@@ -32,7 +32,7 @@ from .shared import (
     route,
     routed_targets,
 )
-from .shared.touched import TOUCHED, touching, without_tiles
+from .shared.screen_region import TOUCHED, in_screen_region, without_tiles
 from .spec import (
     BEHIND,
     IMAGE,
@@ -69,8 +69,9 @@ METHODS = [
         guarantee="exact all", words="6", cost="one geometry pass per layer",
         ties="one of them is kept, the others are lost", most_layers="layers",
         params=(PEELED, STOP_OPACITY, TOUCHED_BOUNDS),
-        targets=(Target("layer", "rgba32f"), Target("layer_depth", "depth32f", copies=2)),
-        steps=touching(
+        targets=(Target("layer", "rgba32f", doc="colour of the layer just peeled"),
+                 Target("layer_depth", "depth32f", copies=2, doc="depth of this layer, and of the one before")),
+        steps=in_screen_region(
             replace(CLEAR_IMAGE, clears={IMAGE: (0.0, 0.0, 0.0, 1.0)}),
             Loop((
                 Pass("peel", "geometry", "methods/peel/f2b.frag", reads=("layer_depth.previous",),
@@ -91,9 +92,11 @@ METHODS = [
         summary="dual peeling: the nearest and the furthest layer per geometry pass, by MAX blending",
         guarantee="exact all", words="20", cost="one geometry pass for every two layers",
         ties="the maximum of each channel is kept", params=(MIDDLE, TOUCHED_BOUNDS),
-        targets=(Target("bounds", "rg32f", copies=2), Target("front", "rgba32f", copies=2),
-                 Target("behind", "rgba32f"), Target("back", "rgba32f")),
-        steps=touching(
+        targets=(Target("bounds", "rg32f", copies=2, doc="(-nearest, furthest) depth of the fragments that are left"),
+                 Target("front", "rgba32f", copies=2, doc="front layers composited, transmittance negated"),
+                 Target("behind", "rgba32f", doc="furthest layer just peeled"),
+                 Target("back", "rgba32f", doc="back layers composited")),
+        steps=in_screen_region(
             Pass("bounds", "geometry", "common/depth_bounds.frag", into=("bounds.previous",),
                  clears={"bounds.previous": NO_BOUNDS}, state=State(blend=MAX)),
             Pass("clear", "clear", into=("front.previous", "back"),
@@ -118,10 +121,13 @@ METHODS = [
                 "each per geometry pass, by MAX blending into as many targets",
         guarantee="exact all", words="2 + 14*buckets", ties="one of them is kept, the others are lost",
         params=(Param("buckets", 8, "buckets of a pixel, each a render target", high=8), TOUCHED_BOUNDS),
-        targets=(Target("bounds", "rg32f"), Target("edges", "rg32f", copies=2, layers="buckets")),
-        buffers=(Buffer("colours", "2*buckets*P"), Buffer("layers", "8*buckets*P", type="vec4",
-                 clear="0.0, 0.0, 0.0, 1.0")),
-        steps=touching(
+        targets=(Target("bounds", "rg32f", doc="(-nearest, furthest) depth of the pixel"),
+                 Target("edges", "rg32f", copies=2, layers="buckets",
+                        doc="(-nearest, furthest) depth of the fragments left in each bucket")),
+        buffers=(Buffer("colours", "2*buckets*P", doc="colours of the two fragments just peeled, per bucket"),
+                 Buffer("layers", "8*buckets*P", type="vec4", clear="0.0, 0.0, 0.0, 1.0",
+                        doc="front and back layers composited, with transmittance, per bucket")),
+        steps=in_screen_region(
             Pass("bounds", "geometry", "common/depth_bounds.frag", into=("bounds",),
                  clears={"bounds": NO_BOUNDS}, state=State(blend=MAX)),
             Pass("clear", "clear", into=("edges.previous",), clears={"edges.previous": UNBOUNDED}),
@@ -148,10 +154,12 @@ METHODS = [
                "and for each pixel where the next pass resumes and how many fragments it has",
         cost="one geometry pass for every `samples` layers",
         params=(SAMPLES, MULTISAMPLING, *RESOLVE_OPTIONS, TOUCHED),
-        targets=(*routed_targets("samples"), Target("arrivals", "r32ui", samples="samples")),
-        buffers=(Buffer("counter", "P", clear="0u"), Buffer("resume", "P", clear="0u"),
-                 Buffer("nodes", "2*n*P", type="uvec2")),
-        steps=touching(
+        targets=(*routed_targets("samples"),
+                 Target("arrivals", "r32ui", samples="samples", doc="primitive whose fragment each sample took")),
+        buffers=(Buffer("counter", "P", clear="0u", doc="fragments collected in each pixel"),
+                 Buffer("resume", "P", clear="0u", doc="first primitive not captured yet; EMPTY if all are"),
+                 Buffer("nodes", "2*n*P", type="uvec2", doc="n fragments of each pixel, in order of arrival")),
+        steps=in_screen_region(
             clear("counter", "resume"),
             Loop((
                 *route("samples", "arrivals", reads=("resume",)),

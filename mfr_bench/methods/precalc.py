@@ -18,7 +18,7 @@ from .shared import (
     once,
     resolve,
 )
-from .shared.touched import TOUCHED, touching
+from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Counted, Loop, Method, Param, Pass, when
 
 ORDER = 5
@@ -52,10 +52,11 @@ METHODS = [
                "pixel where full-screen steps take turns; the memory table of sbuffer_2012 shows the like (§4)",
         params=(SCAN, *RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD), capacity=Counted(),
         buffers=(COUNTER, replace(ADDRESS, copies=2, when=FULLSCREEN), replace(ADDRESS, when=COMPUTE), NODES,
-                 Buffer("block_sum", f"ceil(P/{SCAN_BLOCK})", when=COMPUTE)),
+                 Buffer("block_sum", f"ceil(P/{SCAN_BLOCK})", when=COMPUTE,
+                        doc="fragments of each block of pixels, then of all blocks before it")),
         steps=(
             *once(clear("counter"), count(), *SCANS),
-            *touching(rewind("scan", "address.previous"),
+            *in_screen_region(rewind("scan", "address.previous"),
                       replace(STORE, writes=("address.previous", "nodes")),
                       replace(RESOLVE, reads=("counter", "address.previous", "nodes"))),
         ),
@@ -66,8 +67,8 @@ METHODS = [
         summary="room for n fragments in every pixel: address = pixel * n; needs n beforehand",
         guarantee="exact all", words="2*n + 2", ties="kept, in no fixed order",
         params=(*RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
-        buffers=(COUNTER, ADDRESS, replace(NODES, words="2*n*P")),
-        steps=touching(
+        buffers=(COUNTER, ADDRESS, replace(NODES, words="2*n*P", doc="n fragments of each pixel, in order of arrival")),
+        steps=in_screen_region(
             clear("counter"),
             Pass("scan", "fullscreen", "methods/precalc/address_fixed.frag", writes=("address",)),
             Pass("store", "geometry", "methods/precalc/store_fixed.frag", reads=("address",),

@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
-from .shared import CULLING, OCCUPANCY, STAGE, STOP_OPACITY, SYNC, K, clear, occupied, resolve_sorted
-from .shared.touched import TOUCHED, touching
-from .spec import Buffer, Method, Pass, when
+from .shared import (
+    CULLING,
+    OCCUPANCY,
+    SEMAPHORE,
+    STAGE,
+    STOP_OPACITY,
+    SYNC,
+    K,
+    clear,
+    occupied,
+    resolve_sorted,
+)
+from .shared.screen_region import TOUCHED, in_screen_region
+from .spec import Buffer, Method, Pass
 
 ORDER = 7
 
@@ -18,9 +29,10 @@ METHODS = [
                "1 counts what sync: interlock takes",
         ties="kept, in order of arrival; the first to arrive has the k-th place",
         params=(K, SYNC, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
-        buffers=(Buffer("semaphore", "P", clear="0u", coherent=True, when=when("sync", "spin")),
-                 Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True)),
-        steps=touching(
+        buffers=(SEMAPHORE,
+                 Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True,
+                        doc="k nearest fragments of each pixel, sorted")),
+        steps=in_screen_region(
             clear("semaphore", "nodes"),
             *occupied(Pass("store", "geometry", "methods/ps/store.frag", writes=("semaphore", "nodes"))),
             resolve_sorted("nodes", fetch="methods/ps/fetch.glsl"),

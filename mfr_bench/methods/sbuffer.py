@@ -19,7 +19,7 @@ from .shared import (
     once,
     resolve,
 )
-from .shared.touched import TOUCHED, touching
+from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Counted, Method, Param, Pass
 
 ORDER = 4
@@ -32,9 +32,10 @@ HASH = Param("hash", "column", "which counter a pixel uses: its index modulo S, 
 
 SHARED_COUNTERS = "the shared counters, one word each, a few dozen per frame"
 
-COUNTER = Buffer("counter", "P", clear="0u")
-ADDRESS = Buffer("address", "P")
-NODES = Buffer("nodes", "2*capacity", type="FRAGMENT")
+COUNTER = Buffer("counter", "P", clear="0u", doc="fragments of each pixel")
+ADDRESS = Buffer("address", "P", doc="next cell of the range of each pixel")
+NODES = Buffer("nodes", "2*capacity", type="FRAGMENT", doc="fragments, the range of one pixel after another")
+GROUP_TOTAL = Buffer("group_total", "counters", clear="0u", doc="fragments of each group of pixels")
 FETCH = "methods/sbuffer/fetch.glsl"
 STORE = Pass("store", "geometry", "methods/sbuffer/store.frag", writes=("address", "nodes"))
 RESOLVE = resolve("counter", "address", "nodes", fetch=FETCH)
@@ -72,8 +73,8 @@ def sbuffer(method_id: str, name: str, source: str, summary: str, fill: tuple[Pa
     return Method(
         id=method_id, name=name, family="sbuffer", source=source, summary=summary,
         words="2*f + 2", beside=SHARED_COUNTERS, capacity=Counted(),
-        buffers=(COUNTER, ADDRESS, Buffer("group_total", "counters", clear="0u"), NODES),
-        steps=touching(
+        buffers=(COUNTER, ADDRESS, GROUP_TOTAL, NODES),
+        steps=in_screen_region(
             *once(clear("counter", shared=("group_total",))),
             *fill,
             finish,

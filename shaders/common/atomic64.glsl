@@ -1,34 +1,34 @@
-// 64-bit atomics on the buffer that the macro WIDE names. A value is (low word, high word); `old` receives the value
-// that the element had before. With ATOMIC64_NATIVE the device's own atomics are used on elements of type
-// uint64_t; otherwise common/lock64.glsl emulates them. The functions return false if they did nothing: the lock was not
-// acquired, which the caller has to count as a loss, or this is a helper invocation.
+// 64-bit atomics on the buffer that the macro BUFFER64 names. A value is (low word, high word); `old` receives the
+// value that the element had before. With ATOMIC64_NATIVE the device's own atomics are used on elements of type
+// uint64_t; otherwise common/lock64.glsl emulates them. The functions return false if they did nothing: the lock was
+// not acquired, which the caller has to count as a loss, or this is a helper invocation.
 // Invariant: operations on one element take effect one after the other; an invocation never holds two locks.
 // Source: gpupro5_ch1 §1.6 also emulates atomicMax, but by a compare-and-swap, which does not exist for two words.
-// Buffers: updates the buffer WIDE.
+// Buffers: updates the buffer BUFFER64.
 #include "common/helper.glsl"
 #include "common/less64.glsl"
 #include "common/load64.glsl"
 
 #if ATOMIC64_NATIVE
 
-// For an element that no other invocation knows of yet.
+// Writes an element that no other invocation can access yet.
 void store64(uint at, uvec2 value) {
-    WIDE[at] = packUint2x32(value);
+    BUFFER64[at] = packUint2x32(value);
 }
 
-// Both words of one moment, even while others write.
+// Reads both words of one value, even while other invocations write.
 bool load_whole64(uint at, out uvec2 value) {
     value = load64(at);
     return !IS_HELPER;
 }
 
 bool atomic_max64(uint at, uvec2 value, out uvec2 old) {
-    old = unpackUint2x32(atomicMax(WIDE[at], packUint2x32(value)));
+    old = unpackUint2x32(atomicMax(BUFFER64[at], packUint2x32(value)));
     return !IS_HELPER;
 }
 
 bool atomic_min64(uint at, uvec2 value, out uvec2 old) {
-    old = unpackUint2x32(atomicMin(WIDE[at], packUint2x32(value)));
+    old = unpackUint2x32(atomicMin(BUFFER64[at], packUint2x32(value)));
     return !IS_HELPER;
 }
 

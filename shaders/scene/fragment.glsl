@@ -21,8 +21,8 @@ bool drawn(uint p) {
 #endif
 
 // Fragment probability f_p (kplus_2015 §5.1.1), decided by pixel, quad and seed. With CULLS the test also rejects
-// fragments beyond the K-th depth of the occupancy map, for passes whose own depth test keeps early z from doing so; with
-// OCCLUDED it rejects fragments at or behind the depth of the scene's opaque triangles.
+// fragments beyond the K-th depth of the occupancy map, for passes whose own depth test keeps early z from doing so;
+// with OCCLUDED it rejects fragments at or behind the depth of the scene's opaque triangles.
 bool rejected() {
 #if OCCLUDED
     if (gl_FragCoord.z >= texelFetch(opaque_depth, ivec2(gl_FragCoord.xy), 0).x) return true;

@@ -72,6 +72,25 @@ def test_passes_name_only_declared_resources(method):
 
 
 @METHODS
+def test_every_buffer_and_target_says_what_it_contains(method):
+    for variant in variants(method):
+        for resource in (*variant.buffers, *variant.targets):
+            assert resource.doc, resource.name
+            assert "\n" not in resource.doc
+
+
+@METHODS
+def test_a_shader_shows_what_its_buffers_contain(method):
+    fitted = Fitted(method.variant({}), SIZES)
+    docs = {b.name: b.doc for b in fitted.variant.buffers}
+    for step in (s for s in fitted.variant.passes if s.kind != "clear"):
+        text = stages(fitted, step)[-1].text
+        for name in {ref.partition(".")[0] for ref in (*step.reads, *step.writes)} & set(docs):
+            said = rf"buffer Block\d+ .* {name}(_\w+)?\[\]; }};  // {re.escape(docs[name])}$"
+            assert re.search(said, text, re.MULTILINE), f"pass {step.name}: {name}"
+
+
+@METHODS
 def test_atomics_touch_only_what_the_pass_declares_to_write(method):
     """Mesa lets an atomic through on a readonly buffer, and a barrier would then be missing."""
     for variant in variants(method):

@@ -21,9 +21,10 @@ PAYLOAD_WORDS: Mapping[str, int] = {"rgba8": 1, "rgba16f": 2, "two_channel": 1}
 class Buffer:
     """A shader storage buffer of 32-bit words.
 
-    `words` is its length as a formula, in which `capacity` is the method's. `clear` is the GLSL value that the
-    clear pass gives to every element, or with `clear_heads` to the first P, or P times
-    the parameter that it names in GLSL. Two copies take turns in a loop.
+    `words` is its length as a formula, in which `capacity` is the method's. The clear pass gives the GLSL value `clear`
+    to every element; with `clear_heads` only to the first P, or to the first P times the parameter that it names in
+    GLSL. The iterations of a loop use the copies in turn. `doc` says what the buffer contains; the prelude prints it
+    beside the declaration, and docs/methods.md lists it.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Buffer:
     coherent: bool = False
     copies: int = 1
     when: When | None = None
+    doc: str = ""
 
     @property
     def element_words(self) -> int:
@@ -49,10 +51,10 @@ FORMAT_WORDS: Mapping[str, float] = {"r8": 0.25, "rg8": 0.5, "rgba8": 1, "r16": 
 
 @dataclass(frozen=True)
 class Target:
-    """A texture of the viewport's size that passes draw into. Two copies are used in turn in a loop.
+    """A texture of the viewport's size that passes draw into. The iterations of a loop use the copies in turn.
 
-    `samples` and `layers` are formulas: of a multisample texture, and of an array whose layers are drawn into at
-    once, at successive locations.
+    `samples` is the formula of the samples of a multisample texture, `layers` that of the layers of an array texture,
+    which are drawn into at once, at successive locations. `doc` says what the texture contains, as for a buffer.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Target:
     when: When | None = None
     samples: str | None = None
     layers: str | None = None
+    doc: str = ""
 
     @property
     def attaches(self) -> Literal["colour", "depth"]:

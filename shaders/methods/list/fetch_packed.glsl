@@ -1,6 +1,6 @@
 // Reads the fragments of a list of 64-bit records (link, inverted depth) in the order of its links.
 // Buffers: reads records, payload.
-#define WIDE records
+#define BUFFER64 records
 #include "common/helper.glsl"
 #include "common/load64.glsl"
 #include "common/payload.glsl"

@@ -3,7 +3,7 @@
 // it.
 // Source: gpupro5_ch1 §1.2.2-1.2.3, Listings 1.2 and 1.3.
 // Buffers: reads payload; updates records; writes payload.
-#define WIDE records
+#define BUFFER64 records
 #include "scene/fragment.glsl"
 #include "common/atomic64.glsl"
 #include "common/early_culling.glsl"

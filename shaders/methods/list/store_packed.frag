@@ -2,7 +2,7 @@
 // Invariant: records[x] is the link to, and the inverted depth of, the fragment that follows x; 0 ends the list.
 // Source: gpupro5_ch1 §1.2.2, Listing 1.2.
 // Buffers: updates records; writes payload.
-#define WIDE records
+#define BUFFER64 records
 #include "scene/fragment.glsl"
 #include "common/exchange64.glsl"
 #include "methods/list/alloc.glsl"

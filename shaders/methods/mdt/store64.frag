@@ -4,7 +4,7 @@
 // each other and take one slot each.
 // Source: Kubisch 2014; kplus_2015 §2.
 // Buffers: updates nodes.
-#define WIDE nodes
+#define BUFFER64 nodes
 #include "scene/fragment.glsl"
 #include "common/atomic64.glsl"
 

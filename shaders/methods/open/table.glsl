@@ -11,7 +11,7 @@
 
 #if ATOMIC64_NATIVE
 
-#define WIDE cells
+#define BUFFER64 cells
 #include "common/atomic64.glsl"
 
 bool table_begin() {

@@ -1,15 +1,18 @@
-"""`touched`: what the full-screen passes of a method touch.
+"""The parameter `touched`: full-screen passes are limited to the part of the screen that has geometry.
 
-The host knows the rectangle that bounds the geometry at no cost; which tiles in it have fragments a compute pass finds
-after the store. Beside the rectangle no pixel's storage is cleared, nor a target by the pass that draws into it, so
-none is read; the image is cleared there. Clears by the driver alone stay whole, as of buffers of no pixel's own.
+`bounds` limits them to the rectangle that bounds the geometry, which the host knows at no cost. `tiles` limits the
+resolve further, to the tiles of this rectangle that have fragments; a compute pass lists them after the store. Outside
+the rectangle no pixel's storage is cleared, and no target by the pass that draws into it, because none is read there;
+only the image is cleared. A clear by the driver still covers the whole buffer, and so does the clear of a buffer that
+belongs to no pixel.
 
-A listed tile is drawn as a point: along the edge that the two triangles of a square share, pixels are shaded twice. On
-llvmpipe the resolve of squares of 16, 32 and 64 pixels takes 1.6, 1.3 and 1.2 to 1.3 times that of one triangle over a
-full viewport, of points of any of these stats 1.1, in which the list and the image's clear are counted.
+A listed tile is drawn as a point, because a square of two triangles would shade the pixels along their common edge
+twice. On llvmpipe, relative to one triangle over a full viewport, the resolve takes 1.6, 1.3 and 1.2 to 1.3 times as
+long with squares of 16, 32 and 64 pixels, and 1.1 times with points of any of these sizes, the listing and the clear
+of the image included.
 
-A method takes it where each pixel of a full-screen pass works for itself: passes that go over the storage of all
-pixels, such as a prefix sum, and what they read, stay outside `touching`.
+A method can have this parameter if each pixel of its full-screen passes works for itself. Passes over the storage of
+all pixels, such as a prefix sum, and the passes whose results they read, stay outside `in_screen_region`.
 """
 
 from __future__ import annotations
@@ -18,7 +21,8 @@ from dataclasses import replace
 from functools import partial
 
 from ..spec import IMAGE, LISTED, TILE_COMMAND, TILE_LIST, TILE_POINTS, Buffer, Loop, Param, Params, Pass, State
-from . import CLEARED, PIXEL_CLASS, Expand, expanded
+from .clearing import CLEARED, Expand, expanded
+from .resolving import PIXEL_CLASS
 
 BOUNDS = ("what full-screen passes touch: the viewport (off), or the rectangle that bounds the geometry, which the "
           "host knows (bounds); ")
@@ -32,22 +36,23 @@ Step = Pass | Loop
 
 
 def without_tiles(reason: str) -> Param:
-    """TOUCHED for a method whose resolve does not go by tile."""
+    """TOUCHED for a method whose resolve cannot be limited to tiles, for the given reason."""
     return replace(TOUCHED, doc=f"{BOUNDS}the image is cleared beside; no tiles, {reason}", choices=("off", "bounds"),
                    needs={})
 
 
-def touching(*steps: Step, looped: bool = False) -> tuple[Step, ...]:
-    """The steps with TOUCHED as their parameter: in each full-screen pass every pixel works for itself alone.
+def in_screen_region(*steps: Step, looped: bool = False) -> tuple[Step, ...]:
+    """The steps with TOUCHED as their parameter. In each of their full-screen passes every pixel works for itself.
 
-    Those into the image clear it, but for those in a loop, before which it is cleared whole.
+    A pass that draws into the image clears it outside the region. Passes in a loop do not: the image is cleared as a
+    whole before the loop.
     """
-    return tuple(_touching(s, looped) for s in steps)
+    return tuple(_in_screen_region(s, looped) for s in steps)
 
 
-def _touching(step: Step, looped: bool) -> Step:
+def _in_screen_region(step: Step, looped: bool) -> Step:
     if isinstance(step, Loop):
-        return replace(step, passes=touching(*step.passes, looped=True))
+        return replace(step, passes=in_screen_region(*step.passes, looped=True))
     if step.kind == "clear" or (step.kind == "geometry" and not step.clears):
         return step
     if IMAGE in step.into:
@@ -73,7 +78,9 @@ def _into_image(step: Pass, scope: Params, expand: Expand | None, clears: bool) 
 def _list_tiles(step: Pass) -> Pass:
     """The pass that lists the tiles in which the resolve `step` finds a fragment, for an indirect draw and dispatch."""
     return replace(step, kind="compute", shader="common/list_tiles.comp", resolver=None, into=(), state=State(),
-                   buffers=(Buffer(TILE_LIST, TILES), Buffer(TILE_COMMAND, "8")), writes=(TILE_LIST, TILE_COMMAND),
+                   buffers=(Buffer(TILE_LIST, TILES, doc="numbers of the tiles that have fragments"),
+                            Buffer(TILE_COMMAND, "8", doc="indirect draw and dispatch of a point or group per tile")),
+                   writes=(TILE_LIST, TILE_COMMAND),
                    groups=f"ceil({TILES}/{LISTERS})", expand=None,
                    defines={**step.defines, "TILE": LISTED, "LISTERS": LISTERS})
 
