@@ -103,8 +103,8 @@ def test_only_the_classes_that_a_frame_can_have_are_drawn():
     for n, drawn_classes in ((1, 1), (8, 1), (9, 2), (32, 3), (33, 4), (1024, 8), (5000, 8)):
         stats = SceneStats(W=1, H=1, n=n, F=n, primitives=n)
         assert sum(Fitted(variant, stats).needed(p) for p in classes) == drawn_classes
-    deepest = {p.defines["CLASS"]: variant.value(p.defines["LOCAL"], SceneStats(W=1, H=1, n=100, F=100, primitives=100))
-               for p in classes}
+    fitted = Fitted(variant, SceneStats(W=1, H=1, n=100, F=100, primitives=100))
+    deepest = {p.defines["CLASS"]: fitted.value(p.defines["LOCAL"]) for p in classes}
     assert [deepest[i] for i in range(5)] == [8, 16, 32, 64, 100]
 
 
