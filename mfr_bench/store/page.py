@@ -30,7 +30,7 @@ FILES = """
 | `results.csv` | a row per cell: every cell in the folder |
 | `passes.csv` | a row per cell and timed pass |
 | `tables/results.md` | the tables that `mfr-bench table` prints, and the pass times |
-| `tables/summary.csv` | a row per cell that the config has, by its label and its place on each axis, with what tables show |
+| `tables/summary.csv` | a row per cell that the config has, by label and place on each axis: what tables show |
 | `tables/pass_times.csv` | a row per such cell, a column per pass: median times in ms |
 | `figures/<name>.png`, `.svg` | the figures that the config asks for, numbered where there are several |
 
