@@ -64,6 +64,10 @@ ONE_LINE = [
     (scene("alpha: -0.1"), "F:2: scene.alpha: -0.1 is not allowed; allowed: a number from 0 to 1, or two"),
     (scene("depth_copies: 0"), "F:2: scene.depth_copies: 0 is not allowed; allowed: a whole number from 1 to 16384"),
     (scene("overhang: 16777217"), "F:2: scene.overhang: 16777217 is not allowed; allowed: pixels from 0 to 16777216"),
+    (scene("overhang: 16777215").replace("[64, 48]", "[64, 2]"),
+     ("F:2: scene.overhang: an overhang of 16777215 beyond a viewport whose shorter side has 2 pixels, which float32 "
+      "cannot clip; allowed: up to 16777214")),
+    (scene("overhang: 8388608").replace("[64, 48]", "[1, 48]"), "allowed: up to 8388607"),
     (scene("depth_at: 0.5"), ("F:2: scene.depth_at: 32 quads in steps of 2^-4 about 0.5 leave the depth range; "
                              "allowed: smaller steps or fewer quads")),
     (scene("depth_at: 1, depth_gap_log2: -25"),

@@ -21,6 +21,7 @@ from ..spec.values import Allowed, Share, Size, Unit, Whole
 TILE = 32  # pixels, side of a tile of layout `tiles`
 TILES_STREAM = 6  # of the hash, by which tiles are shuffled; scene.streams has the others
 MAX_OVERHANG = 2**24  # pixels: a float32 holds every corner
+CLIPPED_PER_PIXEL = 2**23 - 1  # pixels of overhang that are clipped rightly, per pixel of the viewport's shorter side
 OF_ONE_DEPTH = ("depth_at", "depth_copies", "odd_depth", "alpha_order", "overhang")  # keys of quads without slant
 
 
@@ -131,6 +132,14 @@ def _least_depth_unused(scene: CommonKeys) -> Fault | None:
     return (("scene.least_depth", "scene.layout", "scene.kind"), what) if unused else None
 
 
+def _cannot_be_clipped(scene: CommonKeys) -> Fault | None:
+    """A corner at 2^24 half viewports or more has float32 coordinates whose edges the clipping loses."""
+    most = min(MAX_OVERHANG, min(scene.size) * CLIPPED_PER_PIXEL)
+    what = (f"an overhang of {scene.overhang} beyond a viewport whose shorter side has {min(scene.size)} pixels, which "
+            f"float32 cannot clip; allowed: up to {most}")
+    return (("scene.overhang", "scene.size"), what) if scene.overhang > most else None
+
+
 class Quads(Kind):
     """Pixel-aligned, front-facing rectangles of constant colour."""
 
@@ -138,7 +147,7 @@ class Quads(Kind):
     noun = "quads"
     Keys = QuadKeys
     generator = "flat.quads"
-    rules = (_quad_size_unused, _needs_one_depth, _no_such_depths, _least_depth_unused)
+    rules = (_quad_size_unused, _needs_one_depth, _no_such_depths, _least_depth_unused, _cannot_be_clipped)
     rows = (
         Described("`quads`, `layout: block`", "one centred block, every quad over all of it",
                   "of every covered pixel", "the same", "the papers' synthetic scenes"),
