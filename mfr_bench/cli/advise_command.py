@@ -8,9 +8,11 @@ from pathlib import Path
 
 import click
 
-from ..errors import UsageError
+from ..errors import UsageError, nearest
 from .options import JSON, ConfigName, OneOf
 from .output import note, say, width
+
+NOTHING_KEEPS = 6  # exit status
 
 
 class Positive(click.ParamType):
@@ -28,6 +30,36 @@ class Positive(click.ParamType):
         return number
 
 
+class SceneKeys(click.ParamType):
+    """Keys of a scene with their values: size=1280x720,n=24,alpha=0.5."""
+
+    name = "text"
+
+    def convert(self, value, param, context):
+        from ..store.columns import COLUMNS, names
+
+        known = ["size", "n", "p_d", "f_p", "alpha", "kind", "layout", *names(COLUMNS, "place")]
+        found = {}
+        for part in value.split(","):
+            name, separator, text = (piece.strip() for piece in part.partition("="))
+            if not separator or not text or name not in known:
+                self.fail(f"{part!r} is not allowed; allowed: KEY=VALUE with KEY of {', '.join(known)}"
+                          f"{nearest(name, known)}")
+            found[name] = self._value(name, text)
+        return found
+
+    def _value(self, name: str, text: str):
+        sides = text.split("x")
+        if name == "size" and not (len(sides) == 2 and all(side.isdigit() and int(side) for side in sides)):
+            self.fail(f"size={text} is not allowed; allowed: WxH in pixels, as in 1280x720")
+        if name == "size":
+            return tuple(map(int, sides))
+        try:
+            return float(text) if "." in text or "e" in text.lower() else int(text)
+        except ValueError:
+            return text
+
+
 @click.command()
 @click.argument("targets", nargs=-1, required=True, metavar="CONFIG|DIR...", type=ConfigName())
 @click.option("--max-error", type=Positive(), required=True, metavar="E",
@@ -35,29 +67,47 @@ class Positive(click.ParamType):
 @click.option("--memory-mb", type=Positive(), metavar="M", help="The MiB that a method may allocate; default: any.")
 @click.option("--metric", type=OneOf(["rmse", "flip", "max"]), default="rmse", show_default=True,
               help="The error: root mean square, NVIDIA's FLIP, or the largest of any channel.")
+@click.option("--scene", "--like", "like", metavar="KEY=VALUE,...", type=SceneKeys(),
+              help="Only the measured scene that is nearest to this one: size=1280x720,n=24,p_d=0.3.")
 @JSON
-def advise(targets: tuple[str, ...], max_error: float, memory_mb: float | None, metric: str, as_json: bool) -> None:
+@click.pass_context
+def advise(context: click.Context, targets: tuple[str, ...], max_error: float, memory_mb: float | None, metric: str,
+           like: dict | None, as_json: bool) -> None:
     """Name the fastest method within an error and a memory budget.
 
     Scene by scene, from what was measured: the method with its parameters, those that come next with
-    the interval of how much slower they are, and whether the fastest is told apart from them.
+    the interval of how much slower they are, and whether the fastest is told apart from them. Exit
+    status 6 where nothing measured keeps the bounds.
 
     \b
     Examples: mfr-bench advise pareto --max-error 0.01 --memory-mb 64
               mfr-bench advise results --max-error 0.05 --metric flip --json
+              mfr-bench advise pareto --max-error 0.01 --like size=1280x720,n=24
     """
     from ..report import advice, data
     from ..store import ResultFolder
 
     folders = [ResultFolder(path) for path in _results(targets)]
-    found = advice.advise(map(data.load, folders), advice.Limits(metric, max_error, memory_mb))
+    found = advice.advise(map(data.load, folders), advice.Limits(metric, max_error, memory_mb), like, _config_of)
     if not found:
         raise UsageError(f"advise: nothing is measured in {', '.join(str(f.path) for f in folders)}; run "
                          "'mfr-bench run' again")
     say(advice.as_json(found) if as_json else advice.as_text(found, width()))
+    for line in dict.fromkeys(warning for each in found for warning in each.warnings) if as_json else ():
+        note(f"advise: {line}")
     for folder in folders:
         for line in folder.damaged:
             note(line)
+    if not any(each.kept for each in found):
+        context.exit(NOTHING_KEEPS)
+
+
+def _config_of(result) -> str:
+    """What `run` takes to measure the result again: a shipped config, or the file it was measured with."""
+    from ..config import shipped
+
+    name = str(result.manifest.get("config") or f"{result.name}.yaml")
+    return Path(name).stem if Path(name).stem in shipped() else name if Path(name).is_file() else ""
 
 
 def _results(targets: Iterable[str]) -> list[Path]:

@@ -35,7 +35,7 @@ Examples:
 Exit status: 0 done; 1 a cell crashed, or ran out of time or memory;
 2 the command or a config is wrong; 3 an image is wrong, or race broke a
 promise; 4 compare found a regression; 5 compare --strict could not tell;
-130 interrupted.
+6 advise: nothing keeps the bounds; 130 interrupted.
 
 \b
 Shell completion (or zsh_source, fish_source):

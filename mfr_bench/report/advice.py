@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import textwrap
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..stats import Interval
@@ -17,6 +18,7 @@ from .tables import Grid
 
 METRICS = {"rmse": "rmse", "flip": "flip", "max": "max_error_all"}  # what `--metric` takes, and its column
 MOST_SHOWN = 5
+IDLE_BUDGET = 8  # a memory limit of so many times what anything takes was meant for another scene
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,25 @@ class Advice:
     limits: Limits
     noise: float | None  # relative; how far one thing measured twice is from itself
     unmeasured: int  # planned cells of the experiment without a record
+    dates: str = ""  # on which it was measured
+    config: str = ""  # what `mfr-bench run` takes to measure it; empty where that is not known
+    distance: str = ""  # from the scene that was asked for, in words
+
+    @property
+    def scene(self) -> str:
+        """Viewport and scene, in words."""
+        return data.scene_words(self.place.points)
+
+    @property
+    def warnings(self) -> list[str]:
+        """Why the answer may have nothing to do with the question."""
+        used = [p.measure("memory_mib")[1] for p in self.measured if p.measure("memory_mib")[1] is not None]
+        limit = self.limits.memory_mib
+        if limit is None or not used or max(used) * IDLE_BUDGET > limit:
+            return []
+        width, height = (self.place.points[0].row[side] for side in ("width", "height"))
+        most = f"of {limit:g} MiB no cell takes more than {number(max(used))}, at {width}×{height} pixels"
+        return [f"The memory limit decides nothing here: {most}. Measure at the size that the limit is meant for."]
 
     @property
     def measured(self) -> list[Point]:
@@ -59,8 +80,13 @@ class Advice:
 
     @property
     def kept(self) -> list[Point]:
-        return sorted((p for p in self.measured if self.limits.keeps_error(p) and self.limits.keeps_memory(p)),
-                      key=lambda p: p.row["time_ms"])
+        found = sorted((p for p in self.measured if self.limits.keeps_error(p) and self.limits.keeps_memory(p)),
+                       key=lambda p: p.row["time_ms"])
+        fastest = found[0] if found else None
+        for p in found[1:]:  # where they took turns, one with the longer median may be the faster for sure
+            high = p.over(fastest)[2]
+            fastest = p if high is not None and high < 1 else fastest
+        return sorted(found, key=lambda p: p is not fastest)
 
     def ratio(self, point: Point) -> Interval:
         """Its time over the fastest one's."""
@@ -82,11 +108,53 @@ class Advice:
         return not self.rivals if len(self.kept) > 1 else None
 
 
-def advise(results: Iterable[Result], limits: Limits) -> list[Advice]:
-    """Advice for every scene of the results, device by device."""
-    return [Advice(result.name, str(device_name(place.points[0].cell)), place, limits,
-                   result.manifest.get("noise_floor_rel"), result.unmeasured)
-            for result in results for place in (places(result) if result.points else ())]
+def advise(results: Iterable[Result], limits: Limits, like: Mapping[str, Any] | None = None,
+           config_of: Callable[[Result], str] = lambda result: result.name) -> list[Advice]:
+    """Advice for every scene of the results, device by device; with `like` for the scene next to it on each device.
+
+    like: keys of a scene with their values. config_of: what `mfr-bench run` takes to measure a result again.
+    """
+    found = [Advice(result.name, str(device_name(place.points[0].cell)), place, limits,
+                    result.manifest.get("noise_floor_rel"), result.unmeasured, result.dates, config_of(result))
+             for result in results for place in (places(result) if result.points else ())]
+    if not like:
+        return found
+    nearest: dict[str, Advice] = {}
+    for advice in found:
+        known = nearest.setdefault(advice.device, advice)
+        if _apart(advice, like) < _apart(known, like):
+            nearest[advice.device] = advice
+    return [replace(advice, distance=_distance(advice, like)) for advice in nearest.values()]
+
+
+def _factor(wanted: Any, here: Any) -> float | None:
+    """How many times a measured value is from the one wanted, at least 1; of viewports by pixels; None for words."""
+    if isinstance(wanted, tuple) and isinstance(here, tuple) and len(wanted) == len(here) == 2:
+        wanted, here = (a * b for a, b in (wanted, here)) if isinstance(wanted[0], int) else map(sum, (wanted, here))
+    numbers = all(isinstance(v, (int, float)) and v > 0 for v in (wanted, here))
+    return max(wanted / here, here / wanted) if numbers else None
+
+
+def _apart(advice: Advice, like: Mapping[str, Any]) -> float:
+    """How far a scene is from the one asked for: doublings of each number, and one for each word that differs."""
+    total = 0.0
+    for name, wanted in like.items():
+        here = advice.place.points[0].at(name)
+        factor = _factor(wanted, here)
+        total += (wanted != here) if factor is None else math.log2(factor)
+    return total
+
+
+def _distance(advice: Advice, like: Mapping[str, Any]) -> str:
+    parts = []
+    for name, wanted in like.items():
+        here = advice.place.points[0].at(name)
+        factor = _factor(wanted, here)
+        if wanted != here:
+            times = f", {number(factor)} times apart" if factor is not None else ""
+            parts.append(f"{data.short(name)} {data.plain(here) if here is not None else 'none'} where "
+                         f"{data.plain(wanted)} was asked for{times}")
+    return "; ".join(parts) or "as asked for"
 
 
 # --- words -----------------------------------------------------------------------------------------
@@ -115,6 +183,8 @@ def _grid(advice: Advice) -> Grid:
 
 def _spread(ratio: Interval) -> str:
     low, middle, high = ratio
+    if middle is not None and middle < 1:  # by its median it is slower, where they took turns it is not
+        return f"≈ 1 ({low:.2f} to {high:.2f})" if None not in (low, high) else "≈ 1"
     ends = "too few samples for an interval" if low is None or high is None else f"{low:.2f} to {high:.2f}"
     return f"{number(middle)} ({ends})"
 
@@ -135,7 +205,7 @@ def _missed(advice: Advice) -> str:
     """What comes nearest where nothing keeps the limits."""
     column, measured = advice.limits.column, advice.measured
     if not measured:
-        return f"No cell with {column} was measured; mfr-bench run {advice.experiment} --force measures all of them."
+        return f"No cell with {column} was measured; {_again(advice, ' --force')} measures all of them."
     closest = min(filter(advice.limits.keeps_memory, measured), key=lambda p: p.measure(column)[1], default=None)
     smallest = min(filter(advice.limits.keeps_error, measured), key=lambda p: p.measure("memory_mib")[1], default=None)
     parts = ["Nothing measured keeps this."]
@@ -149,6 +219,11 @@ def _missed(advice: Advice) -> str:
     return " ".join(parts)
 
 
+def _again(advice: Advice, options: str = "") -> str:
+    """The command that measures the experiment."""
+    return f"mfr-bench run {advice.config}{options}" if advice.config else f"the command that measured it{options}"
+
+
 def as_text(found: Sequence[Advice], width: int) -> str:
     """A paragraph with a table for each scene, at most `width` columns wide where names allow."""
     return "\n\n".join(_text(advice, width) for advice in found)
@@ -156,13 +231,16 @@ def as_text(found: Sequence[Advice], width: int) -> str:
 
 def _text(advice: Advice, width: int) -> str:
     where = " · ".join(part for part in (advice.experiment, advice.device, advice.place.name) if part)
-    lines = textwrap.wrap(f"{where}: {advice.limits}", width)
+    about = [f"{where}: {advice.limits}", f"Measured {advice.dates or 'on a day not recorded'}: {advice.scene}."]
+    about += [f"The nearest scene measured: {advice.distance}."] if advice.distance else []
+    about += [f"WARNING: {warning}" for warning in advice.warnings]
+    lines = [part for line in about for part in textwrap.wrap(line, width, break_on_hyphens=False)]
     if advice.kept:
         lines += ["\n\n".join(chunk.text() for chunk in _grid(advice).chunks(width))]
     count, kept = len(advice.measured), len(advice.kept)
     said = f"{_certainty(advice)} {kept} of {count} cells keep the limits." if advice.kept else _missed(advice)
     if advice.unmeasured:
-        said += f" {advice.unmeasured} planned cells are not measured: mfr-bench run {advice.experiment}."
+        said += f" {advice.unmeasured} planned cells are not measured: {_again(advice)}."
     return "\n".join([*lines, *textwrap.wrap(said, width, break_on_hyphens=False)])
 
 
@@ -173,7 +251,9 @@ def as_json(found: Sequence[Advice]) -> str:
 
 def _record(advice: Advice) -> dict[str, Any]:
     kept = advice.kept
-    return {"experiment": advice.experiment, "device": advice.device, "scene": advice.place.name,
+    return {"experiment": advice.experiment, "device": advice.device, "scene": advice.scene,
+            "place": advice.place.name or None, "size": [advice.place.points[0].row[s] for s in ("width", "height")],
+            "dates": advice.dates or None, "distance": advice.distance or None, "warnings": advice.warnings,
             "metric": advice.limits.metric, "max_error": advice.limits.most_error,
             "memory_mb": advice.limits.memory_mib, "best": _cell(advice, kept[0]) if kept else None,
             "runners_up": [_cell(advice, p) for p in kept[1:]], "sure": advice.sure, "noise_floor_rel": advice.noise,

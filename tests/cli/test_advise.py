@@ -35,13 +35,13 @@ def test_a_config_or_a_folder(measured, target):
 def test_text_is_told_on_stdout(measured):
     ended = without_gl("advise", "tiny.yaml", "--max-error", "0.5", "--memory-mb", "64")
     assert ended.status == 0
-    assert ended.out.startswith("tiny · llvmpipe: rmse at most 0.5, memory at most 64 MiB\n")
-    assert "wboit" in ended.out.splitlines()[3]
+    assert ended.out.startswith("tiny · llvmpipe: rmse at most 0.5, memory at most 64 MiB\nMeasured 2024-05-06: 64×64 ")
+    assert any(line.startswith("wboit ") for line in ended.out.splitlines())
 
 
 def test_limits_that_nothing_keeps_are_a_result(measured):
     ended = without_gl("advise", "tiny.yaml", "--max-error", "1e-12")
-    assert ended.status == 0
+    assert ended.status == 6
     assert "Nothing measured keeps this. The least rmse is 1e-08: ab-array." in ended.out
 
 
@@ -61,6 +61,8 @@ def test_nothing_measured_says_what_to_run(tmp_path, monkeypatch):
     (["tiny.yaml", "--max-error", "1", "--memory-mb", "-3"], "'-3' is not allowed; allowed: a number above 0"),
     (["tiny.yaml", "--max-error", "1", "--metric", "rsme"],
      "'rsme' is not allowed; allowed: rmse, flip, max; nearest: 'rmse'"),
+    (["tiny.yaml", "--max-error", "1", "--like", "nn=3"], "'nn=3' is not allowed; allowed: KEY=VALUE with KEY of size"),
+    (["tiny.yaml", "--max-error", "1", "--scene", "size=12"], "size=12 is not allowed; allowed: WxH in pixels"),
     (["tyni.yaml", "--max-error", "1"], "tyni.yaml: no such file"),
     (["empty", "--max-error", "1"], "empty: no results in or below it; allowed: a folder that 'mfr-bench run' wrote"),
 ])

@@ -85,7 +85,7 @@ def test_one_alone_is_neither_sure_nor_unsure(tmp_path):
 
 def test_where_nothing_keeps_the_limits_the_nearest_is_told(tmp_path):
     advice, = found(tmp_path, Limits("rmse", 0.05, 0.9))
-    assert as_text([advice], 200).splitlines()[1] == (
+    assert as_text([advice], 200).splitlines()[-1] == (
         "Nothing measured keeps this. Within the memory the least rmse is 0.100: wboit. Within the error the least "
         "memory is 1.00 MiB: ab-sb.")
 
@@ -127,3 +127,62 @@ def test_json_says_the_same(tmp_path):
     nothing, = json.loads(as_json(found(tmp_path / "none", Limits("rmse", 1e-12))))
     assert nothing["best"] is None
     assert nothing["runners_up"] == []
+
+
+def test_size_scene_device_and_date_are_told(tmp_path):
+    advice, = found(tmp_path, Limits("rmse", 0.05))
+    text = " ".join(as_text([advice], 100).split())
+    assert "planted · llvmpipe" in text and "Measured 2024-05-06: 64×64 pixels; depth complexity n = 32" in text
+    record, = json.loads(as_json([advice]))
+    assert (record["size"], record["dates"]) == ([64, 64], "2024-05-06")
+    assert record["scene"].startswith("64×64 pixels") and record["place"] is None
+
+
+@pytest.mark.parametrize(("memory_mib", "warned"), [(4.0, False), (31.0, False), (33.0, True), (None, False)])
+def test_a_memory_limit_that_decides_nothing_is_called_so(tmp_path, memory_mib, warned):
+    """The largest cell takes 4 MiB."""
+    advice, = found(tmp_path, Limits("rmse", 0.5, memory_mib))
+    assert bool(advice.warnings) is warned
+    text = " ".join(as_text([advice], 100).split())
+    said = "WARNING: The memory limit decides nothing here: of 33 MiB no cell takes more than 4.00, at 64×64 pixels"
+    assert (said in text) is warned
+
+
+@pytest.mark.parametrize(("like", "n", "told"), [
+    ({"n": 30}, 32, "n 32 where 30 was asked for, 1.07 times apart"),
+    ({"n": 64}, 64, "as asked for"),
+    ({"n": 50, "size": (128, 128)}, 64, "size 64×64 where 128×128 was asked for, 4.00 times apart"),
+])
+def test_the_nearest_scene_is_picked_and_its_distance_told(tmp_path, like, n, told):
+    cells = [*CELLS, point("wboit", 3, 0.3, scene={"depth_complexity": 64})]
+    folder = planted.folder(tmp_path, cells)
+    advice, = advise([data.load(folder)], Limits("rmse", 1.0), like)
+    assert advice.place.points[0].at("n") == n
+    assert told in advice.distance and told in " ".join(as_text([advice], 200).split())
+
+
+def test_no_rival_is_faster_than_the_fastest(tmp_path):
+    """By its median B is the slower, by the ratios of rounds in which they took turns it surely is the faster."""
+    slow, fast = ([2.0 + 0.2 * (i >= 10) for i in range(20)], [1.9 + 0.2 * (i >= 10) for i in range(20)])
+    a = point("wboit", 2.0, 0.01) | {"samples_ms": slow}
+    b = point("mlab", 2.01, 0.01) | {"samples_ms": fast}
+    advice, = found(tmp_path, Limits("rmse", 0.5), [a, b])
+    assert methods(advice) == ["mlab", "wboit"]
+    assert advice.ratio(advice.kept[1])[1] > 1
+
+
+def test_a_ratio_below_one_is_not_printed(tmp_path):
+    text = as_text(found(tmp_path, Limits("rmse", 0.5), [point("wboit", 2.0, 0.01, width=0.2),
+                                                         point("mlab", 2.001, 0.01, width=0.2)]), 120)
+    assert "times the fastest" in text
+    for line in text.partition("times the fastest")[2].splitlines():
+        ratio = line.split("   ")[-1].strip()
+        assert not ratio.startswith("0."), line
+
+
+def test_the_hint_names_what_can_be_run(tmp_path):
+    folder = planted.folder(tmp_path / "less", CELLS[:2])
+    folder.write_manifest(folder.manifest() | {"cells": [c["key"] for c in CELLS]})
+    for config, told in (("smoke", "mfr-bench run smoke."), ("", "the command that measured it.")):
+        advice, = advise([data.load(folder)], Limits("rmse", 1.0), config_of=lambda _, config=config: config)
+        assert told in as_text([advice], 200)

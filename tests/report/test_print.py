@@ -122,3 +122,11 @@ def test_folders_drawn_side_by_side_have_the_same_files(tmp_path):
     written = dict.fromkeys(path for paths, _ in figures.write_all(folders, processes=2) for path in paths)
     assert list(written) == list(alone)
     assert {path: path.read_bytes() for path in written} == alone
+
+
+@pytest.mark.parametrize(("renderer", "y", "said"), [
+    ("llvmpipe (LLVM 15)", "rmse", True), ("NVIDIA H100", "rmse", False), ("llvmpipe (LLVM 15)", "memory_mib", False)])
+def test_a_software_driver_shows_no_race_and_the_figure_says_so(tmp_path, renderer, y, said):
+    options = {"kind": "bars", "x": "k", "y": y}
+    folder = planted.folder(tmp_path, [at(4, 16), at(8, 64)], [options], device={"renderer": renderer})
+    assert ("errors by races between them" in small_print(built(folder, options))) is said

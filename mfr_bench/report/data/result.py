@@ -55,15 +55,9 @@ class Result:
     @property
     def scene(self) -> str:
         """One line: viewport, profile and scene, with the symbols of the headings spelt out; empty without points."""
-        if not self.points:
-            return ""
-        parts = [f"{_range(values(self.points, 'size'))} pixels"]
-        parts += [text.format(_range(found)) for name, text in SPELT_OUT.items()
-                  if (found := values(self.points, name))]
-        parts += [f"{text}{_range(found, ', ')}" for name, text in SCENE_WORDS.items()
-                  if (found := values(self.points, name))]
         profile = self.manifest.get("profile")
-        return f"Scene: {'; '.join(parts)}{f'; profile {profile}' if profile else ''}."
+        said = scene_words(self.points)
+        return f"Scene: {said}{f'; profile {profile}' if profile else ''}." if said else ""
 
     @property
     def readings(self) -> str:
@@ -125,6 +119,16 @@ def series(result: Result, points: Sequence[Point], used: Iterable[str]) -> list
     names = result.split(points, used)
     return [replace(p, label=", ".join([p.label, *(heading(n, p.at(n), " ") for n in names
                                                    if p.at(n) is not None)])) for p in points]
+
+
+def scene_words(points: Sequence[Point]) -> str:
+    """The viewport and the scene of points that have much of it in common, in words; empty without points."""
+    if not points:
+        return ""
+    parts = [f"{_range(values(points, 'size'))} pixels"]
+    parts += [text.format(_range(found)) for name, text in SPELT_OUT.items() if (found := values(points, name))]
+    parts += [f"{text}{_range(found, ', ')}" for name, text in SCENE_WORDS.items() if (found := values(points, name))]
+    return "; ".join(parts)
 
 
 def values(points: Iterable[Point], name: str) -> list[Any]:

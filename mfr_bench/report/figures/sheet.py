@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...environment import draws_in_software
+from ...store.columns import COLUMNS, names
 from .. import printed, style
 from ..data import Result
 from .series import Options
@@ -18,6 +20,9 @@ if TYPE_CHECKING:
 
 LEFT, RIGHT, EDGE = 0.76, 0.08, 0.07  # room for y labels; at the right; around text
 HINTING = 1.03  # glyphs fitted to a screen's pixels are up to this much wider than their outlines
+ERROR_ARRAYS = ("error", "loss", "max_abs_error", "wrong_pixels")
+RACES = ("A software driver draws the fragments of a pixel one after another: errors by races between them, as on a "
+         "GPU, do not show.")
 SMALL_HINTING = 1.06  # of small print, besides
 LONG_LABEL = 24  # characters from which a label is broken where there is room
 TITLE_IN, HEADING_IN, LEGEND_LINE_IN, SMALL_LINE_IN = 0.2, 0.2, 0.165, 0.112
@@ -109,9 +114,18 @@ class Sheet:
 
 def sheet_of(result: Result, options: Options, notes: Iterable[str], width: float, body: float) -> Sheet:
     title = str(options.get("title") or result.manifest.get("title") or result.name)
-    lines = *notes, result.lacking, *printed.notes(result), result.readings, result.scene, result.provenance
+    lines = (*notes, _on_races(result, options), result.lacking, *printed.notes(result), result.readings, result.scene,
+             result.provenance)
     small = [part for line in lines if line for part in fitted(line, style.SMALL_PT, width)]
     return Sheet(width, tuple(fitted(title, style.TITLE_PT, width, "bold")), tuple(small), body)
+
+
+def _on_races(result: Result, options: Options) -> str:
+    """Why errors that a paper's GPU shows do not show here."""
+    device = result.manifest.get("device") or {}
+    renderer = device.get("renderer") if isinstance(device, Mapping) else device
+    shows_errors = options.get("kind") != "pareto" and options.get("y") in (*names(COLUMNS, "error"), *ERROR_ARRAYS)
+    return RACES if shows_errors and draws_in_software(str(renderer or "")) else ""
 
 
 def fitted(text: str, points: float, width: float, weight: str = "normal") -> list[str]:
