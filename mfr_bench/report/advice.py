@@ -76,7 +76,9 @@ class Advice:
 
     @property
     def measured(self) -> list[Point]:
-        return [p for p in self.place.points if p.row["time_ms"] and p.measure(self.limits.column)[1] is not None]
+        needed = (self.limits.column, "memory_mib")
+        return [p for p in self.place.points
+                if p.row["time_ms"] and all(p.measure(name)[1] is not None for name in needed)]
 
     @property
     def kept(self) -> list[Point]:

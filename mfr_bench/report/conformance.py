@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from ..errors import StoreError, nearest
 from ..methods.shared import STORED
 from ..methods.spec import Method, Variant
 from . import data
@@ -25,13 +26,14 @@ IN_ORDER = ("llvmpipe rasterizes each tile in order by one thread: hazards and r
 
 
 def conformance_page(results: Iterable[Result], catalog: Mapping[str, Method]) -> str:
-    """The page as Markdown. Results must name methods of the catalog (KeyError)."""
+    """The page as Markdown. Raises StoreError for results of a method that the catalog lacks."""
     results = [r for r in results if r.points]
     series: dict[str, list[Point]] = {}
     for point in _distinct(results):
         series.setdefault(point.label, []).append(point)
-    variants = {label: catalog[points[0].method].variant(points[0].cell["params"]) for label, points in series.items()}
-    frames = max((p.cell["measure"].get("repeat_images", 1) for points in series.values() for p in points), default=1)
+    variants = {label: _variant(catalog, points[0]) for label, points in series.items()}
+    repeats = (p.cell["measure"].get("repeat_images") for points in series.values() for p in points)
+    frames = max((count for count in repeats if isinstance(count, int)), default=1)
     parts = [HEAD.format(frames=frames), *_about(results), "## All methods",
              _grid(HEADER, [_row(variants[label], label, points) for label, points in series.items()]),
              "## Methods with a known failure",
@@ -39,6 +41,18 @@ def conformance_page(results: Iterable[Result], catalog: Mapping[str, Method]) -
                              if variants[label].guarantee == "approximate"]),
              "## What was not run", "\n".join(_not_run(series))]
     return "\n\n".join(part.rstrip("\n") for part in parts) + "\n"
+
+
+def _variant(catalog: Mapping[str, Method], point: Point) -> Variant:
+    """The variant that a point measured. Raises StoreError where this version has none such."""
+    where = f"{point.folder.cells_path / point.cell['key']}.json"
+    if point.method not in catalog:
+        raise StoreError(f"{where}: no method {point.method!r}; allowed: what 'mfr-bench methods' lists"
+                         f"{nearest(point.method, catalog)}; measure its cell again, or remove it")
+    try:
+        return catalog[point.method].variant(point.cell["params"])
+    except (ValueError, TypeError, KeyError) as error:
+        raise StoreError(f"{where}: params of {point.method}: {error}; measure its cell again, or remove it") from error
 
 
 def _distinct(results: Iterable[Result]) -> list[Point]:

@@ -73,9 +73,12 @@ def _refuse_constant(name: str) -> None:
 def parsed(content: bytes) -> Any:
     """The JSON value in a file's content. Raises ValueError where it holds none."""
     try:
-        return json.loads(content.decode(), parse_constant=_refuse_constant)
+        value = json.loads(content.decode(), parse_constant=_refuse_constant)
+        if b"\\ud" in content.lower():
+            json.dumps(value, ensure_ascii=False).encode()  # half of a pair, escaped, is a text that nothing can print
     except RecursionError:
         raise ValueError("nested too deeply") from None
+    return value
 
 
 def read(path: Path) -> Any:
@@ -151,6 +154,8 @@ def _wrong_parts(cell: Cell) -> str | None:
     params, point = cell["params"], cell["point"]
     wrong = [f"params.{name}" for name, value in params.items()
              if not isinstance(value, (str, bool)) and not is_number(value)]
+    wrong += [f"scene.{name}" for name in ("alpha", "quad_size")
+              if isinstance(cell["scene"].get(name), list) and not _is_numbers(cell["scene"][name])]
     wrong += [f"point.{name}" for name, value in point.items() if not flat(value)]
     wrong += [f"measure.{name}" for name, value in cell["measure"].items() if not flat(value)]
     wrong += [name for name in ("reason", "glsl_hash", "measured") if not isinstance(cell.get(name), (str, type(None)))]

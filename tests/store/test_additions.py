@@ -84,7 +84,8 @@ def test_a_column_is_one_entry_and_its_producer(copy):
     assert "sorted_share" in header.split(",") and ",0.25," in rows[0]
     assert "| `sorted_share` | float |  | share of the pixels that were sorted | measure | sorted |" in out
     assert "<!-- sorted -->" in (at / "a" / "figures" / "planted-1.svg").read_text()
-    (copy / "c.yaml").write_text("name: c\nscene: {size: [8, 8], depth_complexity: 4}\nmethods: [kplus-array]\nsweep: {k: [2, 4]}\n"
+    (copy / "c.yaml").write_text("name: c\nscene: {size: [8, 8], depth_complexity: 4}\n"
+                                 "methods: [kplus-array]\nsweep: {k: [2, 4]}\n"
                                  "figures: [{kind: lines, x: k, y: sorted_share}]\n")
     run_in(copy, copy, LOAD)
 
