@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
-from ..methods.spec import SceneStats, evaluate
 from ..report.data import Point, plain, short
 from ..stats import Interval, median_interval
 from .evidence import (
@@ -45,8 +44,8 @@ class Rule(Protocol):
     def compare(self, run: Run) -> list[Comparison]: ...
 
 
-def _compared(run: Run, what: str, points: Sequence[Point], interval: Callable[[], Interval], bound: Bound,
-              exact: bool = False) -> Comparison:
+def compared(run: Run, what: str, points: Sequence[Point], interval: Callable[[], Interval], bound: Bound,
+             exact: bool = False) -> Comparison:
     """The comparison of these cells, which is made only where all of them were measured with a right image."""
     refused = _refused(run, what, points)
     if refused:
@@ -107,7 +106,7 @@ class Ratio:
 
     def compare(self, run: Run) -> list[Comparison]:
         bound = bound_on(run.makers, self.bound)
-        return [_compared(run, self.named(over, under), (over, under),
+        return [compared(run, self.named(over, under), (over, under),
                           lambda over=over, under=under: self.measure.ratio(over, under), bound, self.measure.exact)
                 for over, under in pairs(run, self.over, self.under, self.where)]
 
@@ -136,10 +135,10 @@ class Change:
     def compare(self, run: Run) -> list[Comparison]:
         refused, found = _sifted(run, pairs(run, self.ratio.over, self.ratio.under, self.ratio.where), self.ratio.named)
         groups = _grouped(found, lambda pair: (*(fixed_by(p, [self.along]) for p in pair), _shared(pair[0], self.same)))
-        return refused + [self._compared(run, ends) for group in groups
+        return refused + [self.compared(run, ends) for group in groups
                           if (ends := _ends(group, lambda pair: at(pair[0], self.along)))]
 
-    def _compared(self, run: Run, ends: tuple[tuple[Point, Point], tuple[Point, Point]]) -> Comparison:
+    def compared(self, run: Run, ends: tuple[tuple[Point, Point], tuple[Point, Point]]) -> Comparison:
         (first_over, first_under), (last_over, last_under) = ends
 
         def interval() -> Interval:
@@ -148,7 +147,7 @@ class Change:
 
         last, first = (plain(at(p, self.along)) for p in (last_over, first_over))
         what = f"{self.ratio.named(last_over, last_under)}, {short(self.along)} {last} against {first}"
-        return _compared(run, what, (last_over, last_under, first_over, first_under), interval, self.bound,
+        return compared(run, what, (last_over, last_under, first_over, first_under), interval, self.bound,
                          self.ratio.measure.exact)
 
 
@@ -235,11 +234,11 @@ class Straight:
             return
         limits = [at(end, self.along) for end in ends]
         if self.grows > 1:
-            yield _compared(run, f"{ends[1].method}, largest / smallest", (ends[1], ends[0]),
+            yield compared(run, f"{ends[1].method}, largest / smallest", (ends[1], ends[0]),
                             lambda: TIME.ratio(ends[1], ends[0]), at_least(self.grows))
         for point in points:
             if limits[0] < at(point, self.along) < limits[1] and meets(point, self.cut):
-                yield _compared(run, f"{point.method} / line", (point, *ends),
+                yield compared(run, f"{point.method} / line", (point, *ends),
                                 lambda point=point: self._against_chord(point, *ends), self.bound)
 
     def _against_chord(self, point: Point, first: Point, last: Point) -> Interval:
@@ -272,7 +271,7 @@ class Share:
         return self.cells.each
 
     def compare(self, run: Run) -> list[Comparison]:
-        return [_compared(run, f"{self.part} of {p.method}", (p,), lambda p=p: self._share(p), self.bound)
+        return [compared(run, f"{self.part} of {p.method}", (p,), lambda p=p: self._share(p), self.bound)
                 for p in run.points if self.cells.takes(p)]
 
     def _share(self, point: Point) -> Interval:
@@ -313,50 +312,8 @@ class Counted:
 
     def compare(self, run: Run) -> list[Comparison]:
         value = column(self.column)
-        return [_compared(run, p.method, (p,), lambda p=p: (value(p),) * 3, self.bound, exact=True)
+        return [compared(run, p.method, (p,), lambda p=p: (value(p),) * 3, self.bound, exact=True)
                 for p in run.points if self.cells.takes(p)]
-
-
-@dataclass(frozen=True)
-class Memory:
-    """Bytes allocated over those of a formula, taken with the cell's own pixels, n, f, k and f_k."""
-
-    of: tuple[tuple[Pick, str], ...]  # cells, their formula per pixel over n, k, f (mean fragments), f_k (mean kept)
-    bytes_each: int  # of what the formulas count
-    unit: str
-    bound: Bound
-
-    @property
-    def text(self) -> str:
-        formulas = ", ".join(f"{cells.names} {formula}" for cells, formula in self.of)
-        return f"memory / by formula, in {self.unit} per pixel: {formulas}: {self.bound.words}"
-
-    @property
-    def needs(self) -> str:
-        return ", ".join(cells.names for cells, _ in self.of)
-
-    @property
-    def each(self) -> tuple[str, ...]:
-        return tuple(method for cells, _ in self.of for method in cells.each)
-
-    def compare(self, run: Run) -> list[Comparison]:
-        return [_compared(run, f"{p.method} / {formula}", (p,), lambda p=p, formula=formula: self._ratio(p, formula),
-                          self.bound, exact=True)
-                for cells, formula in self.of for p in run.points if cells.takes(p)]
-
-    def _ratio(self, point: Point, formula: str) -> Interval:
-        row = point.row
-        wanted = ("width", "height", "max_fragments", "fragments", "memory_bytes", "hit_ratio")
-        if any(row[name] is None for name in wanted):
-            return NOTHING
-        stats = SceneStats(row["width"], row["height"], max(1, row["max_fragments"]), row["fragments"], primitives=0)
-        if not stats.P:
-            return NOTHING
-        known = {"f_k": row["hit_ratio"] * row["fragments"] / stats.P} if "f_k" in formula else {"k": row["k"]}
-        if "k" in formula and not all(map(is_number, known.values())):
-            return NOTHING
-        expected = self.bytes_each * stats.P * evaluate(formula, stats, known if "k" in formula else {})
-        return (row["memory_bytes"] / expected,) * 3 if expected else NOTHING
 
 
 @dataclass(frozen=True)
@@ -381,37 +338,6 @@ class Hindered:
     def compare(self, run: Run) -> list[Comparison]:
         return [replace(c, outcome=Outcome.UNCLEAR, reason=self.why) if c.outcome is Outcome.FAILS else c
                 for c in self.rule.compare(run)]
-
-
-@dataclass(frozen=True)
-class RunsOut:
-    """Cells that need more memory than they may have."""
-
-    cells: Pick
-
-    @property
-    def text(self) -> str:
-        return f"{self.cells.text}: over the memory budget, or out of memory"
-
-    @property
-    def needs(self) -> str:
-        return self.cells.names
-
-    @property
-    def each(self) -> tuple[str, ...]:
-        return self.cells.each
-
-    def compare(self, run: Run) -> list[Comparison]:
-        return [self._compared(run, p) for p in run.points if self.cells.takes(p)]
-
-    def _compared(self, run: Run, point: Point) -> Comparison:
-        ending = point.ending
-        outcome = (Outcome.HOLDS if ending.over_memory else Outcome.FAILS if ending.timed
-                   else Outcome.LEFT_OUT if ending.refused else Outcome.UNCLEAR)
-        used = column("memory_bytes")(point)
-        reason = point.cell.get("reason") or (f"ran with {used / 2**20:.1f} MiB" if used is not None else "")
-        return Comparison(f"{point.method} is {point.sign}", coordinates(point), NOTHING, outcome, reason, run.folder,
-                          exact=True)
 
 
 def no_faster_than(others: Pick, best: Pick, slack: float, where: Where | None = None) -> Ratio:

@@ -299,9 +299,11 @@ def _png(image) -> bytes:
               help="The config whose first cell gives parameters and sizes.")
 @PROFILE
 @SET
+@click.option("--plan", "as_plan", is_flag=True,
+              help="Print what a frame runs instead: passes, bindings, barriers, and why passes are left out.")
 @JSON
 def shader(method_id: str, pass_name: str | None, config: str, profile: str | None,
-           overrides: tuple[str, ...], as_json: bool) -> None:
+           overrides: tuple[str, ...], as_plan: bool, as_json: bool) -> None:
     """Print the GLSL of METHOD as it is compiled.
 
     Includes are expanded, and defines in place. With --json: the passes in order, with their stages and what they
@@ -321,6 +323,11 @@ def shader(method_id: str, pass_name: str | None, config: str, profile: str | No
         raise UsageError(f"--pass: {method_id} has no pass {pass_name!r}; allowed: {', '.join(names)}"
                          f"{nearest(pass_name, names)}")
     fitted = Fitted(variant, expected_stats(cell.scene))
+    if as_plan:
+        from ..gpu.plan import as_text
+
+        say(as_text(fitted))
+        return
     if as_json:
         from ..race.adapter import frame_of, record
 

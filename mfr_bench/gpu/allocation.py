@@ -8,7 +8,7 @@ from ..errors import CapacityError
 from ..glsl.bindings import split_ref
 from ..methods.spec import IMAGE, Fitted, Target
 from . import rawgl
-from .device import Device
+from .context import Device
 from .targets import Canvas, Texture
 
 

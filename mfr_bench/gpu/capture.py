@@ -11,7 +11,7 @@ from ..methods.shared import clear
 from ..methods.spec import EMPTY, Buffer, Fitted, Method, Pass, SceneStats
 from ..oracle.composite import Fragments, in_chunks, scene_stats
 from ..scene.geometry import Geometry
-from .device import Device
+from .context import Device
 from .frame import Frame
 from .scene_buffer import SceneBuffer
 from .targets import Canvas

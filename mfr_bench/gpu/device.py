@@ -1,180 +1,22 @@
-"""One OpenGL device: its context, what it can do, and the programs compiled on it."""
+"""Opening a device: which ones EGL offers, and which of them is meant."""
 
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from ctypes.util import find_library
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import moderngl
 
-from ..environment import draws_in_software, processor
-from ..errors import DeviceError, ShaderError
-from ..glsl import FEATURE_EXTENSIONS, Source
-from ..methods.spec import LISTED, SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS
-from ..plan import Limits
-from .egl import EglDevice, egl_devices, library, uuid_text
+from ..errors import DeviceError
+from . import trials
+from .context import Device, Trials
+from .egl import EglDevice, egl_devices, library
 from .rawgl import RawGL
 
 GL_MINIMUM = 430
-SOFTWARE_LOCAL_ARRAY = 1024  # fragments: llvmpipe takes seconds to compile it, and minutes for twice as many
 INSTALL = "sudo apt-get install -y libegl1 libgl1 libgl1-mesa-dri"
-# Drivers that translate to another one, as they write it: zink Vulkan 1.4(NAME), D3D12 (NAME), virgl (NAME).
-LAYERED = re.compile(r"(?P<layer>zink|d3d12|virgl)\b[^(]*\((?P<under>.+)\)\s*$")
-MOST_ERRORS = 16  # that GL remembers; a lost context has one without end
-
-
-@dataclass
-class Device:
-    """A context with its limits. `kind` is gpu or cpu."""
-
-    ctx: moderngl.Context
-    gl: RawGL
-    backend: object  # keeps the native context alive
-    egl: EglDevice = field(default_factory=lambda: EglDevice(0))
-    programs: dict[tuple[str, ...], object] = field(default_factory=dict)
-
-    @cached_property
-    def info(self) -> dict[str, str | None]:
-        """Renderer, vendor and version strings, and the slug that names result folders.
-
-        `uuid` and `pci` tell equal GPUs apart, which share a slug; None where the driver does not tell them. What a
-        software driver renders on is the processor: it is part of the renderer's name.
-        """
-        renderer = str(self.ctx.info["GL_RENDERER"])
-        on = processor() if self.kind == "cpu" else ""
-        return {"renderer": f"{renderer} on {on}" if on else renderer, "vendor": str(self.ctx.info["GL_VENDOR"]),
-                "version": str(self.ctx.info["GL_VERSION"]), "kind": self.kind,
-                "uuid": self.egl.uuid or self._uuid, "pci": self.egl.pci,
-                "slug": f"{slug(renderer)}-{slug(on)}" if on else slug(renderer)}
-
-    @property
-    def _uuid(self) -> str | None:
-        """The device's UUID by GL, which Vulkan and CUDA give it as well."""
-        return uuid_text(self.gl.device_uuid()) if "GL_EXT_memory_object" in self.extensions else None
-
-    @property
-    def kind(self) -> str:
-        return "cpu" if draws_in_software(str(self.ctx.info["GL_RENDERER"])) else "gpu"
-
-    @cached_property
-    def extensions(self) -> frozenset[str]:
-        return frozenset(self.ctx.extensions)
-
-    @cached_property
-    def offered(self) -> frozenset[str]:
-        """Features that the driver claims, by an extension of `glsl.FEATURE_EXTENSIONS` or a number."""
-        shading = {f for f, names in FEATURE_EXTENSIONS.items() if self.extensions.intersection(names)}
-        samples = {f for f, count in SAMPLE_FEATURES.items() if count in self._sample_counts}
-        routing = {SAMPLE_STENCIL} if "samples_4" in samples else set()
-        points = {TILE_POINTS} if self.ctx.info["GL_POINT_SIZE_RANGE"][1] >= LISTED else set()
-        return frozenset(shading | samples | routing | points)
-
-    @cached_property
-    def failed_trials(self) -> dict[str, str]:
-        """Of each offered feature that a trial finds wrong, the trial and what it found."""
-        from .trials import failed  # draws on the device
-
-        return failed(self)
-
-    @property
-    def features(self) -> frozenset[str]:
-        """Features that this device offers, and that pass the trial which they have in `trials`."""
-        return self.offered - self.failed_trials.keys()
-
-    @cached_property
-    def flushes_points(self) -> bool:
-        """Whether points that a dispatch has listed are right only behind a flush, by a trial."""
-        from .trials import points_need_a_flush
-
-        return points_need_a_flush(self)
-
-    @cached_property
-    def _sample_counts(self) -> frozenset[int]:
-        """Samples that both kinds of target used for stencil routing can have."""
-        most = min(int(self.ctx.info[f"GL_MAX_{kind}_SAMPLES"]) for kind in ("INTEGER", "DEPTH_TEXTURE"))
-        both = self.gl.sample_counts("r32ui") & self.gl.sample_counts("depth24_stencil8")
-        return frozenset(count for count in both if count <= most)
-
-    @property
-    def missing_features(self) -> frozenset[str]:
-        return frozenset({*FEATURE_EXTENSIONS, *SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS}) - self.features
-
-    @cached_property
-    def limits(self) -> Limits:
-        info = self.ctx.info
-        return Limits(features=self.features, failed_trials=self.failed_trials,
-                      max_block_bytes=int(info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]),
-                      max_texture_size=int(info["GL_MAX_TEXTURE_SIZE"]),
-                      max_local_array=SOFTWARE_LOCAL_ARRAY if self.kind == "cpu" else None)
-
-    def program(self, sources: tuple[Source, ...], owner: str):
-        """The linked program of the stages, compiled once. `owner` (method and pass) is named in errors."""
-        key = tuple(s.code for s in sources)
-        if key not in self.programs:
-            self.programs[key] = self._compile(sources, owner)
-        return self.programs[key]
-
-    def _compile(self, sources: tuple[Source, ...], owner: str):
-        texts = {"vert": "vertex_shader", "frag": "fragment_shader"}
-        try:
-            if sources[0].entry.endswith(".comp"):
-                return self.ctx.compute_shader(sources[0].text)
-            return self.ctx.program(**{texts[s.entry.rsplit(".", 1)[1]]: s.text for s in sources})
-        except moderngl.Error as error:
-            raise ShaderError(compile_message(str(error), sources, owner)) from None
-
-    def finish(self) -> None:
-        self.gl.glFinish()
-
-    def check(self, doing: str) -> None:
-        """Raise what GL has to complain of."""
-        if error := self.gl.error():
-            if error == "GL_OUT_OF_MEMORY":
-                raise MemoryError(f"{doing}: {error}")
-            raise DeviceError(f"{doing}: {error}")
-
-    def alive(self) -> bool:
-        """Whether the device still does as it is told, after an error that may have been its own; forgets GL's."""
-        for _ in range(MOST_ERRORS):
-            if not self.gl.error():
-                break
-        with suppress(Exception):
-            probe = self.ctx.buffer(b"alive")
-            answer = probe.read()
-            probe.release()
-            return answer == b"alive" and not self.gl.error()
-        return False
-
-    def release(self) -> None:
-        with suppress(Exception):
-            self.ctx.release()
-
-
-def compile_message(log: str, sources: tuple[Source, ...], owner: str) -> str:
-    """One line: file, line, what the compiler says, the method and pass, the defines."""
-    stage = next((s for s in sources if s.entry.endswith(".vert") == ("vertex_shader" in log)), sources[-1])
-    located = stage.located(log)
-    files = "|".join(re.escape(f) for f in stage.files)
-    first = next((line for line in located.splitlines() if re.match(rf"({files}):\d+", line)),
-                 " ".join(located.split()))
-    defines = " ".join(f"{m[1]}={m[2]}" for m in re.finditer(r"^#define (\w+) (\d+u?)$", stage.text, re.MULTILINE))
-    return f"{first.strip()} ({owner}; {defines})"
-
-
-def slug(renderer: str) -> str:
-    """Folder name of a renderer: `NVIDIA H200/PCIe/SSE2` -> `nvidia-h200`, `llvmpipe (LLVM 15)` -> `llvmpipe`.
-
-    A layered driver's is followed by that of what it renders on: `zink Vulkan 1.4(llvmpipe (…))` -> `zink-llvmpipe`.
-    """
-    bare = re.sub(r"\((r|tm)\)", "", renderer.lower())
-    if layered := LAYERED.match(bare):
-        return f"{layered['layer']}-{slug(layered['under'])}"
-    return re.sub(r"[^a-z0-9]+", "-", re.split(r"[(/]", bare)[0]).strip("-") or "unknown"
 
 
 def _create(index: int) -> Device:
@@ -185,7 +27,7 @@ def _create(index: int) -> Device:
         libgl=find_library("GL") or "libGL.so.1", libegl=library())
     ctx = moderngl.create_context(require=GL_MINIMUM, context=backend)
     ctx.enable(moderngl.PROGRAM_POINT_SIZE)
-    device = Device(ctx, RawGL(backend.load), backend)
+    device = Device(ctx, RawGL(backend.load), backend, Trials(trials.failed, trials.points_need_a_flush))
     device.gl.spend_first_timers()
     return device
 

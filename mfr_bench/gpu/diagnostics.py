@@ -11,7 +11,7 @@ import numpy as np
 from ..glsl.bindings import DIAGNOSTICS, DIAGNOSTICS_BINDING
 from ..glsl.counters import WORK
 from . import rawgl
-from .device import Device
+from .context import Device
 
 WORD = 4  # bytes
 WORK_OFFSET = WORD * len(DIAGNOSTICS)

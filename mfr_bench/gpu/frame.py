@@ -20,7 +20,7 @@ from ..methods.spec import Counted, Fitted, FrameState, Grown, Pass, Plan, Plann
 from ..scene.geometry import Geometry
 from . import rawgl
 from .allocation import Allocation
-from .device import Device
+from .context import Device
 from .diagnostics import Diagnostics
 from .pass_runner import PassRunner
 from .plan import Barriers, FramePlan, LoopPlan, frame_plan

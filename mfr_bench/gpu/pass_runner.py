@@ -25,7 +25,7 @@ from ..methods.spec import (
 )
 from . import rawgl
 from .allocation import Allocation
-from .device import Device
+from .context import Device
 from .plan import PassPlan
 from .rawgl import RawGL
 from .scene_buffer import SceneBuffer

@@ -5,11 +5,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ..glsl.bindings import Binding, buffer_bindings, split_ref, texture_bindings
-from ..methods.spec import TILE_COMMAND, TILE_LIST, Fitted, FrameState, Loop, Pass, Variant, left_out
+from ..methods.spec import TILE_COMMAND, TILE_LIST, Fitted, FrameState, Loop, Pass, Planned, Variant, left_out
 
 
 @dataclass(frozen=True)
@@ -100,11 +101,12 @@ def frame_plan(fitted: Fitted, frame: FrameState) -> FramePlan:
 
 
 def as_text(fitted: Fitted, frame: FrameState | None = None) -> str:
-    """The plan of a frame for people: a line for each pass with its bindings, barriers in their places.
+    """The plan of a frame as text: a line for each pass, lines for its bindings, and barriers where they come.
 
-    A loop is shown once; the barriers within are those of its first round.
+    Without a state, the frame is the first of a scene; a method that plans its frames plans it as if the fragments had
+    been counted before. A loop is shown once, with the barriers of its first iteration.
     """
-    plan = frame_plan(fitted, frame or FrameState())
+    plan = frame_plan(fitted, frame or _first(fitted))
     barriers = Barriers([buffer.name for buffer in fitted.variant.buffers])
     lines: list[str] = []
     for step in plan.steps:
@@ -119,8 +121,14 @@ def as_text(fitted: Fitted, frame: FrameState | None = None) -> str:
             planned = PassPlan.of(fitted.variant, one)
             lines += [f"{indent}barrier"] if barriers.due(planned) else []
             lines += [indent + line for line in _lines_of(planned)]
-    lines += [f"left out: {step.name} ({reason})" for step, reason in plan.left_out]
+    left = Counter((step.name, reason) for step, reason in plan.left_out)
+    lines += [f"left out: {name} ({reason}{f', {times} times' if times > 1 else ''})"
+              for (name, reason), times in left.items()]
     return "\n".join(lines)
+
+
+def _first(fitted: Fitted) -> FrameState:
+    return FrameState(fitted.plan() if isinstance(fitted.variant.method.capacity, Planned) else None)
 
 
 def _lines_of(planned: PassPlan) -> Iterator[str]:

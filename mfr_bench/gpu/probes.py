@@ -7,7 +7,7 @@ from ..methods.shared import MULTISAMPLING, SYNC, K, clear, resolve, route, rout
 from ..methods.spec import IMAGE, Buffer, Fitted, Method, Pass, when
 from ..oracle.composite import stats_of
 from ..scene import generate
-from .device import Device
+from .context import Device
 from .frame import Frame
 from .scene_buffer import SceneBuffer
 from .targets import Canvas

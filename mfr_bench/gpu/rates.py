@@ -9,7 +9,7 @@ import numpy as np
 
 from ..methods.spec import IMAGE, Fitted, Method, Pass, SceneStats
 from ..scene.quads import Quads
-from .device import Device
+from .context import Device
 from .frame import Frame
 from .scene_buffer import SceneBuffer
 from .targets import Canvas

@@ -12,7 +12,7 @@ from ..glsl.bindings import OPAQUE_UNIT
 from ..oracle import twochannel
 from ..scene.geometry import Geometry
 from . import rawgl
-from .device import Device
+from .context import Device
 from .targets import Framebuffer, Texture
 
 TRIANGLE_STRIP, TRIANGLES = 5, 4  # GL's modes

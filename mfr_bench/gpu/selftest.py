@@ -16,7 +16,7 @@ from ..oracle.composite import fragment_counts
 from ..plan.forecast import FIRST_ROUNDS
 from ..scene import Scene, generate
 from .capture import capture
-from .device import Device
+from .context import Device
 from .probes import ATOMICS, COUNTED, ProbeBench, probe_method
 from .rates import rates
 from .single import shown

@@ -10,7 +10,7 @@ import numpy as np
 from ..methods.spec import Fitted, SceneStats, Variant
 from ..oracle.quality import conformance
 from ..scene.geometry import Geometry
-from .device import Device
+from .context import Device
 from .frame import Frame
 from .scene_buffer import SceneBuffer
 from .targets import Canvas

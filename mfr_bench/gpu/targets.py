@@ -8,7 +8,7 @@ import numpy as np
 
 from ..methods.spec import FORMAT_WORDS
 from . import rawgl
-from .device import Device
+from .context import Device
 from .rawgl import RawGL
 
 

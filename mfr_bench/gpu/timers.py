@@ -9,7 +9,7 @@ from functools import cached_property
 from itertools import pairwise
 
 from . import rawgl
-from .device import Device
+from .context import Device
 
 Draw = Callable[[Callable[[str], None] | None], object]
 

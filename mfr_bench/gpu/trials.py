@@ -36,7 +36,7 @@ from ..oracle.composite import composite
 from ..oracle.quality import conformance
 from ..scene import generate
 from . import rawgl
-from .device import Device
+from .context import Device
 from .frame import Frame
 from .probes import COUNTED, LOCKED, ROUTED, ROUTED_SCENE, ProbeBench, probe_method
 from .targets import Framebuffer, Texture

@@ -11,7 +11,7 @@ from ..oracle import twochannel
 from ..oracle.composite import Fragments, composite, fragment_counts, scene_stats, stats_of
 from ..scene.quads import Quads
 from .capture import capture, count
-from .device import Device
+from .context import Device
 from .scene_buffer import SceneBuffer
 from .targets import Canvas
 

@@ -7,7 +7,7 @@ import numpy as np
 from ..glsl.bindings import EDGE_FIELDS, FRAME_BINDING, FRAME_FIELDS, REGION_FIELDS
 from ..methods.spec import SceneStats
 from ..scene.geometry import Geometry
-from .device import Device
+from .context import Device
 
 FIELDS = FRAME_FIELDS + REGION_FIELDS + EDGE_FIELDS
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import CapacityError, MfrError
-from ..gpu.device import Device
+from ..gpu.context import Device
 from ..gpu.frame import Frame
 from ..gpu.timers import Timer, repeats_for
 from ..gpu.work import entered_map, work_of

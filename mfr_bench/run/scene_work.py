@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..gpu.device import Device
+from ..gpu.context import Device
 from ..gpu.scene_buffer import SceneBuffer
 from ..gpu.targets import Canvas
 from ..gpu.truth import Truth, true_stats

@@ -22,8 +22,9 @@ from mfr_bench.claims.evidence import (
     speedup,
 )
 from mfr_bench.claims.measures import COST, MEMORY
+from mfr_bench.claims.memory_rules import Memory, RunsOut
 from mfr_bench.claims.picks import ALL_LAYERS, fastest_of, from_, if_any, other_than, pick, up_to, within
-from mfr_bench.claims.rules import Change, Counted, Memory, Ratio, RunsOut, Share, Straight
+from mfr_bench.claims.rules import Change, Counted, Ratio, Share, Straight
 from mfr_bench.claims.verdict import Finding
 
 from . import planted

@@ -7,7 +7,7 @@ import pytest
 from mfr_bench import glsl
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.errors import ShaderError
-from mfr_bench.gpu.device import compile_message
+from mfr_bench.gpu.context import compile_message
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.scene_buffer import SceneBuffer
 from mfr_bench.gpu.targets import Canvas

@@ -11,7 +11,7 @@ from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.environment import processor
 from mfr_bench.errors import DeviceError
 from mfr_bench.gpu import device as devices
-from mfr_bench.gpu.device import slug
+from mfr_bench.gpu.context import slug
 from mfr_bench.gpu.egl import EglDevice
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.scene_buffer import SceneBuffer

@@ -5,8 +5,9 @@ from __future__ import annotations
 from ...report.reference import find
 from ..evidence import LESS, MORE, Bound, BoundByMaker, speedup
 from ..measures import COST, PRINTED_COST, Measure, pass_time
+from ..memory_rules import Memory, RunsOut
 from ..picks import ALL_LAYERS, ANY, UNSET, Pick, fastest_of, from_, if_any, other_than, pick, up_to
-from ..rules import Change, Hindered, Memory, Ratio, Rule, RunsOut
+from ..rules import Change, Hindered, Ratio, Rule
 from ..verdict import Claim, Reading
 
 IN_ORDER = "it draws the fragments of a pixel one by one, so that none waits for another or collides"

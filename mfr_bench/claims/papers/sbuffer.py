@@ -5,8 +5,9 @@ from __future__ import annotations
 from ...report.reference import find
 from ..evidence import MORE, Bound, about, at_least, between, gain, margin, speedup
 from ..measures import MEMORY, pass_time
+from ..memory_rules import Memory
 from ..picks import from_, other_than, pick, up_to
-from ..rules import Memory, Ratio, no_faster_than, no_slower_than
+from ..rules import Ratio, no_faster_than, no_slower_than
 from ..verdict import Claim
 
 FEW_THREADS = "few threads share the counters, which a GPU's pixels contend for"
