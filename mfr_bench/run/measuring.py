@@ -136,10 +136,11 @@ class Measuring:
             self._shuffle(entries)
             for cell, sampler in entries:
                 self._guarded(cell, partial(self._batch, sampler=sampler))
-            self._news(running)
+            self.bench.emit(Synced())
             for cell in running:
                 if not cell.wanted:
                     self._guarded(cell, self._finish)
+            self.bench.emit(Share(sum(cell.share for cell in running)))
             entries = [(cell, s) for cell, s in entries if s.wanted and not cell.done]
 
     def _news(self, running: list[CellWork]) -> None:
