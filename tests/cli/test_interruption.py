@@ -9,6 +9,8 @@ import pytest
 from mfr_bench.cli.interruption import Interruption
 from mfr_bench.cli.progress import STOPPING, Progress
 
+from .conftest import apart, sabotaged
+
 WATCHED = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 SIGNALS = pytest.mark.parametrize("number", WATCHED, ids=lambda s: s.name)
 
@@ -90,3 +92,9 @@ def test_progress_says_that_it_is_stopping():
     assert progress._line() == "tiny 0/3  starting"
     wish.append("stop")
     assert progress._line() == f"tiny 0/3  {STOPPING}"
+
+
+def test_ctrl_c_while_the_program_is_loaded_is_a_line(tmp_path):
+    (tmp_path / "click.py").write_text("raise KeyboardInterrupt")
+    ended = apart("--help", env=sabotaged(tmp_path, ""))
+    assert (ended.status, ended.out, ended.err) == (130, "", "interrupted\n")
