@@ -4,6 +4,7 @@
     bindings  where shaders find buffers, textures and the counters of diagnostics
     prelude   all that stands before a shader's own text, and the stages of a pass
     code      the text without comments, which the key of a measured cell covers
+    digest    the hash by which a cell knows its shaders
     counters  text that counts its work, for frames that are not timed
 """
 

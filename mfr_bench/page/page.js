@@ -254,6 +254,33 @@
     });
   }
 
+  // --- shaders ---
+  // The GLSL of each pass of a method, from the texts that are packed in the page.
+  async function shaderBrowser(details) {
+    const packed = Uint8Array.from(atob(document.getElementById("packed").textContent), (c) => c.charCodeAt(0));
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+    const { texts, rows } = JSON.parse(await new Response(stream).text());
+    const names = $("tbody th", details).map((head) => head.textContent);
+    const holder = details.querySelector(".source");
+    const [methodLabel, method] = choice("method", names);
+    const [passLabel, pass] = choice("pass and stage", []);
+    const text = make("pre", { tabIndex: 0 });
+    text.setAttribute("aria-label", "GLSL");
+    text.setAttribute("role", "region");
+    const passes = () => {
+      pass.replaceChildren(...rows[method.selectedIndex].map(([name, entry], i) => make("option", { value: i, textContent: `${name}: ${entry}` })));
+    };
+    const show = () => {
+      const row = rows[method.selectedIndex][pass.selectedIndex];
+      text.textContent = row ? texts[row[2]] : "This method has no shaders.";
+    };
+    method.addEventListener("change", () => { passes(); show(); });
+    pass.addEventListener("change", show);
+    holder.append(make("div", { className: "controls" }, methodLabel, passLabel), text);
+    passes();
+    show();
+  }
+
   // --- the page ---
   $("[data-needs-script]").forEach((element) => { element.hidden = false; });
   $("figure .enlarge").forEach((button) => button.addEventListener("click", () => {
@@ -281,6 +308,7 @@
       details.dispatchEvent(new Event("toggle"));
     });
   });
+  $("#shaders details").forEach((details) => ready(details, () => shaderBrowser(details)));
   const claims = document.querySelector("#claims table");
   if (claims) sortable(claims);
   document.documentElement.dataset.ready = "true";

@@ -10,8 +10,10 @@ from pathlib import Path
 from .. import __version__
 from ..claims import CLAIMS, judge_all, load_runs
 from ..report import data, style
+from ..report.data import Result
 from ..store import ResultFolder, write_file
 from .content import MEASURED, Experiment, experiment, without_paths
+from .shaders import shaders_of
 
 STYLES = ("vendor/uPlot.min.css", "page.css")
 SCRIPTS = ("vendor/uPlot.iife.min.js", "page.js")
@@ -32,20 +34,22 @@ def page_text(folders: Sequence[ResultFolder], draw: bool = True) -> str:
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True,
                                      undefined=jinja2.StrictUndefined,
                                      loader=jinja2.FunctionLoader(_file))
-    experiments = [_experiment(folder, f"e{i}", draw) for i, folder in enumerate(folders, 1)]
+    results = [data.load(folder) for folder in folders]
+    experiments = [_experiment(result, f"e{i}", draw) for i, result in enumerate(results, 1)]
+    shaders = shaders_of(point for result in results for point in result.points)
     return environment.get_template("page.html.j2").render(
         experiments=experiments, columns=MEASURED, verdicts=_verdicts(folders), version=__version__,
         colours={line.method: style.method_colour(line.method) for e in experiments for line in e.lines},
-        styles=[_file(name) for name in STYLES], scripts=[_file(name) for name in SCRIPTS], policy=_policy())
+        styles=[_file(name) for name in STYLES], scripts=[_file(name) for name in SCRIPTS], policy=_policy(),
+        shaders=shaders)
 
 
-def _experiment(folder: ResultFolder, anchor: str, draw: bool) -> Experiment:
+def _experiment(result: Result, anchor: str, draw: bool) -> Experiment:
     from ..report.figures import figure_paths, write_figures
 
-    result = data.load(folder)
     paths = figure_paths(result)
     if draw and not all(path.is_file() for path in paths):
-        write_figures(folder)
+        write_figures(result.folder)
     return experiment(result, anchor, paths)
 
 

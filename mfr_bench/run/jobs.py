@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from ..glsl import stages
-from ..methods.spec import Fitted, Method, SceneStats, Variant
+from ..glsl.digest import glsl_hash
+from ..methods.spec import Method, Variant
 from ..plan import Cell, expected_stats
 from ..store import key
 
-NOMINAL = SceneStats(W=1, H=1, n=2, F=1, primitives=1)  # the scene is in a cell's key of its own
 Shaders = tuple[Variant, str]  # the geometry, which has a vertex shader of its own
 GUARDS = ("hard_limit_s", "hard_limit_mb")  # settings that end a cell, and change no number of one that ends well
 
@@ -23,19 +21,6 @@ class Job:
     cell: Cell
     key: str
     glsl_hash: str
-
-
-def glsl_hash(variant: Variant, geometry: str) -> str:
-    """Hash of the code of every stage of every pass, with statistics that stand for any scene of this geometry.
-
-    Comments and blank lines are no code: editing them measures nothing again.
-    """
-    fitted = Fitted(variant, replace(NOMINAL, geometry=geometry))
-    digest = hashlib.sha256()
-    for step in variant.passes:
-        for stage in stages(fitted, step) if step.kind != "clear" else ():
-            digest.update(stage.code.encode())
-    return digest.hexdigest()[:16]
 
 
 def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[str, str], timer: str,

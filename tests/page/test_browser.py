@@ -135,6 +135,15 @@ def test_kept_images_are_compared(opened):
     until(opened, lambda: "Largest difference of a channel: 0 of 255." in details.text)
 
 
+def test_shaders_are_unpacked_and_chosen(opened):
+    details = unfold(opened, "#shaders details")
+    text = until(opened, lambda: opened.find_element(By.CSS_SELECTOR, "#shaders pre"))
+    assert "#version 430 core" in text.text
+    choose(opened, details, "method", "kplus-heap (k 16)")
+    choose(opened, details, "pass and stage", "1")
+    assert "void main()" in text.get_attribute("textContent")
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [400, 1200])
 def test_it_is_accessible_and_fits(opened, scheme, width):
