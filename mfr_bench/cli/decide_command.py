@@ -9,9 +9,11 @@ from pathlib import Path
 
 import click
 
+from .mesh_scene import MESH, MESH_CONFIG, mesh_overrides
 from .options import DEVICE, JSON, OutPath
 from .output import note, say, width
 
+MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a device finds more in some pixels
 NOTHING = 6  # exit status: no method keeps the bounds
 
 
@@ -20,6 +22,7 @@ NOTHING = 6  # exit status: no method keeps the bounds
 @click.option("--layers", type=click.IntRange(1, 4096), help="Most fragments of any pixel.")
 @click.option("--covered", type=click.FloatRange(0, 1, min_open=True), default=1.0, show_default=True,
               help="Share of the pixels with fragments.")
+@MESH
 @click.option("--config", metavar="CONFIG", help="Take the scene of this config's first cell instead.")
 @click.option("--memory-mb", type=click.FloatRange(0, 2**24, min_open=True), help="Most memory of the method, in MiB.")
 @click.option("--max-error", metavar="E", default="0", show_default=True,
@@ -29,8 +32,9 @@ NOTHING = 6  # exit status: no method keeps the bounds
               help="Where results go. [default: results/<device>/decide-<hash>]")
 @DEVICE
 @JSON
-def decide(size: str | None, layers: int | None, covered: float, config: str | None, memory_mb: float | None,
-           max_error: str, time_budget: str, out: str | None, device: str, as_json: bool) -> int:
+def decide(size: str | None, layers: int | None, covered: float, mesh: str | None, config: str | None,
+           memory_mb: float | None, max_error: str, time_budget: str, out: str | None, device: str,
+           as_json: bool) -> int:
     """Name the fastest method that keeps an error and a memory, and say how sure that is.
 
     Methods that cannot keep the bounds are excluded by what they declare. The others draw frames in turns; the clearly
@@ -39,29 +43,35 @@ def decide(size: str | None, layers: int | None, covered: float, config: str | N
 
     \b
     Examples:
-      mfr-bench decide --size 1280x720 --layers 24 --covered 0.3 --memory-mb 64 --max-error 1/255
+      mfr-bench decide --size 1280x720 --layers 24 --covered 0.3 --memory-mb 64
+      mfr-bench decide --mesh model.glb --size 1280x720 --max-error 0.01
       mfr-bench decide --config smoke --time-budget 1m --json
     """
     from ..decide.question import parsed_duration
 
     deadline = time.monotonic() + parsed_duration(time_budget)
-    question, scene = _asked(size, layers, covered, config, memory_mb, max_error)
+    question, scene = _asked(size, layers, covered, mesh, config, memory_mb, max_error)
     answer = _raced(question, scene, deadline, out, device)
     say(json.dumps(answer.record(), indent=2, ensure_ascii=False) if as_json else answer.text(width()))
     return 0 if answer.best else NOTHING
 
 
-def _asked(size: str | None, layers: int | None, covered: float, config: str | None, memory_mb: float | None,
-           max_error: str):
+def _asked(size: str | None, layers: int | None, covered: float, mesh: str | None, config: str | None,
+           memory_mb: float | None, max_error: str):
     """The question, and the scene as a config has it. Raises UsageError where the options say no scene or two."""
     from ..decide.experiment import scene_of
     from ..decide.question import EXACT_ERROR, Question, parsed_error, parsed_size
     from ..errors import UsageError
 
     error = max(parsed_error(max_error), EXACT_ERROR)
+    if mesh is not None:
+        if config is not None or layers is not None:
+            raise UsageError("decide: --mesh with --config or --layers; allowed: one way to give the scene")
+        more = () if size is None else (f"scene.size={list(parsed_size(size))}",)
+        return _of_config(MESH_CONFIG, memory_mb, error, (*mesh_overrides(mesh), *more))
     if config is None:
         if size is None or layers is None:
-            raise UsageError("decide: no scene; allowed: --size with --layers, or --config; "
+            raise UsageError("decide: no scene; allowed: --size with --layers, --mesh, or --config; "
                              "mfr-bench decide --help has examples")
         question = Question(parsed_size(size), layers, covered, memory_mb, error)
         return question, scene_of(question)
@@ -70,16 +80,19 @@ def _asked(size: str | None, layers: int | None, covered: float, config: str | N
     return _of_config(config, memory_mb, error)
 
 
-def _of_config(config: str, memory_mb: float | None, error: float):
+def _of_config(config: str, memory_mb: float | None, error: float, overrides: tuple[str, ...] = ()):
     from ..decide.question import Question
     from ..methods import catalog
     from ..plan import expand, expected_stats
+    from ..scene.kinds import kind_of
+    from .mesh_scene import as_written
     from .options import first_experiment
 
-    cell = expand(first_experiment(config, None, ()), catalog())[0]
-    stats = expected_stats(cell.scene)
+    cell = expand(first_experiment(config, None, overrides), catalog())[0]
+    stats, measured = expected_stats(cell.scene), kind_of(cell.scene).measured
     covered = sum(stats.histogram[1:]) / stats.P
-    return Question(tuple(cell.scene.size), stats.n, covered, memory_mb, error), cell.scene.as_dict()
+    layers = MESH_DEEPER * stats.n if measured else stats.n
+    return Question(tuple(cell.scene.size), layers, covered, memory_mb, error), as_written(cell.scene)
 
 
 def _raced(question, scene, deadline: float, out: str | None, device: str):

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path as FilePath
 from typing import Any
 
 from ..errors import nearest
 from ..methods.spec import Method, Value
 from ..report.figures.kinds import KINDS, all_keys, keys_of
-from ..scene.kinds import faults
-from ..scene.spec.kind import Fault
+from ..scene.kinds import KINDS as SCENE_KINDS
+from ..scene.kinds import faults, kind_of, own_keys
+from ..scene.spec.kind import LOCAL, Fault
 from .axes import K, R, measure_at, point_count, points, scene_at
 from .columns import IDENTITY, MEASURED
 from .layers import AXES
@@ -23,7 +24,9 @@ EVERY_KEY = frozenset(key.name for key in all_keys())  # of figures of any kind
 MAX_CELLS = 100_000
 EVERY_METHOD = "all"  # in `methods:`, stands for each method of the catalog at its defaults
 SWEPT_SECTIONS = {"scene": Scene, "measure": Measure}
-SWEPT_KEYS = tuple(f"{section}.{f.name}" for section, cls in SWEPT_SECTIONS.items() for f in fields(cls))
+LOCAL_KEYS = {f.name for f in fields(Scene) if f.metadata.get(LOCAL)}
+SWEPT_KEYS = tuple(f"{section}.{f.name}" for section, cls in SWEPT_SECTIONS.items() for f in fields(cls)
+                   if f.name not in LOCAL_KEYS)
 
 
 def check(document: Document, catalog: Mapping[str, Method], path: FilePath) -> tuple[Experiment | None, list[Problem]]:
@@ -31,7 +34,7 @@ def check(document: Document, catalog: Mapping[str, Method], path: FilePath) -> 
     if not isinstance(document.data, dict):
         what = f"{shown(document.data)} is not a config; allowed: {allowed(ConfigFile)}"
         return None, [Problem(document.place(()), what)]
-    checker = _Checker(document, catalog)
+    checker = _Checker(document, catalog, str(path.parent))
     experiment = checker.experiment(path)
     return (None if checker.problems else experiment), checker.problems
 
@@ -39,8 +42,8 @@ def check(document: Document, catalog: Mapping[str, Method], path: FilePath) -> 
 class _Checker:
     """Goes through a document once, part by part; a part that is wrong does not hide mistakes in the next."""
 
-    def __init__(self, document: Document, catalog: Mapping[str, Method]):
-        self.document, self.catalog = document, catalog
+    def __init__(self, document: Document, catalog: Mapping[str, Method], folder: str):
+        self.document, self.catalog, self.folder = document, catalog, folder
         self.problems: list[Problem] = []
         self.entries: list[MethodEntry | None] = []  # None where the id is not known
         self.entry_paths: list[Path] = []  # where each entry is written
@@ -77,12 +80,19 @@ class _Checker:
     def _shape(self) -> tuple[ConfigFile | None, Scene | None, Measure | None]:
         """Keys, types and ranges of everything but methods, parameters and axes; what is sound of it."""
         data = dict(self.document.data)
-        if isinstance(data.get("scene"), dict) and self._has("r"):
-            data["scene"] = {"depth_complexity": 0} | data["scene"]
+        if isinstance(data.get("scene"), dict):
+            kind = SCENE_KINDS.get(str(data["scene"].get("kind")))
+            if self._has("r") or (kind and kind.measured):
+                data["scene"] = {"depth_complexity": 0} | data["scene"]
         config, wrong = parse(ConfigFile, data)
         for path, what in wrong:
             self.problem(path, what)
-        return config, parse(Scene, data.get("scene"))[0], parse(Measure, data.get("measure", {}))[0]
+        for key in LOCAL_KEYS & set(self.document.mapping("scene")):
+            self._unknown(("scene", key), "unknown key", [f.name for f in fields(Scene) if f.name not in LOCAL_KEYS])
+        scene = parse(Scene, data.get("scene"))[0]
+        if scene and "folder" in own_keys(kind_of(scene)):
+            scene = replace(scene, folder=self.folder)
+        return config, scene, parse(Measure, data.get("measure", {}))[0]
 
     def _has(self, key: str) -> bool:
         return any(key in self.document.mapping(section) for section in ("params", *AXES))

@@ -17,7 +17,7 @@ def rgba(config: Scene, index: np.ndarray, seed: int) -> np.ndarray:
     """uint8 (n, 4) for the primitives of these indices."""
     found = np.empty((len(index), 4), dtype=np.uint8)
     found[:, :3] = _any(index, seed) if config.colours == "any" else _of_set(config.colours, index, seed)
-    found[:, 3] = _alphas(config.alpha, hash3(index, ALPHA, seed))
+    found[:, 3] = alphas(config.alpha, hash3(index, ALPHA, seed))
     return found
 
 
@@ -46,6 +46,7 @@ def hues(count: int) -> np.ndarray:
     return np.clip(2.0 - distance, 0.0, 1.0)
 
 
-def _alphas(bounds: tuple[float, float], noise: np.ndarray) -> np.ndarray:
+def alphas(bounds: tuple[float, float], noise: np.ndarray) -> np.ndarray:
+    """uint8 of opacities between the bounds, by hashes."""
     low, high = (round(a * 255) for a in bounds)
     return (low + noise % (high - low + 1)).astype(np.uint8)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Literal
 
 from .kinds import FIRST, KINDS, own_keys, owners
-from .spec.kind import LATE, CommonKeys
+from .spec.kind import LATE, LOCAL, CommonKeys
 from .spec.values import STRICT, plain
 
 KEY_CLASSES = tuple(dict.fromkeys(kind.Keys for kind in KINDS.values()))
@@ -25,11 +25,15 @@ class Scene(*KEY_CLASSES, CommonKeys):
 
         A key that has its default is left out where only other kinds have it, or where it was added later.
         """
-        mine = own_keys(KINDS[self.kind]) | own_keys(KINDS[FIRST])
+        kind = KINDS[self.kind]
+        mine = own_keys(kind) | (set() if kind.measured else own_keys(KINDS[FIRST]))
+        unused = {*kind.unused, "depth_complexity"} if kind.measured else ()
         found = {}
         for key in fields(self):
+            if key.metadata.get(LOCAL) or key.name in unused:
+                continue
             value = getattr(self, key.name)
             optional = key.metadata.get(LATE) or (owners(key.name) and key.name not in mine)
             if not (optional and value == key.default):
                 found[key.name] = plain(value)
-        return found
+        return found | kind.record(self)

@@ -6,7 +6,7 @@ from .conftest import TINY
 
 MISTAKES = [
     (["rnu", "smoke"], "mfr-bench: no command 'rnu'; allowed: ", "; nearest: 'run'; see mfr-bench --help"),
-    (["run"], "mfr-bench run: Missing argument 'CONFIG...'; see mfr-bench run --help", ""),
+    (["run"], "mfr-bench run: Missing argument 'CONFIG...', or --mesh FILE; see mfr-bench run --help", ""),
     (["run", ""], "mfr-bench run: Invalid value for 'CONFIG...': '' is no config; allowed: a file, ", "run --help"),
     (["run", "smok"], "smok: no such file, folder or shipped config; allowed: ", "; nearest: 'smoke'"),
     (["run", "smoke.yaml"], "smoke.yaml: no such file or folder; nearest: 'smoke'", ""),

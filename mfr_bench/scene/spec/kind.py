@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
@@ -12,6 +12,7 @@ from .values import Allowed, Alpha, Colours, Seed, Share, Size
 
 MAX_PRIMITIVES = 2**22  # distinct depths on the grid of 2**-23, with a free point between any two
 LATE = "late"  # metadata of a key that was added later
+LOCAL = "local"  # metadata of a key that is no part of any record, and that no config may give
 
 Fault = tuple[tuple[str, ...], str]  # the keys that decide it, and what is wrong
 
@@ -21,13 +22,19 @@ def late(default: Any) -> Any:
     return field(default=default, metadata={LATE: True})
 
 
+def local(default: Any) -> Any:
+    """A key that only this machine knows, such as a path: it is set by the program and stands in no record."""
+    return field(default=default, metadata={LOCAL: True})
+
+
 @dataclass(frozen=True, kw_only=True)
 class CommonKeys:
     """The keys that every kind of scene has.
 
     size: viewport, pixels. pixel_density: share of the pixels that the block or the tiles cover, or the block around
     an object. depth_complexity: fragments over every covered pixel, or the maximum over the pixels where the kind has
-    a mean_depth (None: two fifths of the maximum). alpha: lowest and highest opacity.
+    a mean_depth (None: two fifths of the maximum); 0 where a kind measures it. alpha: lowest and highest opacity, or a
+    word that a kind knows.
     """
 
     kind: str
@@ -37,8 +44,8 @@ class CommonKeys:
                                 Allowed(f"a whole number from 0 to {MAX_PRIMITIVES}")]
     mean_depth: Annotated[float, Interval(ge=1, le=MAX_PRIMITIVES),
                           Allowed(f"a number from 1 to {MAX_PRIMITIVES}")] | None = None
-    order: Literal["random", "front_to_back", "back_to_front"] = "random"
-    alpha: Alpha = (0.1, 0.6)
+    order: Literal["random", "front_to_back", "back_to_front", "file", "object"] = "random"
+    alpha: Alpha | Literal["material"] = (0.1, 0.6)
     colours: Colours = "any"
     fragment_probability: Share = 1.0
     seed: Seed = 1
@@ -75,6 +82,10 @@ class Kind:
     generator: ClassVar[str]
     geometry: ClassVar[str] = "strip"  # shaders/scene/<geometry>.vert draws it
     noun: ClassVar[str] = "strips"  # what the primitives are called in an error message
+    measured: ClassVar[bool] = False  # depth_complexity is what a device finds, and no key
+    orders: ClassVar[Sequence[str]] = ("random", "front_to_back", "back_to_front")
+    alphas: ClassVar[Sequence[str]] = ()  # words that `alpha` may be in place of numbers
+    unused: ClassVar[Sequence[str]] = ()  # keys of every kind that this one has no use for
     fullest: ClassVar[float] = 1.0  # most mean depth, as a share of the depth complexity
     rules: ClassVar[Sequence[Callable[[Any], Fault | None]]] = ()
     rows: ClassVar[Sequence[Described]]
@@ -114,8 +125,33 @@ class Kind:
 
     def faults(self, scene: CommonKeys) -> list[Fault]:
         """What is wrong with values that are each allowed."""
-        found = (rule(scene) for rule in (self._too_many, self._no_mean, self._mean_too_high, *self.rules))
-        return [fault for fault in found if fault]
+        first = [fault for rule in (*self.rules, self._unknown_word, self._no_use) if (fault := rule(scene))]
+        if self.measured:
+            return first  # nothing is counted before the scene is made
+        found = (rule(scene) for rule in (self._too_many, self._no_mean, self._mean_too_high))
+        return [*(fault for fault in found if fault), *first]
+
+    def record(self, scene: CommonKeys) -> dict[str, Any]:
+        """What a record of the scene has in addition to its keys, or instead of them."""
+        return {}
+
+    def _unknown_word(self, scene: CommonKeys) -> Fault | None:
+        for key, allowed in (("order", self.orders), ("alpha", self.alphas)):
+            value = getattr(scene, key)
+            if isinstance(value, str) and value not in allowed:
+                what = f"{key} {value!r} has no use {self.where(scene)}; allowed: "
+                return (f"scene.{key}", "scene.kind"), what + (" | ".join(allowed) or "one or two numbers from 0 to 1")
+        return None
+
+    def _no_use(self, scene: CommonKeys) -> Fault | None:
+        defaults = {key.name: key.default for key in fields(CommonKeys)}
+        changed = [key for key in self.unused if getattr(scene, key) != defaults[key]]
+        if self.measured and scene.depth_complexity:
+            changed.append("depth_complexity")
+        if not changed:
+            return None
+        what = f"{changed[0]} has no use {self.where(scene)}; allowed: without it"
+        return (f"scene.{changed[0]}", "scene.kind"), what
 
     def _too_many(self, scene: CommonKeys) -> Fault | None:
         count = self.primitives(scene)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import Annotated, Any
 
 from annotated_types import Interval, MinLen, Predicate
@@ -54,5 +54,7 @@ Seed = Annotated[int, Interval(ge=0, lt=2**32), Allowed("a whole number from 0 t
 
 
 def plain(value: Any) -> Any:
-    """The value as JSON knows it: lists instead of tuples."""
+    """The value as JSON knows it: lists instead of tuples, mappings instead of classes."""
+    if is_dataclass(value):
+        return {key.name: plain(getattr(value, key.name)) for key in fields(value)}
     return [plain(v) for v in value] if isinstance(value, tuple) else value

@@ -1,0 +1,59 @@
+"""`--mesh FILE`: the settings that put a mesh of one's own into a config."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..scene.spec.kind import LOCAL
+from ..scene.spec.values import plain
+from .output import note
+
+MESH_CONFIG = "meshes"  # the config that --mesh takes where none is named
+OPACITIES = [0.1, 0.6]  # of a mesh without a translucent triangle
+
+MESH = click.option("--mesh", metavar="FILE", help="Take this mesh as the scene: OBJ, PLY, STL, GLB or glTF. Without a "
+                    "CONFIG every method draws it.")
+
+
+def mesh_overrides(file: str) -> list[str]:
+    """Settings KEY=VALUE for the mesh, seen from the front. Raises UsageError for a file that does not do."""
+    path = Path(file).absolute()
+    return [f"name=mesh-{_word(path.stem)}", f"title={json.dumps(f'Methods on {path.name}')}", "scene.kind=mesh",
+            f"scene.file={json.dumps(str(path))}", "scene.view={}", f"scene.alpha={_alpha(path)}"]
+
+
+def _alpha(path: Path) -> str:
+    """The file's own opacities where any triangle is translucent; else others, and a note that says so."""
+    from ..scene.meshes.faces import OPAQUE
+    from ..scene.meshes.read import read_mesh
+
+    found = read_mesh(path)
+    for line in found.notes:
+        note(f"{path.name}: {line}")
+    if (found.rgba[:, 3] < OPAQUE).any():
+        return "material"
+    note(f"{path.name}: every triangle is opaque; opacities from {OPACITIES[0]} to {OPACITIES[1]} stand for its own; "
+         "--set scene.alpha=0.5 sets another")
+    return json.dumps(OPACITIES)
+
+
+def _word(stem: str) -> str:
+    return "".join(c if c.isalnum() or c in "-_" else "-" for c in stem) or "file"
+
+
+def as_written(scene) -> dict[str, Any]:
+    """The scene as a config elsewhere could have it: the keys that are not at their defaults, files by whole paths."""
+    found = {key.name: plain(getattr(scene, key.name)) for key in fields(scene)
+             if not key.metadata.get(LOCAL) and getattr(scene, key.name) != key.default}
+    whole = Path(scene.folder or ".")
+    if scene.file:
+        found["file"] = str(whole / scene.file)
+    for part in found.get("files", ()):
+        part["file"] = str(whole / part["file"])
+    view = {key: value for key, value in found.get("view", {}).items() if value is not None}
+    return {**found, **({"view": view} if view else {})}

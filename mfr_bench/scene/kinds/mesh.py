@@ -1,0 +1,166 @@
+"""`kind: mesh`: triangles from a file of one's own, seen by an orthographic or a perspective camera."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from annotated_types import Interval
+
+from ..spec.kind import CommonKeys, Described, Fault, Kind, local
+from ..spec.values import STRICT, Allowed, Text
+
+DIRECTIONS = ("-z", "+z", "-x", "+x", "-y", "+y")  # where the eye looks
+UNUSED = ("pixel_density", "mean_depth", "colours")  # keys of every kind that a mesh has no use for
+
+Vector = Annotated[tuple[float, float, float], Allowed("three numbers")]
+Box = Annotated[tuple[float, float, float, float], Allowed("four numbers x0 y0 x1 y1")]
+Degrees = Annotated[float, Interval(gt=0, lt=180), Allowed("degrees between 0 and 180")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """The rectangle of the plane across the direction that the viewport shows, in the mesh's units."""
+
+    __pydantic_config__: ClassVar[dict] = STRICT
+
+    box: Box
+
+
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """Where a mesh is seen from.
+
+    direction: where the eye looks; up is +y (for -y and +y: -z). eye and target: two points instead; perspective only.
+    fit: true shows all of the mesh with a margin; a box, orthographic only, shows exactly that. field: of view from
+    bottom to top, in degrees, perspective only; without it the field is fitted to the mesh.
+    """
+
+    __pydantic_config__: ClassVar[dict] = STRICT
+
+    projection: Literal["orthographic", "perspective"] = "orthographic"
+    direction: Literal[DIRECTIONS] = "-z"
+    eye: Vector | None = None
+    target: Vector | None = None
+    fit: Literal[True] | Fit = True
+    field: Degrees | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Transform:
+    """A mesh file, and where it stands: scaled, turned by degrees about x, then y, then z, and moved."""
+
+    __pydantic_config__: ClassVar[dict] = STRICT
+
+    file: Text
+    scale: Annotated[float, Interval(gt=0), Allowed("a number above 0")] = 1.0
+    rotate: Vector = (0.0, 0.0, 0.0)
+    translate: Vector = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshKeys:
+    """The keys of meshes.
+
+    file: OBJ, PLY, STL, GLB or glTF, relative to the config. files: several, each with a transform, instead. faces:
+    the sides that are drawn. opaque: whether opaque triangles are drawn into a depth buffer first, where they hide
+    what is behind them, or are stored like all others. folder: where relative files are looked for.
+    """
+
+    file: Text | None = None
+    files: Annotated[tuple[Transform, ...], Allowed("a list of mappings with file, scale, rotate, translate")] = ()
+    view: View = View()
+    faces: Literal["both", "front", "back"] = "both"
+    opaque: Literal["depth", "store"] = "depth"
+    folder: Text | None = local(None)
+
+
+def _one_source(scene: CommonKeys) -> Fault | None:
+    if bool(scene.file) != bool(scene.files):
+        return None
+    what = "both file and files" if scene.file else "no file"
+    return ("scene.file", "scene.files", "scene.kind"), f"{what}; allowed: file, or files with a transform each"
+
+
+def _view_agrees(scene: CommonKeys) -> Fault | None:
+    view, keys = scene.view, ("scene.view", "scene.kind")
+    if (view.eye is None) != (view.target is None):
+        return keys, "an eye without a target, or a target without an eye; allowed: both or neither"
+    if view.projection == "orthographic" and (view.eye or view.field):
+        return keys, "eye and field have no use in an orthographic view; allowed: with projection perspective"
+    if view.projection == "perspective" and view.fit is not True:
+        return keys, "a box has no use in a perspective view; allowed: with projection orthographic"
+    if view.fit is not True and not (view.fit.box[0] < view.fit.box[2] and view.fit.box[1] < view.fit.box[3]):
+        return keys, "an empty box; allowed: x0 below x1 and y0 below y1"
+    return None
+
+
+def _files_are_there(scene: CommonKeys) -> Fault | None:
+    for path in paths(scene):
+        if not path.is_file():
+            return ("scene.file", "scene.files"), f"{path}: no such file; allowed: an OBJ, PLY, STL, GLB or glTF file"
+    return None
+
+
+def paths(scene: CommonKeys) -> list[Path]:
+    """The files of a scene."""
+    names = [scene.file] if scene.file else [part.file for part in scene.files]
+    return [Path(scene.folder or ".", name) for name in names]
+
+
+class Mesh(Kind):
+    """Triangles from files."""
+
+    name = "mesh"
+    noun = "triangles"
+    geometry = "triangle"
+    Keys = MeshKeys
+    generator = "mesh.mesh"
+    measured = True
+    orders = ("random", "front_to_back", "back_to_front", "file", "object")
+    alphas = ("material",)
+    unused = UNUSED
+    rules = (_one_source, _view_agrees, _files_are_there)
+    rows = (Described("`mesh`", "triangles of one's own files", "measured", "measured", "what one renders"),)
+    key_words = """\
+- `file`: OBJ with MTL, PLY, STL, GLB or glTF, relative to the config; or `files`, a list of mappings with `file`,
+  `scale`, `rotate` (degrees about x, y, z) and `translate`.
+- `view: {projection: orthographic | perspective, direction: -z | +z | -x | +x | -y | +y}`: where the eye looks; up is
+  +y, for ±y it is -z. A perspective view may have `eye` and `target` instead, and `field` in degrees. `fit: true` shows
+  all of the mesh, `fit: {box: [x0, y0, x1, y1]}` exactly that rectangle of the plane across the direction. With
+  `animate: true` the camera goes around the up axis in eight frames.
+- `alpha`: `material` takes the opacities of the file; a number or a range replaces them.
+- `order`: `file` as in the file, `object` by object and then as in the file, `random`, or by the depth of the middle.
+- `faces: both | front | back`. A glTF material that is not double-sided shows its front only, whatever `faces` says.
+- `opaque: depth` draws triangles with an alpha of 255 into a depth buffer first; fragments at or behind their depth are
+  not generated, and their own colours are no part of the image. `opaque: store` stores them like all others.
+"""
+
+    def primitives(self, scene: CommonKeys) -> int:
+        return self._estimate(scene).primitives
+
+    def covered_pixels(self, scene: CommonKeys) -> int:
+        return self._estimate(scene).covered
+
+    def expected_counts(self, scene: CommonKeys) -> list[float]:
+        return list(self._estimate(scene).counts)
+
+    def rejects(self, scene: CommonKeys) -> bool:
+        return scene.fragment_probability < 1 or scene.opaque == "depth"
+
+    def record(self, scene: CommonKeys) -> dict[str, Any]:
+        return {"files": [path.name for path in paths(scene)], "digest": _reader().digest(scene)}
+
+    @staticmethod
+    def _estimate(scene: CommonKeys):
+        return _reader().estimate(scene)
+
+
+def _reader():
+    """The module that reads the files: as the generator, it loads numpy and is loaded when a scene needs it."""
+    return import_module(f"{__package__.rpartition('.')[0]}.mesh")
+
+
+KIND = Mesh()

@@ -1,0 +1,174 @@
+"""Makes the scenes of `kind: mesh`: reads the files, places the camera, and orders what it sees."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import UsageError
+from ..hashing import hash3
+from .colours import alphas
+from .kinds.mesh import Transform, paths
+from .meshes.faces import OPAQUE, Faces, joined
+from .meshes.read import read_mesh
+from .meshes.view import DIRECTIONS, Camera, axes_of, facing, orthographic_camera, perspective_camera
+from .parameters import Scene
+from .streams import ALPHA, ORDER
+from .triangles import Triangles
+
+FRAMES = 8  # of an animation: once around
+GRID = 32  # cells along the longer side of the viewport, by which fragments are estimated
+
+
+def mesh(config: Scene, frame: int = 0) -> Triangles:
+    """The triangles of a config, as an animation's frame shows them. Raises UsageError for a file that does not do."""
+    found = faces_of(config)
+    clip = camera(config, found, frame).clip(found.position)
+    side = facing(clip)
+    shown = ~found.one_sided | (side >= 0)
+    if config.faces != "both":
+        shown &= side >= 0 if config.faces == "front" else side <= 0
+    rgba = _colours(config, found)
+    hides = (rgba[:, 3] == OPAQUE) & (config.opaque == "depth")
+    stored = np.flatnonzero(shown & ~hides)
+    order = stored[_order(config, clip[stored], found.object[stored])]
+    return Triangles(
+        tuple(config.size), np.ascontiguousarray(clip[order], np.float32), rgba[order], config.fragment_probability,
+        config.seed, found.object[order], np.ascontiguousarray(clip[shown & hides], np.float32))
+
+
+def faces_of(config: Scene) -> Faces:
+    """The triangles of all files in the world, before any view."""
+    parts = config.files or (Transform(file=config.file),)
+    return joined([_read(str(path), _stamp(path)).moved(matrix_of(part))
+                   for path, part in zip(paths(config), parts, strict=True)])
+
+
+@lru_cache(maxsize=4)
+def _read(path: str, stamp: tuple) -> Faces:
+    return read_mesh(Path(path))
+
+
+def _stamp(path: Path) -> tuple:
+    """What tells a file from a later one of the same name."""
+    try:
+        found = path.stat()
+    except OSError as error:
+        raise UsageError(f"{path}: {error.strerror}; allowed: a mesh file") from None
+    return found.st_mtime_ns, found.st_size
+
+
+@lru_cache(maxsize=64)
+def _digest(path: str, stamp: tuple) -> str:
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+def digest(config: Scene) -> str:
+    """Hash of the contents of all files of a scene, 16 hexadecimal digits."""
+    parts = [_digest(str(path), _stamp(path)) for path in paths(config)]
+    return hashlib.sha256(" ".join(parts).encode()).hexdigest()[:16]
+
+
+def matrix_of(part: Transform) -> np.ndarray:
+    """float64 (4, 4): scale, then turns about x, y and z, then the move."""
+    matrix = np.eye(4)
+    matrix[:3, :3] *= part.scale
+    for axis, degrees in enumerate(part.rotate):
+        turn, (i, j) = np.eye(4), ((1, 2), (2, 0), (0, 1))[axis]
+        cosine, sine = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+        turn[i, i], turn[i, j], turn[j, i], turn[j, j] = cosine, -sine, sine, cosine
+        matrix = turn @ matrix
+    matrix[:3, 3] += part.translate
+    return matrix
+
+
+def camera(config: Scene, found: Faces, frame: int) -> Camera:
+    """The camera of an animation's frame. Raises UsageError where it sees nothing."""
+    view, turn = config.view, 2 * math.pi * (frame % FRAMES) / FRAMES
+    try:
+        if view.eye is not None:
+            eye = np.array(view.target) + _around(np.array(view.eye) - np.array(view.target), turn)
+            axes = axes_of(tuple(np.array(view.target) - eye))
+            return perspective_camera(found.position, config.size, axes, tuple(eye), view.field)
+        axes = axes_of(DIRECTIONS[view.direction], turn)
+        if view.projection == "perspective":
+            return perspective_camera(found.position, config.size, axes, None, view.field)
+        return orthographic_camera(found.position, config.size, axes, None if view.fit is True else view.fit.box)
+    except ValueError as error:
+        raise UsageError(f"scene.view: {error}; allowed: an eye before the mesh, apart from its target") from None
+
+
+def _around(offset: np.ndarray, turn: float) -> np.ndarray:
+    """An offset turned about +y."""
+    cosine, sine = math.cos(turn), math.sin(turn)
+    return np.array([cosine * offset[0] + sine * offset[2], offset[1], cosine * offset[2] - sine * offset[0]])
+
+
+def _colours(config: Scene, found: Faces) -> np.ndarray:
+    """uint8 (n, 4): the file's colours, with the config's opacity where it gives one."""
+    if config.alpha == "material":
+        return found.rgba
+    rgba = found.rgba.copy()
+    rgba[:, 3] = alphas(config.alpha, hash3(np.arange(len(found), dtype=np.uint64), ALPHA, config.seed))
+    return rgba
+
+
+def _order(config: Scene, clip: np.ndarray, objects: np.ndarray) -> np.ndarray:
+    """Indices of the triangles in the order of submission."""
+    if config.order == "file":
+        return np.arange(len(clip))
+    if config.order == "object":
+        return np.argsort(objects, kind="stable")
+    if config.order == "random":
+        return np.argsort(hash3(np.arange(len(clip), dtype=np.uint64), ORDER, config.seed), kind="stable")
+    middle = clip.mean(axis=1)
+    depth = middle[:, 2] / np.where(middle[:, 3] > 0, middle[:, 3], np.inf)
+    return np.argsort(depth if config.order == "front_to_back" else -depth, kind="stable")
+
+
+# --- what a plan expects before a device has drawn ---
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """About how a mesh covers the viewport. counts: pixels with 0, 1, 2, … fragments, the covered ones only."""
+
+    primitives: int
+    covered: int
+    counts: tuple[float, ...]
+
+
+@lru_cache(maxsize=64)
+def estimate(config: Scene) -> Estimate:
+    """The estimate of a scene: the areas of its triangles, summed in the cells of a coarse grid by their boxes."""
+    made = mesh(config)
+    width, height = config.size
+    cell = max(1, -(-max(width, height) // GRID))
+    columns, rows = -(-width // cell), -(-height // cell)
+    area = np.zeros((rows, columns))
+    boxes, areas = made.boxes, _areas(made)
+    for x in range(columns):
+        wide = np.clip(np.minimum(boxes[:, 2], (x + 1) * cell) - np.maximum(boxes[:, 0], x * cell), 0, None)
+        for y in range(rows) if wide.any() else ():
+            high = np.clip(np.minimum(boxes[:, 3], (y + 1) * cell) - np.maximum(boxes[:, 1], y * cell), 0, None)
+            area[y, x] = (areas * wide * high).sum()
+    deep = area / cell**2
+    pixels = np.minimum(1.0, deep) * cell**2  # covered ones of each cell
+    layers = np.maximum(1, np.rint(deep)).astype(int)
+    counts = np.bincount(layers.ravel(), weights=pixels.ravel(), minlength=2)
+    return Estimate(len(made), max(1, min(width * height, round(pixels.sum()))), tuple(counts))
+
+
+def _areas(made: Triangles) -> np.ndarray:
+    """Area of each triangle on the screen over that of its box; 0 where a corner is behind the eye."""
+    corners = made.position.astype(np.float64)
+    before = (corners[..., 3] > 0).all(axis=1)
+    window = corners[..., :2] / np.where(before[:, None], corners[..., 3], 1.0)[..., None] / 2 * made.viewport
+    one, other = window[:, 1] - window[:, 0], window[:, 2] - window[:, 0]
+    boxes = np.maximum(1, (made.boxes[:, 2:] - made.boxes[:, :2]).prod(axis=1))
+    return np.where(before, np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]) / 2, 0.0) / boxes
