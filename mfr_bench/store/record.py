@@ -154,8 +154,9 @@ def _wrong_parts(cell: Cell) -> str | None:
     params, point = cell["params"], cell["point"]
     wrong = [f"params.{name}" for name, value in params.items()
              if not isinstance(value, (str, bool)) and not is_number(value)]
-    wrong += [f"scene.{name}" for name in ("alpha", "quad_size")
-              if isinstance(cell["scene"].get(name), list) and not _is_numbers(cell["scene"][name])]
+    pairs = {name: cell["scene"].get(name) for name in ("alpha", "quad_size")}
+    wrong += [f"scene.{name}" for name, pair in pairs.items()
+              if isinstance(pair, list) and not (len(pair) == 2 and _is_numbers(pair))]
     wrong += [f"point.{name}" for name, value in point.items() if not flat(value)]
     wrong += [f"measure.{name}" for name, value in cell["measure"].items() if not flat(value)]
     wrong += [name for name in ("reason", "glsl_hash", "measured") if not isinstance(cell.get(name), (str, type(None)))]
