@@ -88,7 +88,7 @@ def advise(context: click.Context, targets: tuple[str, ...], max_error: float, m
     from ..store import ResultFolder
 
     folders = [ResultFolder(path) for path in _results(targets)]
-    found = advice.advise(map(data.load, folders), advice.Limits(metric, max_error, memory_mb), like, _config_of)
+    found = advice.advise(map(data.load, folders), advice.Bounds(metric, max_error, memory_mb), like, _config_of)
     if not found:
         raise UsageError(f"advise: nothing is measured in {', '.join(str(f.path) for f in folders)}; run "
                          "'mfr-bench run' again")

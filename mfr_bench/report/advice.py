@@ -13,7 +13,7 @@ from ..stats import Interval
 from ..store import device_name
 from . import data
 from .data import Point, Result, number
-from .frontier import Place, places
+from .frontier import ScenePoints, places
 from .tables import Grid
 
 METRICS = {"rmse": "rmse", "flip": "flip", "max": "max_error_all"}  # what `--metric` takes, and its column
@@ -22,7 +22,7 @@ IDLE_BUDGET = 8  # a memory limit of so many times what anything takes was meant
 
 
 @dataclass(frozen=True)
-class Limits:
+class Bounds:
     """What an image and its memory may cost; `memory_mib` None is no limit."""
 
     metric: str  # a key of METRICS
@@ -50,8 +50,8 @@ class Advice:
 
     experiment: str
     device: str
-    place: Place
-    limits: Limits
+    place: ScenePoints
+    limits: Bounds
     noise: float | None  # relative; how far one thing measured twice is from itself
     unmeasured: int  # planned cells of the experiment without a record
     dates: str = ""  # on which it was measured
@@ -91,17 +91,17 @@ class Advice:
         return sorted(found, key=lambda p: p is not fastest)
 
     def ratio(self, point: Point) -> Interval:
-        """Its time over the fastest one's."""
+        """Ratio of the time to that of the fastest."""
         return point.over(self.kept[0])
 
     def told_apart(self, point: Point) -> bool | None:
-        """Whether it is surely slower than the fastest; None where too few samples say nothing."""
+        """Whether the point is surely slower than the fastest; None where too few samples were taken to decide."""
         ratio = self.ratio(point)
         return None if None in ratio else point.apart(ratio)
 
     @property
     def rivals(self) -> list[Point]:
-        """Those that may be as fast as the fastest."""
+        """Points that may be as fast as the fastest."""
         return [p for p in self.kept[1:] if not self.told_apart(p)]
 
     @property
@@ -110,7 +110,7 @@ class Advice:
         return not self.rivals if len(self.kept) > 1 else None
 
 
-def advise(results: Iterable[Result], limits: Limits, like: Mapping[str, Any] | None = None,
+def advise(results: Iterable[Result], limits: Bounds, like: Mapping[str, Any] | None = None,
            config_of: Callable[[Result], str] = lambda result: result.name) -> list[Advice]:
     """Advice for every scene of the results, device by device; with `like` for the scene next to it on each device.
 
@@ -204,7 +204,7 @@ def _certainty(advice: Advice) -> str:
 
 
 def _missed(advice: Advice) -> str:
-    """What comes nearest where nothing keeps the limits."""
+    """Name what comes nearest where nothing keeps the bounds."""
     column, measured = advice.limits.column, advice.measured
     if not measured:
         return f"No cell with {column} was measured; {_again(advice, ' --force')} measures all of them."

@@ -72,7 +72,7 @@ class Ladder:
 
     @property
     def worst(self) -> Point | None:
-        """Of the exact points that hold the one nearest to its bound."""
+        """The point nearest to its bound, of the exact points that hold."""
         bounded = [p for p in self.points.values() if state(p) == HOLDS and p.row["error_bound"]]
         return max(bounded, key=lambda p: p.row["max_abs_error"] / p.row["error_bound"], default=None)
 
@@ -98,8 +98,8 @@ def ladders(result: Result, points: Sequence[Point], axis: str, panels: str | No
             for (label, panel), members in found.items()]
 
 
-def told(ladder: Ladder) -> str:
-    """The first level that breaks the method, and how."""
+def first_break(ladder: Ladder) -> str:
+    """Name the first level that breaks the method, and how."""
     if ladder.first is None:
         return f"holds up to {data.plain(list(ladder.points)[-1])}"
     level, point = ladder.first

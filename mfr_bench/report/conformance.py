@@ -56,7 +56,7 @@ def _variant(catalog: Mapping[str, Method], point: Point) -> Variant:
 
 
 def _distinct(results: Iterable[Result]) -> list[Point]:
-    """Every cell once, although several results have it, as they all have the floor's."""
+    """List every cell once: several results may have the same, as all have the cell of the floor."""
     return list({p.cell["key"]: p for r in results for p in r.points}.values())
 
 
@@ -88,7 +88,7 @@ def _worst(points: Sequence[Point], column: str, worst=max, digits: int = 3) -> 
 
 
 def _kept(variant: Variant, points: Sequence[Point]) -> str:
-    """Empty for a method that holds nothing to be counted."""
+    """Smallest share of the promised fragments that was stored; empty for a method that stores none to be counted."""
     if not any(step.probes == STORED for step in variant.passes):
         return ""
     shares = [p.row["hit_ratio"] / p.row["promised_ratio"] for p in points

@@ -24,7 +24,7 @@ Table = tuple[str, str, tuple[str, ...], tuple[tuple[str, ...], ...], int]
 
 
 @dataclass(frozen=True)
-class Place:
+class ScenePoints:
     """A scene on a device, and all points measured in it, labelled by method and parameters."""
 
     name: str
@@ -44,7 +44,7 @@ class Place:
 
     def ordered(self, key: Callable[[Point], Any], allowed: Callable[[Point], bool], cost: str,
                 error: str) -> list[Point]:
-        """The allowed points, that with the least key first."""
+        """The allowed points in the order of the key."""
         return sorted(filter(allowed, self._with(cost, error)), key=key)
 
 
@@ -57,7 +57,7 @@ def rounded(point: Point, error: str) -> float:
     return max(ROUNDING.get(error, 0), point.measure(error)[1])
 
 
-def places(result: Result) -> list[Place]:
+def places(result: Result) -> list[ScenePoints]:
     """The scenes of a result in its order; what is not ok, or was never an image, is left out."""
     axes = [a for a in result.axes if a == "device" or a.startswith("scene.")
             or data.bare(a) in result.points[0].cell["scene"]]
@@ -65,7 +65,7 @@ def places(result: Result) -> list[Place]:
     found: dict[tuple, list[Point]] = {}
     for p in data.series(result, measured, axes):
         found.setdefault(tuple(p.at(a) for a in axes), []).append(p)
-    return [Place(", ".join(_coordinate(a, v) for a, v in zip(axes, where, strict=True)), tuple(members))
+    return [ScenePoints(", ".join(_coordinate(a, v) for a, v in zip(axes, where, strict=True)), tuple(members))
             for where, members in found.items()]
 
 
@@ -81,7 +81,7 @@ def tables(result: Result, error: str) -> list[Table]:
     return [*(_frontier_table(place, error) for place in found), *_best_tables(found, error)]
 
 
-def _frontier_table(place: Place, error: str) -> Table:
+def _frontier_table(place: ScenePoints, error: str) -> Table:
     on = {cost: place.frontier(cost, error) for cost in COSTS}
     keys = {cost: {p.cell["key"] for p in points} for cost, points in on.items()}
     members = {p.cell["key"]: p for points in on.values() for p in points}
@@ -93,13 +93,13 @@ def _frontier_table(place: Place, error: str) -> Table:
     return title, note, ("method", "frontier of", "time (ms)", "memory (MiB)", *ERRORS), rows, 2
 
 
-def _best_tables(found: Sequence[Place], error: str) -> Iterable[Table]:
-    def fastest(place: Place, level: float) -> str:
+def _best_tables(found: Sequence[ScenePoints], error: str) -> Iterable[Table]:
+    def fastest(place: ScenePoints, level: float) -> str:
         kept = place.ordered(lambda p: p.row["time_ms"], lambda p: p.measure(error)[1] <= level, "time_ms", error)
         alike = len(kept) > 1 and not kept[1].apart(kept[1].over(kept[0]))
         return _told(kept, "time_ms") + ALIKE * alike
 
-    def closest(place: Place, level: float) -> str:
+    def closest(place: ScenePoints, level: float) -> str:
         return _told(place.ordered(lambda p: (rounded(p, error), p.row["time_ms"]), lambda p: p.row["time_ms"] <= level,
                                    "time_ms", error), error)
 
@@ -117,15 +117,15 @@ def _told(ordered: Sequence[Point], measure: str) -> str:
     return f"{ordered[0].label}: {number(ordered[0].measure(measure)[1])}" if ordered else "–"
 
 
-def _rows(found: Sequence[Place], levels: Iterable[float],
-          choose: Callable[[Place, float], str]) -> tuple[tuple[str, ...], ...]:
+def _rows(found: Sequence[ScenePoints], levels: Iterable[float],
+          choose: Callable[[ScenePoints, float], str]) -> tuple[tuple[str, ...], ...]:
     rows = [(f"{level:g}", *(choose(place, level) for place in found)) for level in levels]
     while len(rows) > 1 and rows[-1][1:] == rows[-2][1:]:
         rows.pop()
     return tuple(rows)
 
 
-def _levels(found: Sequence[Place]) -> list[float]:
+def _levels(found: Sequence[ScenePoints]) -> list[float]:
     """1, 2, 5, 10, … ms, from the fastest cell's time to beyond the slowest's."""
     times = [p.row["time_ms"] for place in found for p in place.points if p.row["time_ms"]]
     levels = [m * 10.0**e for e in range(-4, 6) for m in (1, 2, 5)]

@@ -99,7 +99,7 @@ def matches(row: Printed, points: Iterable[Point]) -> list[Match]:
 
 
 def _of_a_variant(row: Printed) -> bool:
-    """Whether it is for a variant of what the paper also prints plainly, such as attribute packing."""
+    """Whether the number is of a variant, such as attribute packing, of what the paper also prints without it."""
     plain = find(paper=row.paper, figure=row.figure, quantity=row.quantity, method=row.method, condition=None)
     return row.condition is not None and row.method is not None and bool(plain)
 
@@ -185,7 +185,7 @@ def notes(result: Result) -> list[str]:
 
 
 def _named(members: Sequence[Printed]) -> list[str]:
-    """'PreCalc_Fixed 0.027 ms, 0.05 ms, 0.11 ms (640×480, 1024×768, 1600×1200)'; equal places are told once."""
+    """'PreCalc_Fixed 0.027 ms, 0.05 ms, 0.11 ms (640×480, 1024×768, 1600×1200)'; equal places are named once."""
     by_name: dict[str, list[Printed]] = {}
     for row in members:
         by_name.setdefault(row.name or "", []).append(row)

@@ -41,13 +41,13 @@ def test_the_first_level_that_breaks_is_found(tmp_path, fault, state, at):
     found = ladder_of(tmp_path, *(OK if i < at else fault for i in range(3)))
     level, point = found.first
     assert (level, breaking.state(point)) == (LEVELS[at], state)
-    assert breaking.told(found).startswith(f"{LEVELS[at]}: {state}, ")
+    assert breaking.first_break(found).startswith(f"{LEVELS[at]}: {state}, ")
 
 
 def test_a_method_that_holds_breaks_nowhere(tmp_path):
     found = ladder_of(tmp_path, OK, ("ok", {"max_abs_error": 9e-7}), OK)
     assert found.first is None
-    assert breaking.told(found) == "holds up to -24"
+    assert breaking.first_break(found) == "holds up to -24"
     assert found.worst.row["max_abs_error"] == 9e-7
 
 

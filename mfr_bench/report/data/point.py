@@ -43,7 +43,7 @@ class Point:
 
     @property
     def ending(self) -> Status:
-        """What the program knows of the point's status."""
+        """The entry of the point's status in the table of statuses."""
         return STATUSES[self.status]
 
     @property
@@ -71,13 +71,13 @@ class Point:
 
     @cached_property
     def floor_ratio(self) -> Interval:
-        """Time over the floor's."""
+        """Ratio of the time to that of the floor."""
         if self.floor is None or self.row["time_ms"] is None:
             return None, None, None
         return time_ratio(self.cell, self.floor)
 
     def over(self, other: Point) -> Interval:
-        """Its time over that of another point of its run."""
+        """Ratio of the time to that of another point of the run."""
         return time_ratio(self.cell, other.cell)
 
     def apart(self, ratio: Interval) -> bool:
@@ -86,7 +86,7 @@ class Point:
 
     @property
     def shows_all(self) -> bool:
-        """Whether it was measured with a right image in which every fragment shows."""
+        """Whether the point was measured with a right image in which every fragment shows."""
         rmse = self.row["rmse"]
         return self.status == "ok" and self.row["time_ms"] is not None and rmse is not None and rmse <= EXACT_ERROR
 
@@ -138,7 +138,7 @@ class Point:
         return self.row[name]
 
     def _culled_of_unkept(self) -> float | None:
-        """Fragments that never ask for the lock, of those that the image is not made of."""
+        """Share of the fragments not kept that are refused before they ask for the lock."""
         culled, kept = self.row["culled_share"], self.row["hit_ratio"]
         return None if culled is None or kept is None or kept >= 1 else culled / (1 - kept)
 

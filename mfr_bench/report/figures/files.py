@@ -126,7 +126,7 @@ def _write_shared(result: Result, tasks: Sequence[tuple[Path, Options]]) -> None
 
 @contextmanager
 def _uncollected():
-    """No garbage collection meanwhile: it would take a fifth of the time, and everything lives to the end anyway."""
+    """Suspend garbage collection: it takes a fifth of the time, and everything lives to the end anyway."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:

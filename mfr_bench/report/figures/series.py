@@ -98,7 +98,7 @@ def gaps(points: Sequence[Point], x: str, panels: str | None) -> list[str]:
 
 
 def _at(x: str, where: Sequence[str], panel: str, cells: Sequence[Point], panels: str | None) -> str:
-    """Where cells of one label are missing: the panel unless all are, and x unless the whole panel is."""
+    """Name the places where cells of a label are missing: the panel unless all are, x unless the whole panel is."""
     if all(p.status != "ok" for p in cells):
         return ""
     found = list(dict.fromkeys(w for w in where if w))

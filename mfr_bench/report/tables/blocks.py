@@ -14,9 +14,9 @@ from .fields import (
     MEMORY_NOTE,
     RATIO_NOTE,
     TIME_NOTE,
-    beside_fastest,
     memory_field,
     ratio_field,
+    ratio_to_fastest,
     time_field,
 )
 from .grid import ABSENT, Grid, cut
@@ -33,7 +33,7 @@ def _column_axis(result: Result) -> str | None:
 
 @dataclass(frozen=True)
 class Block:
-    """Points of one place on the scene axes that are neither columns nor told in the labels."""
+    """Points of one place on the scene axes that are neither columns nor named in the labels."""
 
     where: str
     axis: str | None
@@ -68,7 +68,7 @@ class Block:
         return grids if self.axis else [_side_by_side(grids)]
 
     def _to_the_fastest(self) -> list[tuple[str, Point, str]]:
-        """Of each column the methods that show every fragment, where there are several."""
+        """Entries for each column in which several methods show every fragment."""
         columns: dict[Any, list[Point]] = {}
         for p in self.points:
             if p.shows_all and p.method != FLOOR:
@@ -76,7 +76,7 @@ class Block:
         entries = []
         for points in columns.values():
             fastest = min(points, key=lambda p: p.row["time_ms"])
-            entries += [(cut(p.label), p, beside_fastest(p, fastest)) for p in points if points[1:]]
+            entries += [(cut(p.label), p, ratio_to_fastest(p, fastest)) for p in points if points[1:]]
         return entries
 
     def pass_grid(self) -> Grid:
@@ -96,7 +96,7 @@ def _side_by_side(grids: Sequence[Grid]) -> Grid:
 
 
 def blocks_of(result: Result) -> list[Block]:
-    """Blocks by the scene axes that are not columns; axes of parameters are told in the labels instead."""
+    """Blocks by the scene axes that are not columns; axes of parameters are named in the labels instead."""
     axis = _column_axis(result)
     used = [axis] if axis else []
     parameters = {name for p in result.points for name in p.parameters}

@@ -75,7 +75,7 @@ def _breaking_grid(ladders: Sequence[Ladder], axis: str, panels: str | None) -> 
         worst = max((p for p in (ladder.worst for ladder in mine.values()) if p), default=None,
                     key=lambda p: p.row["max_abs_error"] / p.row["error_bound"])
         errors = [number(worst.row[name], 2) if worst else "" for name in ("max_abs_error", "error_bound")]
-        rows.append((cut(label), *errors, *(breaking.told(mine[n]) if n in mine else ABSENT for n in names)))
+        rows.append((cut(label), *errors, *(breaking.first_break(mine[n]) if n in mine else ABSENT for n in names)))
     heads = [data.heading(panels, n) if panels else "breaks at" for n in names]
     return Grid(f"First level of {data.short(axis)} that breaks each method", BREAKING_NOTE,
                 ("method", "error", "bound", *heads), tuple(rows))

@@ -34,10 +34,10 @@ def ratio_field(point: Point) -> str:
     ratio = point.floor_ratio[1]
     if point.status != "ok" or ratio is None:
         return point.sign if point.status != "ok" else ""
-    return told_apart(point, point.floor_ratio)
+    return ratio_text(point, point.floor_ratio)
 
 
-def told_apart(point: Point, ratio: data.Interval) -> str:
+def ratio_text(point: Point, ratio: data.Interval) -> str:
     """A ratio of times; one that noise alone may make is not told apart from 1, and shows its interval."""
     if None in ratio or point.apart(ratio) or point.method == FLOOR:
         return f"{number(ratio[1])} {spread(ratio)}"
@@ -45,9 +45,9 @@ def told_apart(point: Point, ratio: data.Interval) -> str:
     return f"{ALIKE} {middle} [{low}, {high}]"
 
 
-def beside_fastest(point: Point, fastest: Point) -> str:
-    """Its time over the fastest's."""
-    return "fastest" if point is fastest else told_apart(point, point.over(fastest))
+def ratio_to_fastest(point: Point, fastest: Point) -> str:
+    """Ratio of the time to that of the fastest method."""
+    return "fastest" if point is fastest else ratio_text(point, point.over(fastest))
 
 
 def memory_field(point: Point) -> str:

@@ -62,7 +62,7 @@ class Heat:
 
     @cached_property
     def rivals(self) -> dict[str, list[Point]]:
-        """By scene, what has a time and the right image and is not drawn itself."""
+        """Points with a time and the right image that are not drawn themselves, by scene."""
         drawn = {p.method for p in self.points}
         found: dict[str, list[Point]] = {}
         for p in self.result.points:
@@ -92,7 +92,7 @@ class Heat:
 
     @cached_property
     def panels(self) -> list[tuple[str, list[Point]]]:
-        """Points by heading: in what a panel is not like most, which tell all that they have in common."""
+        """Points by heading, which names what sets a panel apart from most of the panels."""
         placed = [data.bare(self.options[name]) for name in ("x", "rows")]
         axes = [a for a in self.result.axes if data.bare(a) not in placed and len(data.values(self.points, a)) > 1]
         usual = {a: Counter(p.at(a) for p in self.points).most_common(1)[0][0] for a in axes}
@@ -104,7 +104,7 @@ class Heat:
 
     @property
     def spread(self) -> float:
-        """The ratio to 1, or the largest value, at which colours end."""
+        """The ratio to 1, or the largest value, that has the strongest colour."""
         logs = [abs(math.log(v)) for v in self.values.values()]
         return max([*logs, math.log(2)]) if self.options["y"] == BEST else max([*self.values.values(), 1.0])
 

@@ -62,7 +62,7 @@ def draw(result: Result, options: Options) -> Figure:
 
 
 def _panels(result: Result, points: Sequence[Point], x: str) -> list[Panel]:
-    """By scene, which x tells apart where it is a key of it, and by frame."""
+    """Panels by scene and by frame; x tells scenes apart where it is a key of the scene."""
     found: dict[tuple, list[tuple[str, int]]] = {}
     several = len(data.values(points, x)) > 1
     for point in points:

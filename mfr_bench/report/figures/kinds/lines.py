@@ -34,11 +34,11 @@ KIND = Kind(
 
 def draw(result: Result, options: Options) -> Figure:
     """x against y, one line per method with its interval; kplus_2015 Fig. 9, gpupro5 Figs. 1.4 to 1.7."""
-    plot = Plot(result, options, tuple(series_of(result, options)))
-    panels = panels_of(plot.points, options)
+    chart = LineChart(result, options, tuple(series_of(result, options)))
+    panels = panels_of(chart.points, options)
     columns = 1 if options.get("fit") else min(3, len(panels)) or 1
     rows = math.ceil(len(panels) / columns)
-    entries = {label: "\n".join(textwrap.wrap(label, LONG_LABEL + 4)) for label in plot.entries}
+    entries = {label: "\n".join(textwrap.wrap(label, LONG_LABEL + 4)) for label in chart.entries}
     legend_width = widest((line for entry in entries.values() for line in entry.splitlines()), 7.5) + 0.52
     alone = max(2.7, 0.13 * sum(1.3 + e.count("\n") for e in entries.values()))
     plot_height = 1.6 if rows > 2 else 2.2 if rows > 1 else alone
@@ -46,7 +46,7 @@ def draw(result: Result, options: Options) -> Figure:
     headings = [fitted(panel, style.RC["axes.titlesize"], panel_width + EDGE) for panel, _ in panels]
     heading = HEADING_IN + 0.13 * (max(map(len, headings)) - 1) if any(panel for panel, _ in panels) else 0.06
     step = heading + plot_height + 0.24
-    missing = gaps(plot.points, plot.x, options.get("panels"))
+    missing = gaps(chart.points, chart.x, options.get("panels"))
     sheet = sheet_of(result, options, missing, style.WIDTH_IN, rows * step + 0.18)
     figure = sheet.figure()
     grid: list[Axes] = []
@@ -55,11 +55,11 @@ def draw(result: Result, options: Options) -> Figure:
         axes = sheet.axes(figure, LEFT + i % columns * (panel_width + 0.12), i // columns * step + heading, panel_width,
                           plot_height, **shared)
         grid.append(axes)
-        plot.draw(axes, members)
+        chart.draw(axes, members)
         axes.set_title("\n".join(headings[i]), loc="left", linespacing=1.0)
     for i, axes in enumerate(grid):
-        plot.finish(axes, panel_width, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
-    handles = plot.handles(grid)
+        chart.finish(axes, panel_width, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
+    handles = chart.handles(grid)
     if handles:
         figure.legend(handles.values(), [entries[name] for name in handles], loc="upper left", handlelength=3.0,
                       labelspacing=0.55, borderpad=0, borderaxespad=0,
@@ -70,7 +70,7 @@ def draw(result: Result, options: Options) -> Figure:
 
 
 @dataclass(frozen=True)
-class Plot:
+class LineChart:
     """What a figure of lines shows, in any number of panels."""
 
     result: Result
@@ -98,7 +98,7 @@ class Plot:
         return labels_of(p for p in self.points if p.method == point.method).index(point.label)
 
     def colour(self, point: Point) -> str:
-        """Its method's, lighter for every second variant; in a figure of one method the variant's own."""
+        """The colour of the method, lighter for every second variant; in a figure of one method, of the variant."""
         if len({p.method for p in self.points}) > 1 or len(self.labels) == 1:
             colour = style.method_colour(point.method)
             return style.lighter(colour) if self.variant(point) % 2 else colour
@@ -149,7 +149,7 @@ class Plot:
         return fits_of(points, self.x, self.y, str(self.options.get("fit"))) if self.options.get("fit") else []
 
     def _over(self, axes: Axes, points: Sequence[Point]) -> None:
-        """Cells for which there is no memory: crosses on the axis, in their method's colour, beside each other's."""
+        """Draw cells for which there is no memory as crosses above the x axis, in the colour of their method."""
         risen: dict[float, int] = {}
         for p in points:
             if p.ending.over_memory and p.at(self.x) is not None:
@@ -159,7 +159,7 @@ class Plot:
                           color=self.colour(p), **style.OVER)
 
     def _line(self, axes: Axes, label: str, members: Sequence[Point], places: Sequence[float]) -> None:
-        """One series, broken where a value is missing; level and unmarked where x does not touch the method."""
+        """Draw one series, broken where a value is missing; level and unmarked where x does not affect the method."""
         found = {self.places[p.at(self.x)]: p.shown(self.y) for p in members if p.at(self.x) is not None}
         level = not found
         if level:
@@ -175,7 +175,7 @@ class Plot:
                       elinewidth=0.8, capsize=1.8, capthick=0.8)
 
     def _marker(self, point: Point) -> dict[str, Any]:
-        """Full with a white edge; hollow for every second variant of a method."""
+        """A marker is full with a white edge, and hollow for every second variant of a method."""
         if self.variant(point) % 2:
             return {"markerfacecolor": "white", "markeredgecolor": self.colour(point), "markeredgewidth": 1.0}
         return {"markeredgecolor": "white", "markeredgewidth": 0.4}
@@ -188,7 +188,7 @@ class Plot:
             axes.plot(xs, [found[v] for v in xs], color=style.INK, linewidth=0.9, linestyle="--", label="floor")
 
     def _bound(self, axes: Axes, points: Sequence[Point]) -> None:
-        """What rounding explains of the errors of exact methods: least and most where methods round differently."""
+        """Draw the errors that rounding explains: the least and the most where exact methods round differently."""
         found: dict[float, list[float]] = {}
         for p in points:
             if p.row["error_bound"] is not None and p.at(self.x) is not None:
@@ -198,7 +198,7 @@ class Plot:
             axes.plot(xs, [pick(found[v]) for v in xs], color=style.ALARM, linewidth=0.9, linestyle=":", label="bound")
 
     def finish(self, axes: Axes, width: float, leftmost: bool, lowest: bool) -> None:
-        """Scales, ticks and labels, once every panel is drawn: the panels share them."""
+        """Set scales, ticks and labels, which the panels share, once every panel is drawn."""
         if "y" in log_axes(self.options):
             log_axis(axes, "y", log_base(self.options))
         elif not self.options.get("gain_of"):

@@ -85,7 +85,7 @@ class Maps:
 
     @cached_property
     def highest(self) -> float:
-        """The scale's end; of errors at least a step of 8 bits, below which no one sees any."""
+        """The end of the scale; for errors at least one step of 8 bits, the least that a display shows."""
         most = max((float(array.max()) for array in self.kept.values()), default=0.0) or 1.0
         return max(most, LEAST_SEEN) if self.name in ("error", "loss") else most
 
@@ -122,7 +122,7 @@ class Maps:
         return ", ".join(part for part in (point.label, where, self._told(point)) if part)
 
     def _told(self, point: Point) -> str:
-        """What the whole map comes to, in a number."""
+        """The mean of the map, or the share of the fragments that it counts."""
         array = self.kept.get(point.cell["key"])
         if array is None or not self.scaled:
             return ""

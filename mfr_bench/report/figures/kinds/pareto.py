@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ....store.columns import COLUMNS, DERIVED, names
 from ... import data, style
 from ...data import Point, Result
-from ...frontier import Place, equal, places
+from ...frontier import ScenePoints, equal, places
 from ..kind import LOG, X_LABEL, Y_LABEL, Kind
 from ..scales import log_axis, nothing, y_label
 from ..series import Options
@@ -31,45 +31,45 @@ KIND = Kind("an error y against a cost x, and what nothing measured beats in bot
 
 def draw(result: Result, options: Options) -> Figure:
     """x is a cost, y an error, both logarithmic; a panel for each scene."""
-    plot = Plot(result, options, tuple(places(result)) if result.points else ())
-    columns = min(3, len(plot.places)) or 1
-    rows = math.ceil(len(plot.places) / columns) or 1
-    names = [*plot.labels, "on no frontier"]
+    chart = FrontierChart(result, options, tuple(places(result)) if result.points else ())
+    columns = min(3, len(chart.places)) or 1
+    rows = math.ceil(len(chart.places) / columns) or 1
+    names = [*chart.labels, "on no frontier"]
     across = legend_columns(names, style.WIDTH_IN - 2 * EDGE, 6.5)
     legend_in = LEGEND_LINE_IN * 0.92 * math.ceil(len(names) / across)
     step = HEADING_IN + PLOT_IN + 0.24
-    zero = any(p.measure(plot.y)[1] == 0 for place in plot.places for p in place.points)
-    key = (f"Solid: no measured cell is both cheaper and more accurate ({equal(plot.y)}). Hollow: some cell is. "
+    zero = any(p.measure(chart.y)[1] == 0 for place in chart.places for p in place.points)
+    key = (f"Solid: no measured cell is both cheaper and more accurate ({equal(chart.y)}). Hollow: some cell is. "
            "Bars: 95 % interval of the median.")
     notes = [key, f"An error of 0 is drawn at {LEAST:g}." * zero]
     sheet = sheet_of(result, options, notes, style.WIDTH_IN, rows * step + 0.2 + legend_in)
     figure = sheet.figure()
     width = (sheet.width - LEFT - EDGE - 0.12 * (columns - 1)) / columns
     grid: list[Axes] = []
-    for i, place in enumerate(plot.places):
+    for i, place in enumerate(chart.places):
         shared = {name: grid[0] for name in ("sharex", "sharey") if grid}
         axes = sheet.axes(figure, LEFT + i % columns * (width + 0.12), i // columns * step + HEADING_IN, width, PLOT_IN,
                           **shared)
         grid.append(axes)
-        plot.draw(axes, place)
+        chart.draw(axes, place)
         axes.set_title("\n".join(textwrap.wrap(place.name, LABEL_CHARACTERS)), loc="left")
     for i, axes in enumerate(grid):
-        plot.finish(axes, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
+        chart.finish(axes, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
     if not grid:
         nothing(sheet.axes(figure, LEFT, HEADING_IN, width, PLOT_IN))
-    figure.legend(handles=plot.handles(), loc="lower left", ncol=across, fontsize=6.5, handlelength=1.2,
+    figure.legend(handles=chart.handles(), loc="lower left", ncol=across, fontsize=6.5, handlelength=1.2,
                   columnspacing=1.0, labelspacing=0.35, borderpad=0, borderaxespad=0,
                   bbox_to_anchor=(EDGE / sheet.width, sheet.bottom / sheet.height))
     return figure
 
 
 @dataclass(frozen=True)
-class Plot:
+class FrontierChart:
     """What a figure shows, in any number of panels."""
 
     result: Result
     options: Options
-    places: tuple[Place, ...]
+    places: tuple[ScenePoints, ...]
 
     @property
     def x(self) -> str:
@@ -81,14 +81,14 @@ class Plot:
 
     @property
     def labels(self) -> list[str]:
-        """Of all frontiers, in the config's order of methods."""
+        """Labels of the points on any frontier, in the order of methods in the config."""
         return list(self._members())
 
     def _members(self) -> dict[str, Point]:
         on = {p.label: p for place in self.places for p in place.frontier(self.x, self.y)}
         return {p.label: on[p.label] for place in self.places for p in place.points if p.label in on}
 
-    def draw(self, axes: Axes, place: Place) -> None:
+    def draw(self, axes: Axes, place: ScenePoints) -> None:
         frontier = place.frontier(self.x, self.y)
         on = {p.cell["key"] for p in frontier}
         shown = [p for p in place.points if p.measure(self.x)[1] and p.measure(self.y)[1] is not None]

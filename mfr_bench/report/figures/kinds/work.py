@@ -119,7 +119,7 @@ class Work:
 
 
 def totals(work: Mapping[str, Mapping[str, int]]) -> dict[str, int]:
-    """What the passes of a frame come to: counters added up, and invocations by the kind of pass."""
+    """Sums over the passes of a frame: of each counter, and of invocations by the kind of pass."""
     def add(name: str, geometry: bool | None = None) -> int:
         return sum(w.get(name, 0) for w in work.values() if geometry is None or bool(w.get("rasterized")) == geometry)
 
