@@ -5,7 +5,8 @@ without loss for depths on a grid of 2^-24 but 1 - 2^-24, as the quad scenes' gr
 grid counts as lost, so that no order is wrong without notice. More than 32 bits of payload have no place (§1.3).
 
 Words: 2 per cell, and one per pixel for the table A of ages. The table is made for `load_factor`, which takes the
-number of fragments as known from the frame before; it has a cell per pixel at least, or ages would not name pixels.
+number of fragments as known from the frame before; it has a cell per pixel at least, or ages would not name pixels,
+and 256, or probes of a pixel would meet in a cell.
 Beside the formula stand 256 probe offsets, which each frame draws anew from those before (§1.3.1), and the counter.
 With `atomic64: emulated` a cell is one word, the index of a record of two: 3 words per cell. No lock guards it, since
 fragments of many pixels meet in a cell.
@@ -42,6 +43,7 @@ ORDER = 3
 
 MOST_AGES = 256
 DEEPEST = 224  # fragments of a pixel
+APART = f"hash3(i, seed, offsets[i]) % (capacity / {MOST_AGES}u) * {MOST_AGES}u + i"  # offsets, no two of them equal
 
 NATIVE, EMULATED = when("atomic64", "native"), when("atomic64", "emulated")
 LOAD_FACTOR = Param("load_factor", 0.5, "fragments per cell of the table", low=0, high=1, real=True)
@@ -54,12 +56,12 @@ def open_addressing(method_id: str, name: str, section: str, summary: str, order
     return Method(
         id=method_id, name=name, family="open", source=f"gpupro5_ch1 {section}", summary=summary,
         guarantee="exact all", words="2*f/load_factor + 1",
-        beside="256 probe offsets and the counter, per frame; a cell per pixel at least; emulated 3 words per cell, an "
-               "index and a record of two", fixed=(ORDER_KEPT.at(order),), deepest=DEEPEST,
-        capacity=Grown(start="max(P, ceil(F/load_factor))", counter="cell_counter"),
+        beside="256 probe offsets and the counter, per frame; a cell per pixel, and 256, at least; emulated 3 words "
+               "per cell, an index and a record of two", fixed=(ORDER_KEPT.at(order),), deepest=DEEPEST,
+        capacity=Grown(start=f"max(P, {MOST_AGES}, ceil(F/load_factor))", counter="cell_counter"),
         buffers=(Buffer("cell_counter", "1", clear="0u", coherent=True, doc="cells of the table that are occupied"),
                  Buffer("ages", "P", clear="0u", coherent=True, doc="age of the oldest fragment of each pixel"),
-                 Buffer("offsets", str(MOST_AGES), clear="hash3(i, seed, offsets[i]) % capacity",
+                 Buffer("offsets", str(MOST_AGES), clear=APART,
                         doc="offset of the probe sequence for each age"),
                  Buffer("cells", "2*capacity", type="uint64_t", clear="0", coherent=True, when=NATIVE,
                         doc="hash table: age, inverted depth and colour of a fragment; 0 is an empty cell"),

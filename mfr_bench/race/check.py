@@ -167,7 +167,8 @@ class Checker:
              deviations: Sequence[Deviation] = ()) -> dict:
         lines = [*self._scene_lines(), *_image_lines(images), *_image_lines(bounds),
                  *(" ".join(map(str, d)) for d in deviations)]
-        command = [str(self.built.program), *words, f"scene={self.scene.seed}"]
+        may = ["may-lose"] if self.promised.counted else []
+        command = [str(self.built.program), *words, *may, f"scene={self.scene.seed}"]
         done = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True, check=False)
         if done.returncode:
             raise MfrError(f"{self.variant.method.id}: the race machine ended with status {done.returncode}")

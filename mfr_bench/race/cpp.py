@@ -22,7 +22,7 @@ from .syntax import (
     Statement,
     Variable,
 )
-from .values import INPUTS, SCALARS, UNIFORMS, Sites, Stage, Values
+from .values import INPUTS, LENGTH, SCALARS, UNIFORMS, Sites, Stage, Values
 
 
 def translate(shader: Shader, stage: Stage, sites: Sites, locate: Callable[[int], str]) -> str:
@@ -75,7 +75,7 @@ class _Translator(Values):
             if "sampler" in kind.name:
                 self.samplers[name] = kind.name
             elif "image" in kind.name or "shared" in g.qualifiers or g.qualifiers & {"in", "uniform"}:
-                if g.qualifiers & {"in", "uniform"} and not {name} & {*INPUTS, *UNIFORMS} and "image" not in kind.name:
+                if g.qualifiers & {"in", "uniform"} and not self._is_given(name) and "image" not in kind.name:
                     raise self.unknown(g.line, f"the input or uniform {name!r}")
             elif "const" in g.qualifiers and kind.name == "int" and not kind.lengths:
                 yield f"static constexpr int u_{name} = {self.constant(g.variable.value)};"
@@ -83,6 +83,10 @@ class _Translator(Values):
                 yield self._global(g.variable)
         yield "float gl_FragDepth = inputs().z; bool wrote_depth = false;"
         yield "Array<int, 1> gl_SampleMask{{-1}}; Array<int, 1> gl_SampleMaskIn{{inputs().helper ? 0 : 1}};"
+
+    def _is_given(self, name: str) -> bool:
+        """Whether the machine gives an input or uniform of this name."""
+        return name in INPUTS or name in UNIFORMS or (name.endswith(LENGTH) and name.removesuffix(LENGTH) in self.memory)
 
     def _global(self, variable: Variable) -> str:
         value = f" = {self._converted(variable)}" if variable.value else "{}"

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, product
 
 from ..errors import MfrError
-from ..methods.spec import Method, Param, Value, Variant
+from ..methods.spec import Fitted, Method, Param, Value, Variant
 from ..oracle.composite import stats_of
 from ..scene import Scene
 from .adapter import frame_of
@@ -66,7 +66,7 @@ def _with(method: Method, params: Sequence[Param]) -> Iterator[Variant]:
 def concurrent_key(variant: Variant, scene: Scene) -> str | None:
     """The hash of all that runs concurrently; None where the machine cannot draw the frame."""
     try:
-        frame = frame_of(variant, stats_of(scene), scene.bounds)
+        frame = frame_of(Fitted(variant, stats_of(scene)), scene.bounds)
     except MfrError:
         return None
     texts = [p.own.text for p in frame.passes if p.sources and p.concurrent]

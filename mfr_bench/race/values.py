@@ -22,7 +22,8 @@ from .syntax import (
     Unary,
 )
 
-SCALARS = {"void": "void", "bool": "bool", "int": "int", "uint": "Uint", "float": "float", "uint64_t": "U64"}
+SCALARS = {"void": "void", "bool": "bool", "int": "int", "uint": "Uint", "float": "float", "uint64_t": "U64",
+           "int64_t": "U64"}  # of 64 bits only the bits count: no shader adds or compares signed ones
 PREFIXES = {"": "float", "u": "Uint", "i": "int", "b": "bool"}
 ATOMICS = {"atomicAdd": "ADD", "atomicAnd": "AND", "atomicOr": "OR", "atomicXor": "XOR", "atomicMin": "MIN",
            "atomicMax": "MAX", "atomicExchange": "EXCHANGE", "atomicCompSwap": "SWAP"}
@@ -35,7 +36,8 @@ BUILT_IN = frozenset(
     {"exp", "exp2", "log", "log2", "sqrt", "inversesqrt", "floor", "ceil", "fract", "round", "trunc", "sin", "cos",
      "abs", "sign", "pow", "min", "max", "clamp", "mix", "dot", "length", "lessThan", "lessThanEqual", "greaterThan",
      "greaterThanEqual", "equal", "notEqual", "all", "any", "floatBitsToUint", "uintBitsToFloat", "findMSB", "findLSB",
-     "bitCount", "packUnorm4x8", "unpackUnorm4x8", "packHalf2x16", "unpackHalf2x16", "packUint2x32", "unpackUint2x32"})
+     "bitCount", "packUnorm4x8", "unpackUnorm4x8", "packHalf2x16", "unpackHalf2x16", "packUint2x32", "unpackUint2x32",
+     "packInt2x32", "unpackInt2x32"})
 UNIFORMS = {name: name.upper() for name in (
     "width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k", "region_first", "region_columns",
     "region_pixels", "region_left", "region_bottom", "region_right", "region_top", "box_near", "box_far", "iteration")}
@@ -52,6 +54,7 @@ GIVEN = {
     "gl_GlobalInvocationID": "V3<Uint>{Uint(inputs().group * uint32_t(local_x) + inputs().local_x), "
                              "Uint(inputs().local_y), Uint(0u)}",
 }
+LENGTH = "_length"  # of a buffer, as a uniform of its own
 SETS = "xyzw", "rgba", "stpq"
 
 
@@ -247,6 +250,9 @@ class Values:
             return f"u_{name}"
         if name in ("true", "false"):
             return name
+        if name.endswith(LENGTH) and name.removesuffix(LENGTH) in self.memory:
+            where = self.memory[name.removesuffix(LENGTH)]
+            return f"block_length({where.slot}, race::Words<{where.element}>::count)"
         if (name in UNIFORMS and name not in self.globals) or name == "iteration":
             return f"Uint(uniform(race::{UNIFORMS[name]}))"
         if name in BASES:

@@ -16,9 +16,9 @@ void store64(uint at, uvec2 value) {
     BUFFER64[at] = packUint2x32(value);
 }
 
-// Reads both words of one value, even while other invocations write.
+// Reads both words of one value, even while other invocations write: a plain load of 64 bits may be two accesses.
 bool load_whole64(uint at, out uvec2 value) {
-    value = load64(at);
+    value = unpackUint2x32(atomicMax(BUFFER64[at], packUint2x32(uvec2(0u))));
     return !IS_HELPER;
 }
 

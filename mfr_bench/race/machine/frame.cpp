@@ -221,7 +221,7 @@ void place_groups(const PassDesc& p) {
 }
 
 void bind(const PassDesc& p) {
-    for (int slot = 0; slot < p.binding_count; ++slot) {
+    for (int slot = 0; slot <= p.binding_count; ++slot) {  // the diagnostics stand behind the others
         const BindingDesc& b = p.bindings[slot];
         const BufferDesc& buffer = frame.buffers[b.buffer];
         uint32_t first = m.first[size_t(b.buffer)] + uint32_t(copy_of(b.role, buffer.copies)) * buffer.words;

@@ -249,6 +249,8 @@ float half_value(uint32_t h);
 inline Uint packHalf2x16(V2<float> a) { return Uint(half_bits(a.x) | half_bits(a.y) << 16); }
 inline V2<float> unpackHalf2x16(Uint a) { return {half_value(a.v & 0xFFFFu), half_value(a.v >> 16)}; }
 inline U64 packUint2x32(V2<Uint> a) { return {a.x.v | uint64_t(a.y.v) << 32, later(a.x.since, a.y.since)}; }
+inline U64 packInt2x32(V2<int> a) { return {uint32_t(a.x) | uint64_t(uint32_t(a.y)) << 32, 0}; }
+inline V2<int> unpackInt2x32(U64 a) { return {int(uint32_t(a.v)), int(uint32_t(a.v >> 32))}; }
 inline V2<Uint> unpackUint2x32(U64 a) { return {Uint(uint32_t(a.v), a.since), Uint(uint32_t(a.v >> 32), a.since)}; }
 
 }  // namespace glsl

@@ -186,7 +186,7 @@ struct Event { int fiber, site; uint8_t op; const char* buffer; uint32_t word, b
 enum Mode { RANDOM, PRIORITY, EXHAUSTIVE, REPLAY, SEQUENTIAL };
 struct Options {
     Mode mode = RANDOM;
-    bool weak = false, dependencies = true, trace = false, ordered = false, late = false, one_failure = true;
+    bool weak = false, dependencies = true, trace = false, ordered = false, late = false, one_failure = true, may_lose = false;
     int warp = 0, bound = 2;
     uint64_t seed = 1, schedules = 1000;
 };

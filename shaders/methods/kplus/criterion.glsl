@@ -15,15 +15,18 @@ bool worse(FRAGMENT a, FRAGMENT b) {
 }
 
 // Tells whether a is worse than b even if other invocations are replacing b by a better fragment, one word at a time.
-// Only one word of b is compared, and each word of an empty slot shows that it is empty (no half has all bits set).
+// Only one word of b is compared, and that word alone has to show whether the slot is empty: an empty slot has all bits
+// of its first word set, and of its last, which contains alpha. A white opaque fragment has them as well, so nothing is
+// certain of it; no half has all bits set.
 bool surely_worse(FRAGMENT a, FRAGMENT b) {
 #if CRITERION_FURTHEST
     return b.x != EMPTY && a.x < b.x;
 #elif CRITERION_OPAQUE
 #if PAYLOAD_RGBA16F
-    if (ordered_alpha(b) == EMPTY >> 16) return false;
+    return b.z != EMPTY && ordered_alpha(a) < ordered_alpha(b);
+#else
+    return b.y != EMPTY && ordered_alpha(a) < ordered_alpha(b);
 #endif
-    return b.x != EMPTY && ordered_alpha(a) < ordered_alpha(b);
 #else
     return a.x > b.x;
 #endif

@@ -2,6 +2,9 @@
 // the others enter the critical section.
 // Invariant: a slot counts as taken only after its fragment is visible to other invocations. An invocation that needs
 // the worst fragment waits until all K - 1 slots are taken.
+// Limit: in a warp in lockstep the lanes that fill slots must meet the others again before the lock. They do at the end
+// of `filled`; a compiler that moved its early return behind the lock would make those wait for lanes of their own warp
+// until LOCK_TRIES, and lose fragments, counted. None is known to.
 // Source: kplus_2015 §3.2.1, Alg. 2.
 // Buffers: updates counter; writes nodes.
 #include "scene/fragment.glsl"

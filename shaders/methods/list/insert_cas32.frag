@@ -2,6 +2,8 @@
 // is allocated at the end of the walk, not before it.
 // Invariant: each list is sorted by depth at all times. Nothing is removed, so a failed swap retries from the same
 // place. Fragments of equal depth stay in order of arrival.
+// Memory: a cell is read through a link that was loaded without a barrier behind it. OpenGL's coherent loads give what
+// was published before the link was; Vulkan's model calls it a data race.
 // Source: gpupro5_ch1 §1.2.3, after Harris 2001.
 // Buffers: updates next, cells.
 #include "scene/fragment.glsl"

@@ -3,6 +3,8 @@
 // Invariant: links lead from the head through increasing depths to the tail. A node is complete before it is linked and
 // is never unlinked, so a failed swap retries at the same predecessor. After RETRIES failed swaps the fragment is
 // counted as lost. Every fragment takes a cell, including those that are not among the K nearest.
+// Memory: a cell is read through a link that was loaded without a barrier behind it. OpenGL's coherent loads give what
+// was published before the link was; Vulkan's model calls it a data race.
 // Source: Yu et al. 2012; kplus_2015 §2, §5.3.
 // Buffers: updates next, cells.
 #include "scene/fragment.glsl"

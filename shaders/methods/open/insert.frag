@@ -3,7 +3,8 @@
 // search starts at the first probe, and of two fragments with equal age, which belong to one pixel, the nearer stays,
 // so that the cells of a pixel are sorted. Otherwise the search starts behind the oldest fragment of the pixel.
 // Invariant: ages[p] is at least the age of every fragment of pixel p. A cell only increases, so each step is one
-// atomic maximum.
+// atomic maximum. Early culling counts only what is further than all that it has counted: a fragment that is displaced
+// while others walk past it meets them again at its next age.
 // Source: gpupro5_ch1 §1.3.2-1.3.3, Listings 1.4 and 1.5; interruption §1.5.2.
 // Buffers: updates cell_counter, ages.
 #include "scene/fragment.glsl"
@@ -39,7 +40,10 @@ void main() {
     uint p = pixel_index(), age = age_before_first(p);
     uvec2 cell = cell_of(incoming()), met;
     bool placed = false, hidden = false, blocked = IS_HELPER;
+#if EARLY_CULLING_ON
     float opacity = 0.0;
+    uvec2 counted = uvec2(EMPTY);  // the furthest fragment that contributes to opacity
+#endif
     for (uint tries = 0u; !(placed || hidden || blocked) && age < OLDEST && tries < uint(LOCK_TRIES); ++tries) {
         ++age;
         uint at = probe(p, age);
@@ -54,9 +58,11 @@ void main() {
 #if !ORDER_SORTED
             age = placed ? age : ages[p];
 #endif
-            opacity = 0.0;
-        } else if (!blocked && age_of(met) == age) {
 #if EARLY_CULLING_ON
+            opacity = 0.0;
+            counted = uvec2(EMPTY);
+        } else if (!blocked && age_of(met) == age && less64(aged(met, 0u), counted)) {
+            counted = aged(met, 0u);
             opacity = covered(opacity, met.x);
             hidden = opacity >= CULLING_OPACITY;
 #endif

@@ -3,6 +3,10 @@
 // record, and compare-and-swap installs the larger record or confirms the one that is there; when a fragment is
 // displaced, its record moves along with it.
 // Invariant: a record does not change while a cell refers to it; otherwise only the invocation that carries it uses it.
+// A record never returns to a cell that it has left, so a compare-and-swap that finds the index finds the content that
+// was read (no ABA).
+// Memory: the record is read through an index that was loaded without a barrier behind it. OpenGL's coherent loads give
+// what was published before the index was; Vulkan's model calls it a data race.
 // Source: gpupro5_ch1 §1.3.2; §1.6 emulates atomicMax by a 64-bit compare-and-swap, which GLSL does not have here
 // either.
 // Buffers: updates cells; if 64-bit atomics are emulated, updates records, record_counter.
