@@ -86,7 +86,8 @@ class _Translator(Values):
 
     def _is_given(self, name: str) -> bool:
         """Whether the machine gives an input or uniform of this name."""
-        return name in INPUTS or name in UNIFORMS or (name.endswith(LENGTH) and name.removesuffix(LENGTH) in self.memory)
+        of_buffer = name.endswith(LENGTH) and name.removesuffix(LENGTH) in self.memory
+        return of_buffer or name in INPUTS or name in UNIFORMS
 
     def _global(self, variable: Variable) -> str:
         value = f" = {self._converted(variable)}" if variable.value else "{}"

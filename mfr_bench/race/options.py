@@ -9,7 +9,7 @@ from itertools import combinations, product
 from ..errors import MfrError
 from ..methods.spec import Fitted, Method, Param, Value, Variant
 from ..oracle.composite import stats_of
-from ..scene import Scene
+from ..scene.quads import Quads
 from .adapter import frame_of
 from .campaign import SMALL_K
 
@@ -34,7 +34,7 @@ def others(param: Param) -> tuple[Value, ...]:
     return tuple(value for value in NUMBERS.get(param.name, ()) if value != param.default)
 
 
-def configurations(method: Method, scene: Scene, together: int = TOGETHER) -> Iterator[Variant]:
+def configurations(method: Method, scene: Quads, together: int = TOGETHER) -> Iterator[Variant]:
     """The method at its defaults, and with up to `together` parameters at other values.
 
     Only those of which a pass that runs concurrently, or the plan of the frame, is another than of all before.
@@ -47,7 +47,7 @@ def configurations(method: Method, scene: Scene, together: int = TOGETHER) -> It
             yield variant
 
 
-def _variants(method: Method, scene: Scene, together: int) -> Iterator[Variant]:
+def _variants(method: Method, scene: Quads, together: int) -> Iterator[Variant]:
     start = method.variant(base(method))
     yield start
     alone = concurrent_key(start, scene)
@@ -63,7 +63,7 @@ def _with(method: Method, params: Sequence[Param]) -> Iterator[Variant]:
         yield method.variant(base(method) | dict(zip((p.name for p in params), values, strict=True)))
 
 
-def concurrent_key(variant: Variant, scene: Scene) -> str | None:
+def concurrent_key(variant: Variant, scene: Quads) -> str | None:
     """The hash of all that runs concurrently; None where the machine cannot draw the frame."""
     try:
         frame = frame_of(Fitted(variant, stats_of(scene)), scene.bounds)

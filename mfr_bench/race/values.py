@@ -41,9 +41,14 @@ BUILT_IN = frozenset(
 UNIFORMS = {name: name.upper() for name in (
     "width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k", "region_first", "region_columns",
     "region_pixels", "region_left", "region_bottom", "region_right", "region_top", "box_near", "box_far", "iteration")}
-BASES = {"base_a": 0, "base_b": 1}
 INPUTS = {"quad": "inputs().quad", "payload8": "inputs().payload", "instance": "inputs().instance"}
+WRITTEN = ("gl_FragDepth", "gl_SampleMask", "gl_SampleMaskIn")
 GIVEN = {
+    "true": "true",
+    "false": "false",
+    "base_a": "base_colour(0)",
+    "base_b": "base_colour(1)",
+    **{name: f"Uint({value})" for name, value in INPUTS.items()},
     "gl_FragCoord": "V4<float>{float(inputs().x) + 0.5f, float(inputs().y) + 0.5f, inputs().z, 1.0f}",
     "gl_HelperInvocation": "inputs().helper",
     "gl_WorkGroupID": "V3<Uint>{Uint(inputs().group), Uint(0u), Uint(0u)}",
@@ -245,30 +250,21 @@ class Values:
         return f"element({self.value(e.base)}, {self.value(e.index)}, {self._site(e.line)})"
 
     def _name(self, e: Name) -> str:
-        name = e.name
+        name, buffer = e.name, e.name.removesuffix(LENGTH)
         if self._is_local(name):
             return f"u_{name}"
-        if name in ("true", "false"):
-            return name
-        if name.endswith(LENGTH) and name.removesuffix(LENGTH) in self.memory:
-            where = self.memory[name.removesuffix(LENGTH)]
-            return f"block_length({where.slot}, race::Words<{where.element}>::count)"
+        if buffer != name and buffer in self.memory:
+            return f"block_length({self.memory[buffer].slot}, race::Words<{self.memory[buffer].element}>::count)"
         if (name in UNIFORMS and name not in self.globals) or name == "iteration":
             return f"Uint(uniform(race::{UNIFORMS[name]}))"
-        if name in BASES:
-            return f"base_colour({BASES[name]})"
-        if name in INPUTS:
-            return f"Uint({INPUTS[name]})"
         if name in GIVEN:
             return GIVEN[name]
-        if name.startswith("gl_"):
-            if name not in ("gl_FragDepth", "gl_SampleMask", "gl_SampleMaskIn"):
-                raise self.unknown(e.line, repr(name))
+        if name in WRITTEN:
             self.uses.add(name)
             return name
-        if name in self.globals:
-            return f"u_{name}"
-        raise self.unknown(e.line, f"the name {name!r}")
+        if name not in self.globals:
+            raise self.unknown(e.line, f"the name {name!r}")
+        return f"u_{name}"
 
     def _member(self, e: Member) -> str:
         base, name = self.value(e.base), e.name
