@@ -25,11 +25,15 @@ EDGE_FIELDS = ("region_left", "region_bottom", "region_right", "region_top")
 
 @dataclass(frozen=True)
 class Binding:
-    """Where a pass finds a resource: `ref` as declared (`name`, `name.current`, `name.previous`)."""
+    """Where a pass finds a resource: `ref` as declared (`name`, `name.current`, `name.previous`).
+
+    atomic: a dedicated atomic counter, whose `index` is that of its own binding points.
+    """
 
     ref: str
     name: str
     index: int
+    atomic: bool = False
 
 
 def split_ref(ref: str) -> tuple[str, str]:
@@ -39,9 +43,12 @@ def split_ref(ref: str) -> tuple[str, str]:
 
 
 def buffer_bindings(variant: Variant, step: Pass) -> list[Binding]:
-    """The storage bindings of a pass. A pass that touches both copies of a buffer sees `name_previous` as well."""
+    """The storage bindings of a pass, and those of its atomic counters.
+
+    A pass that touches both copies of a buffer sees `name_previous` as well.
+    """
     names = {b.name for b in variant.buffers}
-    refs = [r for r in dict.fromkeys(step.writes + step.reads) if split_ref(r)[0] in names]
+    refs = [r for r in dict.fromkeys(step.writes + step.reads) if split_ref(r)[0] in names and r not in step.atomics]
     bindings: list[Binding] = []
     taken: set[str] = set()
     for index, ref in enumerate(refs):
@@ -52,7 +59,7 @@ def buffer_bindings(variant: Variant, step: Pass) -> list[Binding]:
     if len(bindings) > DIAGNOSTICS_BINDING:
         raise ShaderError(f"{variant.method.id}: pass {step.name!r} uses {len(bindings)} buffers; "
                           f"at most {DIAGNOSTICS_BINDING}")
-    return bindings
+    return bindings + [Binding(ref, ref, index, atomic=True) for index, ref in enumerate(step.atomics)]
 
 
 def texture_bindings(variant: Variant, step: Pass) -> list[Binding]:

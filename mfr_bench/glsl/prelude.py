@@ -32,6 +32,7 @@ from .bindings import (
     FRAME_FIELDS,
     OPAQUE_UNIT,
     REGION_FIELDS,
+    Binding,
     buffer_bindings,
     colour_refs,
     length_name,
@@ -85,7 +86,10 @@ def literal(name: str, value: int) -> str:
     return f"{value}u" if name == "EMPTY" else str(value)
 
 
-def _buffer_block(buffer: Buffer, binding: int, name: str, readonly: bool) -> str:
+def _buffer_block(buffer: Buffer, bound: Binding, readonly: bool) -> str:
+    binding, name = bound.index, bound.name
+    if bound.atomic:
+        return f"layout(binding = {binding}, offset = 0) uniform atomic_uint {name};"
     qualifiers = ("coherent " if buffer.coherent and not readonly else "") + ("readonly " if readonly else "")
     block = f"layout(std430, binding = {binding}) {qualifiers}buffer Block{binding} {{ {buffer.type} {name}[]; }};"
     return _said(block, buffer)
@@ -175,7 +179,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
         prelude.append(f"layout(std140, binding = {COLOURS_BINDING}) uniform Colours {{ vec4 base_a; vec4 base_b; }};")
     if not entry.endswith(".vert"):
         by_name = {b.name: b for b in variant.buffers}
-        prelude += [_buffer_block(by_name[split_ref(b.ref)[0]], b.index, b.name, b.ref not in step.writes)
+        prelude += [_buffer_block(by_name[split_ref(b.ref)[0]], b, b.ref not in step.writes)
                     for b in buffer_bindings(variant, step)]
         targets = {t.name: t for t in variant.targets}
         for b in texture_bindings(variant, step):

@@ -197,7 +197,11 @@ class PassRunner:
 
     def _bind(self, iteration: int) -> None:
         for binding in self.planned.buffers:
-            self.frame.allocation.buffer(binding.ref, iteration).bind_to_storage_buffer(binding.index)
+            buffer = self.frame.allocation.buffer(binding.ref, iteration)
+            if binding.atomic:
+                self.gl.glBindBufferBase(rawgl.ATOMIC_COUNTER_BUFFER, binding.index, buffer.glo)
+            else:
+                buffer.bind_to_storage_buffer(binding.index)
         for binding in self.planned.textures:
             self._texture(binding.ref, iteration).bind(binding.index)
         if self.takes_iteration:

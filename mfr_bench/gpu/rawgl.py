@@ -27,8 +27,9 @@ STENCIL_UPDATES = {"increment": 0x1E02, "decrement": 0x1E03}  # both clamp
 DEPTH_FUNCTIONS = {"less": 0x0201, "equal": 0x0202, "lequal": 0x0203, "always": 0x0207}
 # `image`: shader image access, fetches from textures, and everything done through framebuffers.
 # `indirect`: commands and vertex attributes that come from buffers.
-BARRIERS = {"storage": 0x2000, "buffer_update": 0x200, "image": 0x20 | 0x8 | 0x400, "indirect": 0x40 | 0x1}
+BARRIERS = {"storage": 0x2000 | 0x1000, "buffer_update": 0x200, "image": 0x20 | 0x8 | 0x400, "indirect": 0x40 | 0x1}
 WRITE_ONLY, DEVICE_UUID = 0x88B9, 0x9597
+ATOMIC_COUNTER_BUFFER = 0x92C0
 LOWER_LEFT, NEGATIVE_ONE_TO_ONE, ZERO_TO_ONE = 0x8CA1, 0x935E, 0x935F
 ERRORS = {0x0500: "GL_INVALID_ENUM", 0x0501: "GL_INVALID_VALUE", 0x0502: "GL_INVALID_OPERATION",
           0x0505: "GL_OUT_OF_MEMORY", 0x0506: "GL_INVALID_FRAMEBUFFER_OPERATION", 0x0507: "GL_CONTEXT_LOST"}
@@ -47,6 +48,7 @@ _SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "glColorMask": (None, (BOOL, BOOL, BOOL, BOOL)),
     "glScissor": (None, (INT, INT, SIZE, SIZE)),
     "glBindBuffer": (None, (ENUM, UINT)),
+    "glBindBufferBase": (None, (ENUM, UINT, UINT)),
     "glClearBufferSubData": (None, (ENUM, ENUM, OFFSET, OFFSET, ENUM, ENUM, POINTER)),
     "glViewport": (None, (INT, INT, SIZE, SIZE)),
     "glClearBufferfv": (None, (ENUM, INT, ctypes.POINTER(FLOAT))),

@@ -54,8 +54,9 @@ FETCH_PACKED = "methods/list/fetch_packed.glsl"
 PACKED = Param("packed", "off", "depth and link in one 64-bit record", choices=ON_OFF)
 INSERT = Param("insert", "cas32", "sorted insertion by 32-bit compare-and-swap or by 64-bit atomic maximum",
                choices=("cas32", "max64"))
-ALLOCATION = Param("allocation", "counter", "cells one by one from a shared counter, or in pages of 4 of a pixel",
-                   choices=("counter", "paged"))
+ALLOCATION = Param("allocation", "counter", "cells one by one from a counter in storage, or from a dedicated atomic "
+                   "counter of the language (gpupro5_ch1 §1.2); or in pages of 4 of a pixel",
+                   choices=("counter", "dedicated", "paged"))
 MAXIMUM = Param("maximum", "atomic", "how the depth bounds are found: by the device's atomic minimum and maximum, or "
                 "by a compare-and-swap in a loop, which emulates them (gpupro5_ch1 §1.6)",
                 choices=("atomic", "compare_and_swap"))
@@ -66,7 +67,13 @@ ONE_BY_ONE, ONE_LIST = ALLOCATION.at("counter"), BUCKETS.at(1)
 
 
 def store(shader: str, *buffers: str, name: str = "store", **more) -> Pass:
-    return Pass(name, "geometry", shader, writes=("cell_counter", *buffers), defines=PAGED, **more)
+    return Pass(name, "geometry", shader, writes=("cell_counter", *buffers), defines=PAGED, expand=_counted, **more)
+
+
+def _counted(step: Pass, scope: Params) -> tuple[Pass, ...]:
+    """The pass with the counter as the shader sees it, by ALLOCATION."""
+    atomics = ("cell_counter",) if scope.get("allocation") == "dedicated" else ()
+    return (replace(step, atomics=atomics, expand=None),)
 
 
 def rendered(step: Pass) -> Pass:

@@ -68,6 +68,17 @@ def test_sorted_lists_take_cells_in_pages(device, insert):
         assert frame.lost_fragments() == 0
 
 
+@pytest.mark.parametrize("method", ["lin-post", "lin-pre"])
+def test_cells_come_from_a_dedicated_counter(device, method):
+    """gpupro5_ch1 §1.2, Listing 1.1: atomicCounterIncrement, in the passes that take cells; a list still grows."""
+    variant = catalog()[method].variant({"allocation": "dedicated"})
+    assert [p.atomics for p in variant.passes if p.kind == "geometry"] == [("cell_counter",)]
+    with drawn(device, method, UNEVEN, frames=3, allocation="dedicated") as frame:
+        assert frame.words("cell_counter")[0] == fragment_counts(UNEVEN).sum()
+        np.testing.assert_allclose(frame.image(), composite(UNEVEN), atol=1e-5)
+        assert frame.lost_fragments() == 0
+
+
 def test_probe_offsets_are_drawn_anew_before_each_frame(device):
     """gpupro5_ch1 §1.3.1; the image stays the same."""
     offsets, images = [], []

@@ -89,6 +89,7 @@ class Pass:
     command: str | None = None  # the buffer of indirect draws; the pass is drawn by the one of its define CLASS
     static: bool | None = None  # False: only in a scene's first frame, for all; True: only in frames after that
     counts_for_plan: bool = False  # count the samples that pass, for the plan of the next frame
+    atomics: tuple[str, ...] = ()  # of the written buffers of one word, those that the shader sees as atomic counters
     probes: str | None = None  # the counter outside the method's memory that it fills; runs where that is asked for
     expand: Callable[[Pass, Params], tuple[Pass, ...]] | None = None
     targets: tuple[Target, ...] = ()

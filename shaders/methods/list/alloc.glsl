@@ -8,7 +8,11 @@
 #else
 
 bool allocate(uint p, out uint cell) {
+#if ALLOCATION_DEDICATED
+    cell = atomicCounterIncrement(cell_counter);
+#else
     cell = atomicAdd(cell_counter[0], 1u);
+#endif
     return cell < capacity;
 }
 
