@@ -21,7 +21,7 @@ test: setup  ## run every test (ARGS="-k scene")
 
 lint: $(PYTHON_READY)  ## check the style of the code
 	@$(VENV)/bin/python -m ruff check .
-	@if command -v shellcheck >/dev/null; then shellcheck scripts/setup.sh .ci/run; fi
+	@if command -v shellcheck >/dev/null; then shellcheck scripts/*.sh .ci/run; fi
 
 drivers:  ## test every driver that a CPU runs, in fresh roots; needs root (ARGS="--root trixie --driver zink")
 	@scripts/drivers.py $(ARGS)

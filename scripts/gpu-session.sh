@@ -1,0 +1,66 @@
+#!/bin/sh
+# Measures what a GPU has to tell within a given time, in one call; a later call goes on where it was.
+#
+#   scripts/gpu-session.sh [TIME] [DIR]     e.g. scripts/gpu-session.sh 8m gpu-results
+#
+# TIME (default 8m) is for all of it, DEVICE (default gpu) as for --device, PROFILE a profile of the configs, e.g. smoke.
+# In this order: doctor, the tests that need features which software drivers lack, conformance and the races stressor,
+# the papers' experiments by what they tell most, their claims. Every part has a share of the time; what it leaves goes
+# to the next. DIR holds everything, in a size that is printed at the end; MFR is the command, if not that of .venv.
+set -u
+cd "$(dirname "$0")/.." || exit 1
+total=${1:-8m} dir=${2:-gpu-results} device=${DEVICE:-gpu} profile=${PROFILE:+--profile $PROFILE}
+mfr=${MFR:-.venv/bin/mfr-bench}
+case $total in
+    *h) budget_s=$((${total%h} * 3600)) ;;
+    *m) budget_s=$((${total%m} * 60)) ;;
+    *s) budget_s=${total%s} ;;
+    *) echo "gpu-session: $total: allowed: a whole number with s, m or h, such as 8m" >&2 && exit 2 ;;
+esac
+begun_s=$(date +%s)
+failed=0
+mkdir -p "$dir" || exit 1
+
+left_s() {
+    echo $((budget_s - $(date +%s) + begun_s))
+}
+
+# part NAME SHARE COMMAND...: COMMAND within SHARE percent of the time, as far as that is left; @ stands for that time.
+part() {
+    name=$1 limit_s=$(($2 * budget_s / 100)) left=$(left_s)
+    shift 2
+    [ "$limit_s" -le "$left" ] || limit_s=$left
+    if [ "$limit_s" -lt 5 ]; then
+        echo "== $name: left out, no time"
+        return
+    fi
+    for word; do
+        shift
+        [ "$word" != @ ] || word=${limit_s}s
+        set -- "$@" "$word"
+    done
+    status=0
+    timeout --signal=INT --kill-after=20 $((limit_s + 10)) "$@" >"$dir/$name.log" 2>&1 || status=$?
+    echo "== $name: status $status, $(left_s) s left; $(tail -n 1 "$dir/$name.log")"
+    [ "$status" -eq 0 ] || failed=1
+}
+
+# measured NAME SHARE CONFIG...: the experiments, coarse points of each before finer ones of any.
+measured() {
+    name=$1 share=$2
+    shift 2
+    # shellcheck disable=SC2086 # $profile is two words or none
+    part "$name" "$share" "$mfr" run "$@" $profile --device "$device" --out "$dir/$name" --time-budget @
+}
+
+part doctor 10 "$mfr" doctor --device "$device"
+part tests 25 .venv/bin/python -m pytest -q -p no:cacheprovider tests/gpu tests/contract -k "trial or interlock or native"
+measured conformance 25 conformance
+part races 10 "$mfr" stress races --profile smoke --device "$device" --out "$dir/races" --time-budget @
+measured kplus 20 kplus2015-fig6 kplus2015-fig8 kplus2015-fig9-abuffer kplus2015-fig9-sync
+measured lists 15 gpupro5-fig3 gpupro5-fig5 sbuffer2012-fig4 adaptive
+measured others 100 occupancy2015-fig5 kplus2014-k kplus2015-fig10 twochannel-fig4
+part claims 100 "$mfr" claims "$dir"
+"$mfr" pack "$dir" >/dev/null 2>&1 || true
+echo "== $(du -sh "$dir" | cut -f1) in $dir after $(($(date +%s) - begun_s)) s of $budget_s s"
+exit "$failed"
