@@ -66,6 +66,10 @@ make_venv() {
     python=$(find_python "ensurepip, venv")
     if [ -z "$python" ]; then
         python=$(find_python "os")
+        if [ -z "$python" ] && [ -z "${PYTHON:-}" ]; then
+            apt_install "there is no Python >= 3.10" python3 python3-venv
+            python=$(find_python "ensurepip, venv")
+        fi
         [ -n "$python" ] || stop "none is Python >= 3.10: $(candidates | paste -sd ' ' -); set PYTHON=/path/to/python3"
         apt_install "$python cannot make virtual environments" "$(version_name "$python")-venv"
         "$python" -c "import ensurepip, venv" || stop "$python still cannot; set PYTHON=/path/to/another/python3"

@@ -582,6 +582,12 @@ def test_maps_share_a_scale_and_stand_upright(tmp_path):
     assert [axes.get_title(loc="left") for axes in figure.axes[:2]] == ["KB, mean 0.0104", "KB-SR, mean 0.0208"]
 
 
+def test_maps_of_nothing_say_so(tmp_path):
+    """As where a run was stopped before the first cell that keeps an array."""
+    figure = mapped(tmp_path, MAPS, {})
+    assert [text.get_text() for axes in figure.axes for text in axes.texts] == ["nothing measured"]
+
+
 def test_maps_have_rows_by_label_and_columns_by_x(tmp_path):
     arrays = {(label, k): {"error": np.full((4, 4), k / 32)} for label in ("A", "B") for k in (4, 8)}
     figure = mapped(tmp_path, MAPS, arrays)

@@ -12,6 +12,7 @@ from ... import data, style
 from ...data import Point, Result, number
 from ..bar_chart import UNMEASURED
 from ..kind import Kind
+from ..scales import nothing
 from ..series import Options, labels_of, series_of
 from ..sheet import EDGE, fitted, sheet_of
 
@@ -40,8 +41,12 @@ def draw(result: Result, options: Options) -> Figure:
     room = style.WIDTH_IN - 2 * EDGE - bar - GAP * (columns - 1)
     width = min(2.2, room / columns)
     height = width * chart.aspect
-    sheet = sheet_of(result, options, chart.notes(), style.WIDTH_IN, len(rows) * (height + HEADING + 0.06))
+    sheet = sheet_of(result, options, chart.notes(), style.WIDTH_IN, max(1, len(rows)) * (height + HEADING + 0.06))
     figure = sheet.figure()
+    if not rows:
+        axes = sheet.axes(figure, EDGE, 0, room, height)
+        axes.set_axis_off()
+        nothing(axes)
     drawn = None
     for i, row in enumerate(rows):
         for j, point in enumerate(row):
@@ -90,6 +95,8 @@ class Maps:
         return max(most, LEAST_SEEN) if self.name in ("error", "loss") else most
 
     def rows(self) -> list[list[Point]]:
+        if not self.points:
+            return []
         x, labels = self.options["x"], labels_of(self.points)
         if len(data.values(self.points, x)) > 1:
             return [[p for p in self.points if p.label == label] for label in labels]
