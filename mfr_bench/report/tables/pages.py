@@ -62,7 +62,8 @@ def _sections(result: Result, passes: bool) -> list[Grid]:
     grids += [grid for block in blocks for grid in block.measure_grids()]
     grids += [block.pass_grid() for block in blocks] if passes else []
     grids.append(printed_grid(result))
-    errors = dict.fromkeys(str(figure["y"]) for figure in result.figures if figure.get("kind") == "pareto")
+    errors = dict.fromkeys(figure["y"] for figure in result.figures
+                           if figure.get("kind") == "pareto" and figure.get("y") in data.MEASURES)
     grids += [Grid(*table) for error in list(errors)[:1] for table in frontier.tables(result, error)]
     return [grid for grid in grids if grid.rows]
 
