@@ -10,8 +10,8 @@ from ..methods.spec import IMAGE, Pass, Variant
 DIAGNOSTICS_BINDING = 7  # GL guarantees eight storage blocks to a fragment shader
 DIAGNOSTICS = ("lost_fragments", "shaded_fragments", "stored_fragments")  # counters outside every method's memory
 
-# The uniform block `Frame`, one uint each, in order; box_near and box_far are the bits of floats.
-FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k", "box_near", "box_far")
+# The uniform block `Frame`, one uint each, in order.
+FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k")
 FRAME_BINDING = 0
 OPAQUE_UNIT = 15  # of the scene's opaque depth: GL guarantees sixteen texture units to a fragment shader
 COLOURS_BINDING = 1  # of the uniform block `Colours`: the base colours of a payload of two channels, as light
@@ -21,6 +21,10 @@ REGION_FIELDS = ("region_first", "region_columns", "region_pixels")
 # Fields after these, for compute passes with `region`, which no scissor bounds: its edges in pixels, right and top
 # exclusive.
 EDGE_FIELDS = ("region_left", "region_bottom", "region_right", "region_top")
+# The uniform block `Box`, declared by shaders that name its fields: the depths of a box around the scene, as the bits
+# of floats. A block of its own leaves the text of all other shaders, and with it the keys of their cells, as they are.
+BOX_FIELDS = ("box_near", "box_far")
+BOX_BINDING = 2
 
 
 @dataclass(frozen=True)

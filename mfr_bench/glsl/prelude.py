@@ -24,6 +24,8 @@ from ..methods.spec import (
 )
 from . import counters
 from .bindings import (
+    BOX_BINDING,
+    BOX_FIELDS,
     COLOURS_BINDING,
     DIAGNOSTICS,
     DIAGNOSTICS_BINDING,
@@ -175,6 +177,9 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     prelude += TYPES[variant.payload_words]
     prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "
                    + " ".join(f"uint {name};" for name in _frame_fields(variant, step)) + " };")
+    if words.intersection(BOX_FIELDS):
+        prelude.append(f"layout(std140, binding = {BOX_BINDING}) uniform Box {{ "
+                       + " ".join(f"uint {name};" for name in BOX_FIELDS) + " };")
     if "base_a" in words:
         prelude.append(f"layout(std140, binding = {COLOURS_BINDING}) uniform Colours {{ vec4 base_a; vec4 base_b; }};")
     if not entry.endswith(".vert"):
@@ -202,7 +207,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
 
 
 def _frame_fields(variant: Variant, step: Pass) -> tuple[str, ...]:
-    """What the pass sees of the uniform block `Frame`."""
+    """The fields of the uniform block `Frame` that the stages of a pass declare."""
     if step.kind == "compute" and step.region:
         return FRAME_FIELDS + REGION_FIELDS + EDGE_FIELDS
     return FRAME_FIELDS + (REGION_FIELDS if isinstance(variant.method.capacity, Planned) else ())
