@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 from ..errors import ShaderError
 from ..methods.spec import IMAGE, Pass, Variant
@@ -40,6 +41,7 @@ class Binding:
     atomic: bool = False
 
 
+@cache
 def split_ref(ref: str) -> tuple[str, str]:
     """`depth.previous` -> ("depth", "previous"); a plain name has no role."""
     name, _, role = ref.partition(".")

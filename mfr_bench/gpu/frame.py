@@ -53,12 +53,12 @@ class Frame:
         self._drawn: tuple[Geometry, int] | None = None  # scene of the latest frame, and version of the allocation
         self._frames = 0  # drawn since lost fragments were last asked for
         self._probing = False
-        self._frame_plan: tuple[FrameState, FramePlan] | None = None  # the newest, with the state that it is for
+        self._frame_plan: tuple[tuple, FramePlan] | None = None  # the newest, with the fields of the state it is for
         self._barriers = Barriers(())
         self.allocation = Allocation(device, fitted, canvas)
         self.diagnostics = Diagnostics(device)
         self._schedule = Schedule(device.gl, fitted)
-        self._uniforms = Uniforms(device, fitted.stats)
+        self.uniforms = Uniforms(device, fitted.stats)
         self._query = device.gl.generate("Queries")
         self._runners = {id(step): PassRunner(self, step) for step in self.variant.passes if self._compiles_now(step)}
         self._write_uniforms()
@@ -69,7 +69,7 @@ class Frame:
         return self.fitted.needed(step) and not step.probes and step.runs_in is None
 
     def _write_uniforms(self) -> None:
-        self._uniforms.write(self._shown, self._capacity, self.chosen_k)
+        self.uniforms.write(self._shown, self._capacity, self.chosen_k)
 
     @property
     def region(self) -> Rectangle:
@@ -97,16 +97,11 @@ class Frame:
         scene, version = self._drawn
         return scene is self.scene_buffer.scene and version == self.allocation.version
 
-    @property
-    def state(self) -> FrameState:
-        """What decides which passes the next frame runs, or the one that is drawn."""
-        return FrameState(self.plan, self.static, self._probing)
-
     def _planned_now(self) -> FramePlan:
         """The plan of a frame in the present state, made anew when that has changed."""
-        state = self.state
+        state = self.plan, self.static, self._probing
         if self._frame_plan is None or self._frame_plan[0] != state:
-            self._frame_plan = state, frame_plan(self.fitted, state)
+            self._frame_plan = state, frame_plan(self.fitted, FrameState(*state))
         return self._frame_plan[1]
 
     @property
@@ -131,7 +126,7 @@ class Frame:
         self._barriers = Barriers(self.allocation.names)
         if isinstance(self.variant.method.capacity, Planned):
             self._begin(self._schedule.next_plan(self._shown))
-        self._uniforms.bind()
+        self.uniforms.bind()
         self.diagnostics.bind()
         self.scene_buffer.bind_opaque()
         if self.variant.two_channel:
@@ -321,6 +316,6 @@ class Frame:
         """Free everything on the device but the scene and the canvas."""
         for runner in self._runners.values():
             runner.release()
-        for part in (self.allocation, self.diagnostics, self._schedule, self._uniforms):
+        for part in (self.allocation, self.diagnostics, self._schedule, self.uniforms):
             part.release()
         self.gl.delete("Queries", self._query)

@@ -30,6 +30,7 @@ from .plan import PassPlan
 from .rawgl import RawGL
 from .scene_buffer import SceneBuffer
 from .targets import Canvas, Framebuffer, Texture
+from .uniforms import Uniforms
 
 
 class FrameResources(Protocol):
@@ -47,6 +48,7 @@ class FrameResources(Protocol):
     allocation: Allocation
     scene_buffer: SceneBuffer
     canvas: Canvas
+    uniforms: Uniforms
     band: Rectangle | None
 
     @property
@@ -89,6 +91,11 @@ class PassRunner:
 
     def _stages(self) -> tuple[Source, ...]:
         return stages(self.frame.fitted, self.step)
+
+    @cached_property
+    def takes_box(self) -> bool:
+        """Whether a shader reads the uniform block `Box`."""
+        return self.program is not None and "Box" in self.program
 
     @cached_property
     def takes_iteration(self) -> bool:
@@ -204,6 +211,8 @@ class PassRunner:
                 buffer.bind_to_storage_buffer(binding.index)
         for binding in self.planned.textures:
             self._texture(binding.ref, iteration).bind(binding.index)
+        if self.takes_box:
+            self.frame.uniforms.bind_box()
         if self.takes_iteration:
             self.program["iteration"] = iteration
         for name, ref, element_bytes in self._lengths:

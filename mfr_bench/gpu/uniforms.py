@@ -32,8 +32,11 @@ class Uniforms:
         self._box.write(np.array(scene.depth_bounds, dtype=np.float32).tobytes())
 
     def bind(self) -> None:
-        """Let the shaders of the next draws see the blocks."""
+        """Let the shaders of the next draws see the block `Frame`."""
         self._buffer.bind_to_uniform_block(FRAME_BINDING)
+
+    def bind_box(self) -> None:
+        """Let the shaders of the next draws see the block `Box`."""
         self._box.bind_to_uniform_block(BOX_BINDING)
 
     def release(self) -> None:
