@@ -2,6 +2,7 @@
 #include "machine.hpp"
 
 namespace race {
+constexpr size_t MOST_ON_THE_WAY = 16;  // stores of an invocation that have not reached memory
 Machine m;
 
 Inputs& inputs() { return m.current->in; }
@@ -56,6 +57,13 @@ static void write_now(int slot, uint32_t address, uint32_t value) {
     if (m.waiting && before != value) wake(address);
 }
 
+static uint32_t& seen_at(Fiber& f, uint32_t address) {
+    for (auto& s : f.seen)
+        if (s.address == address) return s.time;
+    f.seen.push_back({address, 0});
+    return f.seen.back().time;
+}
+
 void drain(Fiber& f, size_t entry) {
     Pending p = f.pending[entry];
     for (size_t i = 0; i < entry; ++i)  // what the same invocation stored there before goes first
@@ -66,6 +74,7 @@ void drain(Fiber& f, size_t entry) {
     f.pending.erase(f.pending.begin() + long(entry));
     uint32_t before = m.memory[p.address];
     write_now(0, p.address, p.value);
+    seen_at(f, p.address) = m.clock;  // nobody loads what was there before a store of its own
     if (m.options.trace) {
         const char* buffer = "";
         uint32_t word = p.address;
@@ -97,13 +106,6 @@ void publish_all() {
     for (uint32_t address : m.touched) m.history[address].clear();
     m.touched.clear();
     m.clock = 0;
-}
-
-static uint32_t& seen_at(Fiber& f, uint32_t address) {
-    for (auto& s : f.seen)
-        if (s.address == address) return s.time;
-    f.seen.push_back({address, 0});
-    return f.seen.back().time;
 }
 
 static Uint weak_load(Fiber& f, const Bound& b, uint32_t address, uint32_t depends, bool& stale) {
@@ -152,7 +154,8 @@ static void store_at(int slot, Uint at, Uint value, int site) {
     log(STORE, site, name_of(slot), at.v, store_of(slot)[address], value.v);
     if (m.options.weak && slot < SHARED_SLOT && !m.solo) {
         f.pending.push_back({address, value.v, b.coherent, site});
-        if (!choose(DELAY, 2)) drain(f, f.pending.size() - 1);
+        if (f.pending.size() > MOST_ON_THE_WAY) drain(f, 0);
+        else if (!choose(DELAY, 2)) drain(f, f.pending.size() - 1);
     } else {
         write_now(slot, address, value.v);
     }
