@@ -20,7 +20,7 @@ from .shared import (
     resolve,
 )
 from .shared.screen_region import TOUCHED, in_screen_region
-from .spec import Buffer, Counted, Method, Param, Pass
+from .spec import ADD, Buffer, Counted, Method, Param, Params, Pass, State, Target
 
 ORDER = 4
 
@@ -29,6 +29,11 @@ MAPPING = Param("mapping", "inverse", "prefix sum over the shared counters from 
                 choices=("forward", "inverse"))
 HASH = Param("hash", "column", "which counter a pixel uses: its index modulo S, or its tile",
              choices=("column", "tile"))
+
+COUNTING = Param("counting", "atomic", "how the fragments of a pixel are counted: by atomic increments, or by additive "
+                 "blending into a texture of floats, which a full-screen pass turns into whole numbers (sbuffer_2012 "
+                 "§3.1 names both)", choices=("atomic", "blended"))
+COUNTED = Target("counted", "r32f", doc="fragments of each pixel, as a float that blending adds to")
 
 SHARED_COUNTERS = "the shared counters, one word each, a few dozen per frame"
 
@@ -56,7 +61,16 @@ def rewind(name: str, address: str = "address") -> Pass:
     return again(name, "methods/sbuffer/rewind.frag", address, reads=("counter",))
 
 
-PLAIN = (*once(count(), *referencing()), rewind("referencing"), STORE)
+def _by_counting(step: Pass, scope: Params) -> tuple[Pass, ...]:
+    """The passes that count fragments, by COUNTING."""
+    if scope.get(COUNTING.name) != "blended":
+        return (replace(step, expand=None),)
+    return (replace(step, shader="methods/sbuffer/count_blended.frag", writes=(), into=(COUNTED.name,),
+                    clears={COUNTED.name: (0.0,)}, state=State(blend=ADD), targets=(COUNTED,), expand=None),
+            Pass(step.name, "fullscreen", "methods/sbuffer/counted.frag", reads=(COUNTED.name,), writes=("counter",)))
+
+
+PLAIN = (*once(replace(count(), expand=_by_counting), *referencing()), rewind("referencing"), STORE)
 
 
 def occupied_steps() -> tuple[Pass, ...]:
@@ -72,20 +86,21 @@ def sbuffer(method_id: str, name: str, source: str, summary: str, fill: tuple[Pa
             finish: Pass = RESOLVE, **more) -> Method:
     return Method(
         id=method_id, name=name, family="sbuffer", source=source, summary=summary,
-        words="2*f + 2", beside=SHARED_COUNTERS, capacity=Counted(),
+        words="2*f + 2", capacity=Counted(),
         buffers=(COUNTER, ADDRESS, GROUP_TOTAL, NODES),
         steps=in_screen_region(
             *once(clear("counter", shared=("group_total",))),
             *fill,
             finish,
         ),
-        **{"guarantee": "exact all", "ties": "kept, in no fixed order", **more},
+        **{"guarantee": "exact all", "ties": "kept, in no fixed order", "beside": SHARED_COUNTERS, **more},
     )
 
 
 METHODS = [
     sbuffer("ab-sb", "AB_SB", "sbuffer_2012 §3", "S-buffer: ranges from S shared counters, only for non-empty pixels",
-            params=(COUNTERS, MAPPING, HASH, *RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD)),
+            beside=f"{SHARED_COUNTERS}; with counting: blended a texture, one word per pixel",
+            params=(COUNTERS, MAPPING, HASH, COUNTING, *RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD)),
     sbuffer("ab-lbuffer", "l-buffer", "Lipowski 2010; sbuffer_2012 §2, §4",
             "ranges from one shared counter, only for non-empty pixels",
             params=(*RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD),

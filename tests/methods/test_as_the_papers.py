@@ -91,6 +91,17 @@ def test_probe_offsets_are_drawn_anew_before_each_frame(device):
     np.testing.assert_allclose(images[0], images[2], atol=1e-6)
 
 
+def test_fragments_are_counted_by_blending(device):
+    """sbuffer_2012 §3.1: the same counts, image and order of passes; a texture of one word per pixel beside."""
+    found = {}
+    for counting in ("atomic", "blended"):
+        with drawn(device, "ab-sb", UNEVEN, frames=2, counting=counting) as frame:
+            np.testing.assert_array_equal(frame.words("counter"), fragment_counts(UNEVEN).ravel())
+            np.testing.assert_allclose(frame.image(), composite(UNEVEN), atol=1e-5)
+            found[counting] = sum(frame.memory_bytes.values())
+    assert found["blended"] - found["atomic"] == 4 * fragment_counts(UNEVEN).size
+
+
 BOXES = {
     "quads": SceneConfig(size=(40, 32), depth_complexity=40, pixel_density=0.5, seed=3),
     "hairball": SceneConfig(kind="hairball", size=(40, 32), depth_complexity=40, mean_depth=20, seed=3),
