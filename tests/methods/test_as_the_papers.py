@@ -81,8 +81,9 @@ def test_cells_come_from_a_dedicated_counter(device, method):
 
 def test_probe_offsets_are_drawn_anew_before_each_frame(device):
     """gpupro5_ch1 §1.3.1; the image stays the same."""
+    scene = generate(SceneConfig(size=(120, 100), depth_complexity=9, seed=3))  # a table of many times 256 cells
     offsets, images = [], []
-    with drawn(device, "open-post", UNEVEN, atomic64="emulated") as frame:
+    with drawn(device, "open-post", scene, atomic64="emulated") as frame:
         for _ in range(3):
             frame.draw_fitting()
             offsets.append(frame.words("offsets"))
