@@ -24,19 +24,19 @@ def print_plans(plans, supervisor, choices: Choices) -> None:
         note(f"{error}; the plan below holds only the budget against the cells")
     folders = result_folders(plans, choices.out, ready.device["slug"] if ready else "unknown-device")
     beside = sources(plans, folders, choices)
-    shared: dict[str, str] = {}
-    codes: dict[Any, str] = {}
     forecast = _forecast((*folders, *beside), ready) if ready else None
+    limits = ready.limits if ready else None
+    rows = [overview(cells, catalog(), limits) for _, cells in plans]
+    if ready:
+        codes: dict[Any, str] = {}
+        _decide(rows, [jobs(cells, catalog(), ready.device, ready.timer, codes) for _, cells in plans], folders, beside,
+                choices)
     to_come: list[Any] = []
-    for (experiment, cells), folder in zip(plans, folders, strict=True):
+    for (experiment, cells), folder, decided in zip(plans, folders, rows, strict=True):
         if not cells:
             continue
-        rows = overview(cells, catalog(), ready.limits if ready else None)
-        if ready:
-            todo = jobs(cells, catalog(), ready.device, ready.timer, codes)
-            _decide(rows, todo, (folder, *beside), choices, shared)
-        measured = [cell for cell, row in zip(cells, rows, strict=True) if row["decision"] == "measure"]
-        say(_plan_text(experiment, rows, folder, _predicted(forecast, measured)) + "\n" * (len(plans) > 1))
+        measured = [cell for cell, row in zip(cells, decided, strict=True) if row["decision"] == "measure"]
+        say(_plan_text(experiment, decided, folder, _predicted(forecast, measured)) + "\n" * (len(plans) > 1))
         to_come += measured
     if len(plans) > 1 and forecast:
         say(f"{len(to_come)} cells to measure in all: {forecast.run(to_come).text}")
@@ -62,39 +62,37 @@ def _of_the_device(row: Mapping[str, Any], device: Mapping[str, str]) -> bool:
     return all(made_by.get(name) == device[name] for name in ("renderer", "version"))
 
 
-def _decide(rows: list[dict[str, Any]], todo, folders, choices: Choices, shared: dict[str, str]) -> None:
-    """What becomes of the cells that neither device nor budget forbids, by what result folders have.
+def _decide(rows: Sequence[list[dict[str, Any]]], todo, folders, beside, choices: Choices) -> None:
+    """Write into the rows what becomes of the cells that neither device nor budget forbids, as the run decides it.
 
-    folders: the experiment's own, then those beside it. shared: the experiment that measures a cell first, by key.
+    rows, todo, folders: of each experiment its rows, its jobs and its folder. beside: other folders with cells.
     """
-    from ..plan import Outcome, predicted_timeout
+    from ..run.settling import settled
+    from ..run.sheet import Sheet
 
-    rows_by_number = {} if choices.force else _kept(todo, folders, choices.keep_failed)
-    told = (Outcome.of(todo[number].cell, row) for number, (_, row) in rows_by_number.items())
-    known = [outcome for outcome in told if outcome]
-    for number, (row, job) in enumerate(zip(rows, todo, strict=True)):
-        if row["decision"] != "measure":
-            continue
-        if number in rows_by_number:
-            source = rows_by_number[number][0]
-            row["decision"] = "kept: already measured" if source is folders[0] else f"copied from {source.path}"
-        elif not choices.try_hopeless and (reason := predicted_timeout(job.cell, known)):
-            row["decision"] = f"timeout: {reason}"
-        elif shared.setdefault(job.key, job.cell.experiment) != job.cell.experiment:
-            row["decision"] = f"shared with {shared[job.key]}"
+    sheets = [Sheet(folder, each) for folder, each in zip(folders, todo, strict=True)]
+    found = settled(sheets, beside, choices.force, choices.keep_failed, choices.try_hopeless)
+    first: dict[str, Any] = {}  # the cell that is measured, by key
+    for own, decided, each in zip(rows, found, todo, strict=True):
+        for row, job in zip(own, each, strict=True):
+            if row["decision"] == "measure":
+                row["decision"] = _decision(job, decided.get(job.key), first)
 
 
-def _kept(todo, folders, keep_failed: bool) -> dict[int, tuple[Any, dict[str, Any]]]:
-    """The folder that has a cell, and its row, by the cell's number."""
-    from ..run.ledger import final
+def _decision(job, why, first: dict[str, Any]) -> str:
+    from ..run.settling import Copied, Kept, LeftOut
 
-    present = [folder for folder in folders if folder.has_cells]
-    found = {}
-    for number, job in enumerate(todo):
-        rows = ((folder, final(folder, job.key, keep_failed)) for folder in present)
-        if first := next(((folder, row) for folder, row in rows if row), None):
-            found[number] = first
-    return found
+    match why:
+        case Kept():
+            return "kept: already measured"
+        case Copied(source=source):
+            return f"copied from {source.path}"
+        case LeftOut(reason=reason):
+            return f"timeout: {reason}"
+    other = first.setdefault(job.key, job.cell)
+    if other is job.cell:
+        return "measure"
+    return f"shared with {other.label if other.experiment == job.cell.experiment else other.experiment}"
 
 
 def _plan_text(experiment, rows: list[dict[str, Any]], folder, predicted: list[str]) -> str:

@@ -100,7 +100,7 @@ class Session:
         """The experiments that have cells."""
         from ..methods import catalog
         from ..run.jobs import jobs
-        from ..run.ledger import Sheet
+        from ..run.sheet import Sheet
 
         parts, codes = [], {}
         for (experiment, cells), folder in zip(plans, folders, strict=True):
@@ -170,8 +170,8 @@ class Session:
         """Write what is derived from the cells so far; how many those are, and where."""
         for part in parts:
             self._report(part)
-        kept = sum(part.folder.has(key) for part in parts for key in part.sheet.jobs)
-        total = sum(len(part.sheet.jobs) for part in parts)
+        kept = sum(part.sheet.rows(key) for part in parts for key in part.sheet.jobs if part.folder.has(key))
+        total = sum(part.sheet.total for part in parts)
         places = f"{parts[0].folder.path}" + (f" and {len(parts) - 1} more folders" if parts[1:] else "")
         return f"{kept} of {total} cells are kept in {places}; the same command measures the others"
 
@@ -197,7 +197,7 @@ def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
     kept = f"; {sheet.kept} kept from before, --force measures them again" if sheet.kept else ""
     copied = f"; {sheet.copied} copied from other results, where they are the same" if sheet.copied else ""
     noise = manifest.get("noise_floor_rel")
-    lines = [f"{len(sheet.statuses)} cells: {statuses or 'none'}{kept}{copied}"]
+    lines = [f"{sheet.counts.total()} cells: {statuses or 'none'}{kept}{copied}"]
     if left := left_out(sheet):
         told = ", ".join(f"{label} {count}" for label, count in left.items())
         lines.append(f"left out for the time budget: {sum(left.values())} cells ({told}); "

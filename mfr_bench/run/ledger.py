@@ -15,39 +15,13 @@ from ..store import ResultFolder
 from ..store.arrays import read_arrays, write_arrays
 from ..store.folder import folders_with_cells
 from ..store.journal import Journal, Partial
-from ..store.status import STATUSES
 from .events import Finished, Sampled
 from .jobs import Job
+from .settling import Copied, Kept, LeftOut, Settled, settled
+from .sheet import Sheet, plain
 
 Row = dict[str, Any]
 Report = Callable[[Row], None]
-
-
-class Sheet:
-    """One experiment: its cells, the folder that keeps them, and how each has ended so far."""
-
-    def __init__(self, folder: ResultFolder, jobs: Sequence[Job]):
-        self.folder = folder
-        self.jobs = {job.key: job for job in jobs}
-        self.statuses: dict[str, str] = {}  # by key, of those that have their row
-        self.kept = 0
-        self.copied = 0
-        self.noise_floor_rel: float | None = None
-
-    @property
-    def pending(self) -> list[Job]:
-        return [job for key, job in self.jobs.items() if key not in self.statuses]
-
-    @property
-    def counts(self) -> dict[str, int]:
-        """Cells by status."""
-        found = list(self.statuses.values())
-        return {status: found.count(status) for status in found}
-
-
-def place(job: Job) -> Row:
-    """Where a row stands in its experiment, and what it is called there; not part of its key."""
-    return {"experiment": job.cell.experiment, "point": plain(job.cell.point), "label": job.cell.label}
 
 
 class Ledger:
@@ -62,52 +36,33 @@ class Ledger:
         self.elsewhere, self.split = list(elsewhere), split or Split()
         self._session = uuid.uuid4().hex[:12]
         self._journals = {sheet.folder.path: Journal(sheet.folder.journal_path) for sheet in sheets}
-        self._known: list[Outcome] = []
+        self._outcomes: list[Outcome] = []
 
     # --- before ----------------------------------------------------------------------------------
 
     def settle(self, force: bool = False, keep_failed: bool = False, try_hopeless: bool = False) -> None:
         """Keep what the folders have, or with `force` nothing; copy what other folders have."""
+        found = settled(self.sheets, self.elsewhere, force, keep_failed, try_hopeless)
         if force:
             for sheet in self.sheets:
                 for job in sheet.pending:
                     self._journal(sheet).forget(job.key)
-            return
-        for settle in (self._settle_own, self._settle_copy, *(() if try_hopeless else (self._settle_hopeless,))):
-            for sheet in self.sheets:
-                for job in sheet.pending:
-                    settle(sheet, job, keep_failed)
+        for sheet, cells in zip(self.sheets, found, strict=True):
+            for key, why in cells.items():
+                self._settle(sheet, sheet.jobs[key], why)
 
-    def _settle_own(self, sheet: Sheet, job: Job, keep_failed: bool) -> None:
-        if row := final(sheet.folder, job.key, keep_failed):
-            self._keep(sheet, job, row)
-
-    def _settle_copy(self, sheet: Sheet, job: Job, keep_failed: bool) -> None:
-        if found := self._copy_of(job.key, keep_failed):
-            source, row = found
-            write_arrays(sheet.folder, job.key, read_arrays(source, job.key) if job.cell.measure.keep else {})
-            sheet.folder.write_cell(row | place(job))
-            sheet.copied += 1
-            self._done(sheet, job, row)
-
-    def _settle_hopeless(self, sheet: Sheet, job: Job, keep_failed: bool) -> None:
-        """What was left out before for the same reason is kept so."""
-        row = sheet.folder.cell(job.key)
-        if row and row["status"] == "timeout" and row["reason"] == self.hopeless(job):
-            self._keep(sheet, job, row)
-
-    def _keep(self, sheet: Sheet, job: Job, row: Row) -> None:
-        """Its place in the experiment is brought up to date."""
-        if any(row.get(name) != value for name, value in place(job).items()):
-            sheet.folder.write_cell(row | place(job))
-        sheet.kept += 1
-        self._done(sheet, job, row)
-
-    def _copy_of(self, key: str, keep_failed: bool) -> tuple[ResultFolder, Row] | None:
-        """The row of another folder, and that folder."""
-        own = (sheet.folder for sheet in self.sheets if key in sheet.statuses)
-        rows = ((folder, final(folder, key, keep_failed)) for folder in (*own, *self.elsewhere))
-        return next(((folder, row) for folder, row in rows if row), None)
+    def _settle(self, sheet: Sheet, job: Job, why: Settled) -> None:
+        match why:
+            case Kept(row) | LeftOut(row=dict() as row):
+                if (placed := sheet.placed(job.key, row)) != row:
+                    sheet.folder.write_cell(placed)
+                sheet.kept += sheet.rows(job.key)
+                self._done(sheet, job, row)
+            case Copied(row, source):
+                write_arrays(sheet.folder, job.key, read_arrays(source, job.key) if job.cell.measure.keep else {})
+                sheet.folder.write_cell(sheet.placed(job.key, row))
+                sheet.copied += sheet.rows(job.key)
+                self._done(sheet, job, row)
 
     def groups(self, coarse_first: bool = False) -> list[list[Job]]:
         """What is to be measured, each key once: the cells of a scene together, small scenes before large ones.
@@ -162,15 +117,16 @@ class Ledger:
             for journal in self._journals.values():
                 journal.sync()
 
-    def hopeless(self, job: Job) -> str | None:
+    def predicted_timeout(self, job: Job) -> str | None:
         """Why a cell would take longer than it may, by what smaller ones took, or None."""
-        return predicted_timeout(job.cell, self._known)
+        return predicted_timeout(job.cell, self._outcomes)
 
     def write(self, job: Job, finished: Finished) -> None:
         """A cell's row, into the folder of every experiment that waits for it."""
         partial = self._home(job.key).partials.get(job.key)
         values = dict(finished.values) | ({"sessions": partial.sessions} if partial and finished.details else {})
-        row = place(job) | {
+        row = {
+            "experiment": job.cell.experiment, "label": job.cell.label, "point": plain(job.cell.point),
             "key": job.key, "method": job.cell.method, "params": dict(job.cell.params),
             "scene": job.cell.scene.as_dict(), "measure": job.cell.measure.as_dict(), "status": finished.status,
             "reason": finished.reason, "values": values, "glsl_hash": job.glsl_hash,
@@ -181,7 +137,7 @@ class Ledger:
             if job.key in sheet.jobs and job.key not in sheet.statuses:
                 with self.split.work("store"):
                     write_arrays(sheet.folder, job.key, finished.arrays)
-                    sheet.folder.write_cell(row | place(sheet.jobs[job.key]))
+                    sheet.folder.write_cell(sheet.placed(job.key, row))
                 self._done(sheet, sheet.jobs[job.key], row)
         if finished.noise_floor_rel is not None:
             for sheet in self.sheets:
@@ -196,8 +152,8 @@ class Ledger:
     def _done(self, sheet: Sheet, job: Job, row: Row) -> None:
         sheet.statuses[job.key] = row["status"]
         self._journal(sheet).forget(job.key)
-        if known := Outcome.of(job.cell, row):
-            self._known.append(known)
+        if outcome := Outcome.of(job.cell, row):
+            self._outcomes.append(outcome)
 
     def _journal(self, sheet: Sheet) -> Journal:
         return self._journals[sheet.folder.path]
@@ -205,19 +161,6 @@ class Ledger:
     def _home(self, key: str) -> Journal:
         """The journal that has the samples of a cell: of several experiments, the first one's."""
         return self._journal(next(sheet for sheet in self.sheets if key in sheet.jobs and key not in sheet.statuses))
-
-
-def final(folder: ResultFolder, key: str, keep_failed: bool) -> Row | None:
-    """The row of a cell that need not be measured again."""
-    row = folder.cell(key)
-    return None if row is None or (STATUSES[row["status"]].retried and not keep_failed) else row
-
-
-def plain(value: Any) -> Any:
-    """Tuples as the lists that JSON gives back."""
-    if isinstance(value, Mapping):
-        return {name: plain(item) for name, item in value.items()}
-    return [plain(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
 def relatives(root: Path | None, own: Iterable[ResultFolder]) -> list[ResultFolder]:

@@ -164,7 +164,7 @@ class Supervisor:
             deaths = 0  # in a row that no cell is to blame for
             while left:
                 if not try_hopeless:
-                    _skip_hopeless(left, ledger)
+                    _skip_predicted(left, ledger)
                 if not left or self._group(left, ledger, share):
                     break
                 if self.asked():
@@ -264,8 +264,8 @@ class Supervisor:
         raise DeviceError(f"the OpenGL device {self._ready.device['renderer']} is gone: {reason}")
 
 
-def _skip_hopeless(left: dict[str, Job], ledger: Ledger) -> None:
+def _skip_predicted(left: dict[str, Job], ledger: Ledger) -> None:
     """Write the rows of the cells that cannot be measured, by what smaller ones took."""
     for job in list(left.values()):
-        if reason := ledger.hopeless(job):
+        if reason := ledger.predicted_timeout(job):
             ledger.write(left.pop(job.key), Finished(job.key, "timeout", reason, {}))

@@ -177,7 +177,21 @@ def _wrong_lists(cell: Cell) -> str | None:
         return "passes: not lists of numbers"
     if not (isinstance(frames, list) and all(isinstance(f, dict) and _is_numbers(f.get("histogram")) for f in frames)):
         return "frames: not a list of records with a histogram"
+    also = cell.get("also") or []
+    if not (isinstance(also, list) and all(map(_is_place, also))):
+        return "also: not a list of places with label and point"
     return None
+
+
+def places(cell: Cell) -> list[Cell]:
+    """The cell at each of its places: its own label and point, then those in `also`, which other entries gave it."""
+    bare = {name: value for name, value in cell.items() if name != "also"}
+    return [bare, *(bare | place for place in cell.get("also") or ())]
+
+
+def _is_place(value: Any) -> bool:
+    return (isinstance(value, dict) and isinstance(value.get("label"), str) and isinstance(value.get("point"), dict)
+            and all(map(flat, value["point"].values())))
 
 
 def decoded(cell: Cell) -> Cell:

@@ -13,7 +13,7 @@ from ..stats import median_interval
 from .columns import COLUMNS, PASS_COLUMNS
 from .files import write_file
 from .folder import ResultFolder
-from .record import Cell
+from .record import Cell, places
 
 Row = dict[str, Any]
 
@@ -92,7 +92,7 @@ def _field(value: Any) -> str:
 
 def derive(folder: ResultFolder) -> None:
     """Write results.csv and passes.csv from the folder's cells. Raises StoreError."""
-    cells = folder.cells()
+    cells = [each for cell in folder.cells() for each in places(cell)]
     for name, columns, rows in (("results.csv", COLUMNS, result_rows(cells)),
                                 ("passes.csv", PASS_COLUMNS, pass_rows(cells))):
         write_file(folder.path / name, csv_text([c.name for c in columns], rows))

@@ -457,3 +457,37 @@ def test_a_dry_run_predicts_the_time_by_what_was_measured_and_says_so(mfr, tiny,
     (tiny.parent / "other.yaml").write_text(TINY.replace("name: tiny", "name: other"))
     both = mfr("run", tiny, tiny.parent / "other.yaml", "--out", "both", "--dry-run").out.splitlines()
     assert both[-1].startswith(f"{CELLS} cells to measure in all: about ")  # both need the same
+
+
+# --- entries that meet in one cell ---------------------------------------------------------------
+
+MEETING = """name: meeting
+scene: {size: [16, 16], depth_complexity: 6}
+measure: {min_samples: 2, max_samples: 2, time_limit_s: 5}
+"""
+FIXED_K = ("methods: [kplus-array, {id: kplus-array, label: reference, k: 2}]\nsweep: {k: [1, 2, 4]}\n",
+           [("Blending floor", ""), ("K+B-Array", "1"), ("K+B-Array", "2"), ("K+B-Array", "4"), ("reference", "")])
+ALL_NAMED = ("methods:\n- {id: kplus-array, label: first}\n- {id: kplus-array, label: second, k: 2}\n"  # noqa: ISC004
+             "- {id: kplus-array, label: third, k: 1}\nsweep: {k: [1, 2]}\n",
+             [("Blending floor", ""), ("first", "1"), ("first", "2"), ("second", ""), ("third", "")])
+TWO_NAMES = ("methods: [{id: ab-array, label: x}, {id: ab-array, label: y}]\n",
+             [("Blending floor", ""), ("x", ""), ("y", "")])
+
+
+@pytest.mark.parametrize(("methods", "expected"), [FIXED_K, ALL_NAMED, TWO_NAMES], ids=["fixed", "named", "two"])
+def test_a_cell_has_a_row_for_every_label_and_point_that_it_serves(mfr, here, methods, expected):
+    """It is measured once; run, dry run, results.csv and tables count and name the same rows."""
+    (here / "meeting.yaml").write_text(MEETING + methods)
+    planned = mfr("run", "meeting.yaml", "--out", "out", "--dry-run").out
+    assert f"{len(expected)} cells -> out" in planned
+    ended = mfr("run", "meeting.yaml", "--out", "out")
+    assert f"{len(expected)} cells: {len(expected)} ok" in ended.out
+    found = rows(here / "out" / "results.csv")
+    assert sorted((r["label"], str(json.loads(r["point"]).get("k", ""))) for r in found) == expected
+    measured_once = {r["key"] for r in found}
+    assert len(measured_once) == planned.count("  measure") == len(list((here / "out" / "cells").iterdir()))
+    table = (here / "out" / "tables" / "results.md").read_text()
+    assert all(label in table for label, _ in expected)
+    again = mfr("run", "meeting.yaml", "--out", "out")
+    assert f"{len(expected)} kept from before" in again.out
+    assert mfr("run", "meeting.yaml", "--out", "out", "--dry-run").out.count("kept: already measured") == len(expected)

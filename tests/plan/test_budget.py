@@ -8,7 +8,8 @@ from mfr_bench.plan import Cell
 from mfr_bench.plan.budget import TimeBudget, bisection, coarseness
 from mfr_bench.plan.forecast import Rates
 from mfr_bench.run.jobs import jobs
-from mfr_bench.run.ledger import Ledger, Sheet
+from mfr_bench.run.ledger import Ledger
+from mfr_bench.run.sheet import Sheet
 from mfr_bench.store import ResultFolder
 
 from ..run.fake_worker import DEVICE

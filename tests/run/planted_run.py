@@ -9,7 +9,8 @@ from mfr_bench.methods import catalog
 from mfr_bench.plan import Cell
 from mfr_bench.run import process
 from mfr_bench.run.jobs import jobs
-from mfr_bench.run.ledger import Ledger, Sheet
+from mfr_bench.run.ledger import Ledger
+from mfr_bench.run.sheet import Sheet
 from mfr_bench.run.supervisor import Supervisor
 from mfr_bench.store import ResultFolder
 

@@ -27,8 +27,9 @@ from mfr_bench.run.events import (
     Synced,
 )
 from mfr_bench.run.jobs import jobs
-from mfr_bench.run.ledger import Ledger, Sheet
+from mfr_bench.run.ledger import Ledger
 from mfr_bench.run.process import Died
+from mfr_bench.run.sheet import Sheet
 from mfr_bench.run.supervisor import Supervisor
 from mfr_bench.store import ResultFolder
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ...store import Cell, Floors, ResultFolder, device_name, result_rows
+from ...store import Cell, Floors, ResultFolder, device_name, places, result_rows
 from .belonging import Config
 from .point import Point
 from .result import Result
@@ -17,7 +17,7 @@ from .words import bare
 def load(folder: ResultFolder) -> Result:
     """The points that the folder's config has in plan order; of several records of one point the planned one."""
     manifest = folder.manifest()
-    found, config = folder.cells(), Config(manifest)
+    found, config = [each for cell in folder.cells() for each in places(cell)], Config(manifest)
     kept = [cell for cell in found if config.has(cell)]
     cells = _current(kept)
     floors, labels = Floors(cells), _labels(cells)
