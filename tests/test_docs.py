@@ -11,6 +11,7 @@ from mfr_bench.config import load, shipped
 from mfr_bench.methods import catalog
 from mfr_bench.methods.catalog_text import as_markdown
 from mfr_bench.report.conformance import HAZARDS, HEAD, HEADER
+from mfr_bench.scene.page import kinds_page
 from mfr_bench.store.page import columns_page
 
 ROOT = Path(__file__).parents[1]
@@ -40,6 +41,11 @@ def test_results_page_is_what_the_tables_give():
 def test_methods_page_is_what_the_declarations_give():
     assert (DOCS / "methods.md").read_text() == as_markdown(catalog().values()), (
         "docs/methods.md is out of date: mfr-bench methods --markdown >docs/methods.md")
+
+
+def test_scenes_page_has_what_the_kinds_say_of_themselves():
+    assert kinds_page() in (DOCS / "scenes.md").read_text(), (
+        "docs/scenes.md is out of date: put what `mfr-bench configs --kinds` prints between its two comments")
 
 
 @pytest.mark.parametrize("method", catalog())

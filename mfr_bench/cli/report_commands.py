@@ -105,8 +105,9 @@ def table(folders: tuple[str, ...]) -> None:
 @click.command()
 @click.option("--papers", is_flag=True, help="Print only the names of the papers' experiments.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print docs/experiments.md.")
+@click.option("--kinds", is_flag=True, help="Print what the kinds of scenes say of themselves in docs/scenes.md.")
 @click.option("--fidelity", is_flag=True, help="Print docs/fidelity.md: the papers' settings beside those here.")
-def configs(papers: bool, as_markdown: bool, fidelity: bool) -> None:
+def configs(papers: bool, as_markdown: bool, kinds: bool, fidelity: bool) -> None:
     """List the configs that come with the package.
 
     \b
@@ -118,7 +119,11 @@ def configs(papers: bool, as_markdown: bool, fidelity: bool) -> None:
     from ..config import load, shipped
     from ..methods import catalog
     from ..report.data import figure_of
+    from ..scene.page import kinds_page
 
+    if kinds:
+        say(kinds_page().rstrip("\n"))
+        return
     if as_markdown:
         say(_experiments_page().rstrip("\n"))
         return
