@@ -259,7 +259,7 @@ def _first_cell(config: str, declared, profile: str | None, overrides: tuple[str
     from ..methods import catalog
     from ..plan import expand
 
-    experiment = first_experiment(config, profile, overrides)
+    experiment = first_experiment(config, profile, overrides, declared.id)
     entry = next((e for e in experiment.methods if e.id == declared.id), MethodEntry(declared.id, declared.name, {}))
     chosen = {text.partition("=")[0].strip().removeprefix("params.") for text in overrides}
     own = {name: value for name, value in entry.params.items() if name not in chosen}

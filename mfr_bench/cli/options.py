@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import click
 
 from ..errors import nearest
@@ -130,13 +132,27 @@ def method(method_id: str, where: str):
     return catalog()[method_id]
 
 
-def first_experiment(config: str, profile: str | None, overrides: tuple[str, ...]):
-    """The one experiment that a command for a single scene or image means."""
+def first_experiment(config: str, profile: str | None, overrides: tuple[str, ...], method_id: str | None = None):
+    """The one experiment that a command for a single scene or image means, with the method added if it is not listed.
+
+    So the parameters of any method may be set, whichever methods the config lists.
+    """
     from ..config import load
     from ..errors import UsageError
     from ..methods import catalog
 
-    experiments = load(config, catalog(), profile, overrides)
+    experiments = load(config, catalog(), profile, () if method_id else overrides)
     if len(experiments) != 1:
         raise UsageError(f"{config}: {len(experiments)} configs; allowed: one file, or the name of a shipped config")
-    return experiments[0]
+    experiment, = experiments
+    if method_id is None or not overrides:
+        return experiment
+    if method_id not in {entry.id for entry in experiment.methods}:
+        overrides = (_with_method(experiment.methods, method_id), *overrides)
+    return load(config, catalog(), profile, overrides)[0]
+
+
+def _with_method(entries, method_id: str) -> str:
+    """The override that lists these entries and the method."""
+    listed = [{"id": entry.id, "label": entry.label, **entry.params} for entry in entries]
+    return f"methods={json.dumps([*listed, {'id': method_id, 'label': method_id}])}"

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
+from mfr_bench.cli.device_commands import _first_cell
 from mfr_bench.config import load
 from mfr_bench.gpu.device import Listed
 from mfr_bench.gpu.single import shown
@@ -292,3 +293,21 @@ def test_glslang_accepts_what_is_printed(mfr, here):
     fragment = text.rpartition("// kplus-array, pass store: ")[2].partition("\n")[2]
     (here / "store.frag").write_text(fragment)
     assert subprocess.run(["glslangValidator", here / "store.frag"], capture_output=True, check=False).returncode == 0
+
+
+@pytest.mark.parametrize("each", [m for m in catalog().values() if m.params], ids=lambda m: m.id)
+def test_any_parameter_of_any_method_may_be_set_whatever_the_config_lists(here, each):
+    """`render CONFIG --method M --set NAME=VALUE`, in the README's own form, where the config lists another method."""
+    other = "ab-array" if each.id != "ab-array" else "kplus-array"
+    (here / "other.yaml").write_text(f"name: other\nscene: {{size: [8, 8], depth_complexity: 4}}\nmethods: [{other}]\n")
+    for param in each.params:
+        value = param.choices[-1] if param.choices else param.default
+        _, variant = _first_cell("other.yaml", each, None, (f"{param.name}={value}",))
+        assert variant.params == each.complete({param.name: value})
+
+
+def test_a_parameter_that_the_method_lacks_is_one_line(mfr, here):
+    (here / "other.yaml").write_text("name: other\nscene: {size: [8, 8], depth_complexity: 4}\nmethods: [ab-array]\n")
+    ended = mfr("render", "other.yaml", "--method", "kplus-array", "--set", "kk=5", "--out", "o.png")
+    assert ended.status == 2
+    assert ended.err.count("\n") == 1
