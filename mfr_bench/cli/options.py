@@ -93,6 +93,7 @@ TRY_HOPELESS = click.option("--try-hopeless", is_flag=True, help="Measure cells 
                             "already took longer than the time limit.")
 DRY_RUN = click.option("--dry-run", is_flag=True,
                        help="Print the plan: what would be measured, its memory and time, what skipped, and why.")
+QUIET = click.option("--quiet", is_flag=True, help="Print no progress on stderr; errors still are.")
 ONLY = click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
@@ -115,7 +116,7 @@ def measuring(what: str, folder: str):
                             f"[default: results/<device>/{folder}]")
 
     def decorate(command):
-        for option in (DRY_RUN, TIME_BUDGET, TRY_HOPELESS, KEEP_FAILED, FORCE, DEVICE, SET, ONLY, PROFILE, out):
+        for option in (QUIET, DRY_RUN, TIME_BUDGET, TRY_HOPELESS, KEEP_FAILED, FORCE, DEVICE, SET, ONLY, PROFILE, out):
             command = option(command)
         return command
     return decorate

@@ -34,14 +34,14 @@ def outcome(row: Mapping[str, Any]) -> str:
 class Progress:
     """Counts rows of `total` as they come. On a terminal rows that failed stay on the screen.
 
-    `asked` says whether the user has asked the work to stop.
+    `asked` says whether the user has asked the work to stop. quiet: nothing is printed.
     """
 
-    def __init__(self, total: int, name: str, asked: Callable[[], bool] = lambda: False):
-        self.total, self.name, self.asked, self.done = total, name, asked, 0
+    def __init__(self, total: int, name: str, asked: Callable[[], bool] = lambda: False, quiet: bool = False):
+        self.total, self.name, self.asked, self.quiet, self.done = total, name, asked, quiet, 0
         self._skipped, self._begun, self._last = 0, 0.0, "starting"
         self._start = time.monotonic()
-        self._live = _live_line(self._text) if total else None
+        self._live = _live_line(self._text) if total and not quiet else None
 
     def __enter__(self):
         if self._live:
@@ -67,6 +67,8 @@ class Progress:
         self._skipped += not measured
         self._begun = max(0.0, self._begun - measured)
         self._last = outcome(row)
+        if self.quiet:
+            return
         if self._live is None:
             note(self._line())
         elif STATUSES[row["status"]].failed:
@@ -85,7 +87,7 @@ class Progress:
     def _text(self):
         from rich.text import Text
 
-        return Text(self._line(), overflow="ellipsis", no_wrap=True)
+        return Text(f"{duration(time.monotonic() - self._start)}  {self._line()}", overflow="ellipsis", no_wrap=True)
 
 
 def _live_line(text: Callable[[], Any]):

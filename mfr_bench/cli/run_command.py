@@ -27,7 +27,7 @@ from .session import Choices, Session
 def run(configs: tuple[str, ...], mesh: str | None, size: str | None, memory_mb: float | None,
         out: str | None, profile: str | None, only: str | None,
         overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
-        budget_s: float | None, dry_run: bool) -> int:
+        budget_s: float | None, dry_run: bool, quiet: bool) -> int:
     """Measure what the results lack, then write tables and figures.
 
     CONFIG is a file, a folder of files, or the name of a shipped config (see mfr-bench configs). What several
@@ -44,7 +44,7 @@ def run(configs: tuple[str, ...], mesh: str | None, size: str | None, memory_mb:
     """
     configs, overrides = with_scene(configs, overrides, mesh, size, memory_mb)
     statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
-                         Choices(out, force, keep_failed, try_hopeless, budget_s), dry_run)
+                         Choices(out, force, keep_failed, try_hopeless, budget_s, quiet), dry_run)
     return exit_status(statuses)
 
 

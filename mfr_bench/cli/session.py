@@ -26,6 +26,7 @@ class Choices:
     keep_failed: bool
     try_hopeless: bool
     budget_s: float | None = None
+    quiet: bool = False
 
 
 def result_folders(plans, out: str | None, slug: str):
@@ -124,7 +125,7 @@ class Session:
         measuring = [part for part in parts if part.sheet.pending]
         name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
         try:
-            with Progress(sum(map(len, groups)), name, self.asked) as progress:
+            with Progress(sum(map(len, groups)), name, self.asked, self.choices.quiet) as progress:
                 ledger.report = progress.row
                 self.supervisor.measure(groups, ledger, progress.sampled, self.choices.try_hopeless, deadline)
             self._at_the_end(measuring)

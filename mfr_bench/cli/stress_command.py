@@ -45,7 +45,7 @@ def stressors() -> dict[str, Path]:
 @click.option("--list", "listed", is_flag=True, help="List the stressors.")
 def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: str | None,
            overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
-           budget_s: float | None, dry_run: bool, listed: bool) -> int:
+           budget_s: float | None, dry_run: bool, quiet: bool, listed: bool) -> int:
     """Tell the first level of stress at which each method breaks.
 
     NAME is a stressor of --list; without any, all of them. Each is a config, whose levels go from mild to harsh. A
@@ -71,5 +71,5 @@ def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: s
         return 0
     configs = [str(known[name]) for name in names or known]
     statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
-                         Choices(out, force, keep_failed, try_hopeless, budget_s), dry_run, breaking_text)
+                         Choices(out, force, keep_failed, try_hopeless, budget_s, quiet), dry_run, breaking_text)
     return exit_status(statuses, wrong_images=False)  # to show them is what the command is for

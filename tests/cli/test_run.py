@@ -6,6 +6,7 @@ import shutil
 
 import pytest
 
+from mfr_bench.cli.progress import Progress
 from mfr_bench.report.data import percent
 from mfr_bench.store import ResultFolder
 
@@ -457,6 +458,23 @@ def test_a_dry_run_predicts_the_time_by_what_was_measured_and_says_so(mfr, tiny,
     (tiny.parent / "other.yaml").write_text(TINY.replace("name: tiny", "name: other"))
     both = mfr("run", tiny, tiny.parent / "other.yaml", "--out", "both", "--dry-run").out.splitlines()
     assert both[-1].startswith(f"{CELLS} cells to measure in all: about ")  # both need the same
+
+
+def test_a_quiet_run_prints_results_alone(mfr, tiny):
+    ended = mfr("run", tiny, "--out", "out", "--quiet")
+    assert ended.status == 0
+    assert ended.err == ""
+    assert f"{CELLS} cells: {CELLS} ok" in ended.out
+
+
+def test_the_live_line_shows_life_at_sixty_columns(monkeypatch):
+    """The time that has passed stands first, so that it moves however narrow the terminal is."""
+    now = [100.0]
+    monkeypatch.setattr("mfr_bench.cli.progress.time.monotonic", lambda: now[0])
+    progress = Progress(28, "a-config-of-a-long-name-that-fills-the-line-of-a-terminal")
+    before = progress._text().plain[:60]
+    now[0] += 1
+    assert progress._text().plain[:60] != before
 
 
 # --- entries that meet in one cell ---------------------------------------------------------------
