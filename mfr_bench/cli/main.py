@@ -96,10 +96,17 @@ def main() -> None:
     """Entry point: every ending is a line and an exit status, never a traceback for a user's mistake."""
     prepare_streams()
     status, lines = _outcome()
+    lines = [*_broken_declarations(), *lines]
     let_go_of_stdout()
     for line in lines:
         note(line)
     sys.exit(status)
+
+
+def _broken_declarations() -> list[str]:
+    """A line for each declaration that the catalog left out, if the command has loaded it."""
+    methods = sys.modules.get("mfr_bench.methods")
+    return [f"{line}; the catalog is without it" for line in methods.MISTAKES] if methods else []
 
 
 def _outcome() -> tuple[int, list[str]]:

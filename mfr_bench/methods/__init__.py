@@ -2,26 +2,41 @@
 
 from __future__ import annotations
 
-import importlib
 import pkgutil
 from functools import lru_cache
+from types import ModuleType
 
+from .loading import DeclarationError, family, order_of, twice
 from .spec import Method
 
 FLOOR = "floor"  # id of the method that is measured for every scene: no method can be faster
-NO_FAMILIES = ("catalog_text",)
+
+
+# A line for each mistake in a declaration that `catalog` met: file, line, what is wrong, allowed and nearest.
+MISTAKES: list[str] = []
 
 
 @lru_cache(maxsize=1)
 def catalog() -> dict[str, Method]:
-    """Every declared method by id, in the order of the family files' `ORDER`."""
-    families = [importlib.import_module(f"{__name__}.{m.name}") for m in pkgutil.iter_modules(__path__)
-                if not m.ispkg and m.name not in NO_FAMILIES]
-    families.sort(key=lambda family: family.ORDER)
-    found: dict[str, Method] = {}
-    for family in families:
-        for method in family.METHODS:
-            if method.id in found:
-                raise ValueError(f"{family.__name__}: method id {method.id!r} is declared twice")
-            found[method.id] = method
-    return found
+    """Every declared method by id, in the order of the family files' `ORDER`; families without it come last.
+
+    A family whose declaration has a mistake is left out, and MISTAKES gets a line for it.
+    """
+    families: list[ModuleType] = []
+    MISTAKES.clear()
+    for module in pkgutil.iter_modules(__path__):
+        try:
+            found = None if module.ispkg or module.name == "loading" else family(f"{__name__}.{module.name}")
+        except DeclarationError as error:
+            MISTAKES.append(str(error))
+        else:
+            families += [found] if found else []
+    owners: dict[str, ModuleType] = {}
+    methods: dict[str, Method] = {}
+    for each in sorted(families, key=order_of):
+        for method in each.METHODS:
+            if method.id in methods:
+                MISTAKES.append(twice(each, method, owners[method.id]))
+            else:
+                methods[method.id], owners[method.id] = method, each
+    return methods

@@ -1,0 +1,94 @@
+"""Loads the declarations of families one by one: a family with a mistake costs itself alone, and one line."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import traceback
+from collections.abc import Sequence
+from dataclasses import fields
+from pathlib import Path
+from types import ModuleType
+from typing import get_args
+
+from ..errors import nearest
+from . import spec
+from .spec import Method
+from .spec.method import Guarantee
+
+LAST = float("inf")  # the place of a family without ORDER
+
+
+class DeclarationError(Exception):
+    """A mistake in a family's file, as the line that a user reads."""
+
+
+def family(name: str) -> ModuleType | None:
+    """The module of a family; None for a module that declares no methods and uses nothing of a declaration.
+
+    Raises DeclarationError with the file and line of a mistake, what is allowed, and the nearest allowed name.
+    """
+    try:
+        module = importlib.import_module(name)
+    except Exception as error:
+        raise DeclarationError(_explained(name, error)) from error
+    if not hasattr(module, "METHODS"):
+        if hasattr(module, "ORDER") or any(isinstance(value, Method) for value in vars(module).values()):
+            raise DeclarationError(f"{module.__file__}:1: no METHODS; allowed: METHODS = [Method(...), ...]")
+        return None
+    methods = module.METHODS
+    if not isinstance(methods, Sequence) or not all(isinstance(method, Method) for method in methods):
+        raise DeclarationError(f"{_line_of(module, 'METHODS')}: METHODS holds what is no Method; "
+                               "allowed: a list of Method(...)")
+    for method in methods:
+        _check_guarantee(module, method)
+    return module
+
+
+def order_of(module: ModuleType) -> float:
+    """The place of a family in the catalog: its ORDER, else the last."""
+    return getattr(module, "ORDER", LAST)
+
+
+def twice(module: ModuleType, method: Method, other: ModuleType) -> str:
+    """The line for an id that another family, or the same one, has declared before."""
+    where = _line_of(module, f'id="{method.id}"', f'"{method.id}"')
+    return (f"{where}: the id {method.id!r} is declared twice, "
+            f"first in {Path(other.__file__).name}; allowed: an id of its own")
+
+
+def _check_guarantee(module: ModuleType, method: Method) -> None:
+    allowed = get_args(Guarantee)
+    if method.guarantee not in allowed:
+        where = _line_of(module, f'guarantee="{method.guarantee}"')
+        raise DeclarationError(f"{where}: {method.id}: the guarantee {method.guarantee!r} is none; "
+                               f"allowed: {' | '.join(allowed)}{nearest(str(method.guarantee), allowed)}")
+
+
+def _line_of(module: ModuleType, *texts: str) -> str:
+    """File and line where one of the texts stands first; line 1 where none does."""
+    lines = Path(module.__file__).read_text().splitlines()
+    found = next((i for i, line in enumerate(lines, 1) if any(text in line for text in texts)), 1)
+    return f"{module.__file__}:{found}"
+
+
+def _explained(name: str, error: Exception) -> str:
+    """The line for an exception that a family's file raised: where, what, and the arguments or names allowed."""
+    file = Path(__file__).with_name(f"{name.rpartition('.')[2]}.py")
+    if isinstance(error, SyntaxError):
+        return f"{error.filename}:{error.lineno}: {error.msg}"
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
+    where = f"{file}:{frames[-1].lineno if frames else 1}"
+    what = " ".join(f"{error}".split()) or type(error).__name__
+    return f"{where}: {what}{_allowed(what)}"
+
+
+def _allowed(what: str) -> str:
+    """The arguments of the class that a TypeError names, the unexpected one's nearest among them."""
+    called = re.match(r"(\w+)\.__init__\(\)", what)
+    cls = getattr(spec, called[1], None) if called else None
+    if cls is None:
+        return ""
+    names = [field.name for field in fields(cls)]
+    wrong = re.search(r"unexpected keyword argument '(\w+)'", what)
+    return f"; allowed: {', '.join(names)}{nearest(wrong[1], names) if wrong else ''}"
