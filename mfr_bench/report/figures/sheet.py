@@ -133,13 +133,15 @@ def fitted(text: str, points: float, width: float, weight: str = "normal") -> li
     room = (width - 2 * EDGE) / (SMALL_HINTING if points < 7 else 1.0)
     if text_width(text, points, weight) <= room:
         return [text]
-    lines = [""]
-    for word in text.split():
-        longer = f"{lines[-1]} {word}".strip()
-        if not lines[-1] or text_width(longer, points, weight) <= room:
-            lines[-1] = longer
+    gap = text_width("n n", points, weight) - text_width("nn", points, weight)
+    lines, used = [], 0.0
+    for word in text.split():  # word by word: words recur, and each is measured once
+        own = text_width(word, points, weight)
+        if lines and used + gap + own <= room:
+            lines[-1], used = f"{lines[-1]} {word}", used + gap + own
         else:
             lines.append(word)
+            used = own
     return lines
 
 
