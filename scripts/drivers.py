@@ -27,7 +27,7 @@ SOURCES = Path(__file__).resolve().parent.parent
 DEBIAN, UBUNTU = "http://deb.debian.org/debian", "http://archive.ubuntu.com/ubuntu"
 ROOTS = {"bookworm": DEBIAN, "trixie": DEBIAN, "forky": DEBIAN, "sid": DEBIAN, "noble": UBUNTU, "resolute": UBUNTU}
 PACKAGES = ("ca-certificates", "python3", "python3-venv", "python3-dev", "g++", "make", "git", "libegl1", "libgl1",
-            "libgl1-mesa-dri", "mesa-vulkan-drivers")
+            "libgl1-mesa-dri", "mesa-vulkan-drivers", "glslang-tools")
 FAILED, NOT_RUN = 1, 3  # exit status: some check failed; none did, but some could not be run
 SCRIPTS = Path("/usr/share/debootstrap/scripts")
 INSIDE = """

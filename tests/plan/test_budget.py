@@ -45,9 +45,9 @@ def test_every_method_gets_its_coarse_points_before_any_gets_finer_ones(tmp_path
 
 
 @pytest.mark.parametrize(("seconds", "start_s", "deadline"), [
-    (480, 1.5, 100 + 480 - (1.5 + 2 * 1.0 + 40 * 0.03)),
-    (480, 6.0, 100 + 480 - (6.0 + 4 * (2 * 1.0 + 40 * 0.03))),  # a machine that is four times as slow
-    (480, 0.5, 100 + 480 - (0.5 + 2 * 1.0 + 40 * 0.03)),
+    (480, 1.5, 100 + 480 - (1.5 + 2 * 2.0 + 40 * 0.03)),
+    (480, 6.0, 100 + 480 - (6.0 + 4 * (2 * 2.0 + 40 * 0.03))),  # a machine that is four times as slow
+    (480, 0.5, 100 + 480 - (0.5 + 2 * 2.0 + 40 * 0.03)),
     (10, 20.0, 100 + 5),  # never more than half is set aside
     (float("inf"), 1.5, float("inf")),
 ])
