@@ -48,3 +48,13 @@ def nearest(word: str, allowed: Iterable[str]) -> str:
     """Return '; nearest: X' for the allowed name closest to `word`, or '' where none is close."""
     close = difflib.get_close_matches(word, list(allowed), n=1, cutoff=0.5)
     return f"; nearest: {close[0]!r}" if close else ""
+
+
+SHORT = 30  # names: in a longer list the nearest stands first
+
+
+def one_of(word: str, allowed: Iterable[str]) -> str:
+    """Return 'allowed: A, B; nearest: B' for a `word` that is none of them. In a long list the nearest stands first."""
+    names = list(allowed)
+    close, listed = nearest(word, names), f"allowed: {', '.join(names) or 'nothing'}"
+    return f"{close.removeprefix('; ')}; {listed}" if close and len(names) > SHORT else listed + close

@@ -196,6 +196,7 @@ def scene(config: str, out: str, profile: str | None, overrides: tuple[str, ...]
     from ..scene import generate
     from ..store import write_file
 
+    _ending(out, ".npz")
     made = generate(expand(first_experiment(config, profile, overrides), catalog())[0].scene)
     data = io.BytesIO()
     np.savez(data, viewport=np.array(made.viewport, dtype=np.int32), **made.arrays(),
@@ -221,14 +222,13 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
     Example:
       mfr-bench render smoke --method kplus-array --set k=8 --out image.png
     """
-    from ..errors import DeviceError, UsageError
+    from ..errors import DeviceError
     from ..methods import catalog
     from ..plan import judge
     from ..scene import generate
     from ..store import write_file
 
-    if Path(out).suffix not in (".npy", ".png"):
-        raise UsageError(f"--out: {out!r} is neither; allowed: a file that ends in .npy or .png")
+    ending = _ending(out, ".npy", ".png")
     cell, variant = _first_cell(config, method(method_id, "--method"), profile, overrides)
     made = generate(cell.scene)
 
@@ -244,13 +244,23 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
                 raise DeviceError(f"{method_id}: {decision[0]}: {decision[1]}")
             image = on.render(variant)
             errors = on.errors(variant, image)
-    write_file(Path(out), _npy(image) if out.endswith(".npy") else _png(image))
+    write_file(Path(out), _npy(image) if ending == ".npy" else _png(image))
     said = (f"max_abs_error {errors['max_abs_error']:.3g}, {errors['wrong_pixels']} wrong pixels" if errors
             else "no image to compare")
     tied = f", {errors['tied_pixels']} of equal depths left out" if errors and errors["tied_pixels"] else ""
     say(f"{out}: {stats.W} x {stats.H}, {stats.F} fragments, {said}{tied}")
     if errors and verdict(variant, errors, lost=0)[0] == "wrong":
         click.get_current_context().exit(WRONG)
+
+
+def _ending(out: str, *endings: str) -> str:
+    """The ending of a file's name, whatever its case. Raises UsageError where it is none of these."""
+    from ..errors import UsageError
+
+    found = Path(out).suffix.lower()
+    if found not in endings:
+        raise UsageError(f"--out: {out!r} ends in none of them; allowed: a file that ends in {' or '.join(endings)}")
+    return found
 
 
 def _first_cell(config: str, declared, profile: str | None, overrides: tuple[str, ...]):

@@ -6,7 +6,7 @@ import json
 
 import click
 
-from ..errors import nearest
+from ..errors import nearest, one_of
 
 FOLDERS = click.argument("folders", nargs=-1, required=True, metavar="DIR...", type=click.Path())
 
@@ -128,8 +128,7 @@ def method(method_id: str, where: str):
     from ..methods import catalog
 
     if method_id not in catalog():
-        raise UsageError(f"{where}: unknown method {method_id!r}; allowed: {', '.join(catalog())}"
-                         f"{nearest(method_id, catalog())}")
+        raise UsageError(f"{where}: unknown method {method_id!r}; {one_of(method_id, catalog())}")
     return catalog()[method_id]
 
 

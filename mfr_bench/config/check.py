@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from pathlib import Path as FilePath
 from typing import Any
 
-from ..errors import nearest
+from ..errors import nearest, one_of
 from ..methods.spec import Method, Value
 from ..report.figures.kinds import KINDS, all_keys, keys_of
 from ..scene.kinds import KINDS as SCENE_KINDS
@@ -117,8 +117,8 @@ class _Checker:
             return None
         method = self.catalog.get(entry["id"]) if isinstance(entry["id"], str) else None
         if method is None:
-            self.problem(path, f"unknown method {shown(entry['id'])}; allowed: {', '.join(self.catalog)}"
-                               f"{nearest(str(entry['id']), self.catalog)}")
+            self.problem(path, f"unknown method {shown(entry['id'])}; "
+                               f"{one_of(str(entry['id']), self.catalog)}")
             return None
         label = entry.get("label", method.name)
         if not isinstance(label, str) or not label:
@@ -201,8 +201,7 @@ class _Checker:
         return value if refusals else canonical
 
     def _unknown(self, path: Path, what: str, names: Iterable[str]) -> None:
-        names = list(names)
-        self.problem(path, f"{what}; allowed: {', '.join(names) or 'nothing'}{nearest(str(path[-1]), names)}")
+        self.problem(path, f"{what}; {one_of(str(path[-1]), names)}")
 
     def _zip_lengths(self) -> None:
         lengths = {key: len(values) for key, values in self.axes["zip"].items()}
@@ -240,8 +239,7 @@ class _Checker:
             if key in kind.needs and key not in figure:
                 self.problem((*path, key), f"missing; allowed: {', '.join(allowed_names)}")
             elif isinstance(figure.get(key), str) and figure[key] not in allowed_names:
-                self.problem((*path, key), f"unknown column {shown(figure[key])}; allowed: {', '.join(allowed_names)}"
-                                           f"{nearest(figure[key], allowed_names)}")
+                self.problem((*path, key), f"unknown column {shown(figure[key])}; {one_of(figure[key], allowed_names)}")
         drawn = ["kind", "x", "y", *(key.name for key in keys_of(kind))]
         for key in [key for key in figure if key not in drawn and key in EVERY_KEY]:
             self._unknown((*path, key), f"no use in a figure of kind {figure['kind']}", drawn)

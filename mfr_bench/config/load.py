@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ..errors import UsageError, nearest
+from ..errors import UsageError, nearest, one_of
 from ..methods.spec import Method
 from ..resources import configs_dir
 from .axes import R
@@ -62,8 +62,7 @@ def find(reference: str) -> list[Path]:
         return [names[reference]]
     if path.suffix in SUFFIXES or len(path.parts) > 1:
         raise UsageError(f"{reference}: no such file or folder{nearest(path.stem, names)}")
-    raise UsageError(f"{reference}: no such file, folder or shipped config; allowed: {', '.join(names)}"
-                     f"{nearest(reference, names)}")
+    raise UsageError(f"{reference}: no such file, folder or shipped config; {one_of(reference, names)}")
 
 
 def _files(folder: Path) -> list[Path]:

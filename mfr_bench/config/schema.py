@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origi
 
 from annotated_types import MinLen, Predicate
 
-from ..errors import nearest
+from ..errors import nearest, one_of
 from ..scene import Scene
 from ..scene.spec.values import STRICT, Allowed, Text
 from .model import Figure, Measure, Source
@@ -96,7 +96,7 @@ def _explain(cls: Any, data: Any, loc: Path, path: Path = ()) -> tuple[Path, str
         return _explain(get_args(cls)[0], data[key], tuple(rest), (*path, key))
     hints = _hints(cls)
     if key not in hints:
-        return (*path, key), f"unknown key; allowed: {', '.join(hints)}{nearest(str(key), hints)}"
+        return (*path, key), f"unknown key; {one_of(str(key), hints)}"
     if key not in data:
         return (*path, key), f"missing; allowed: {allowed(hints[key])}"
     if is_dataclass(hints[key]) or key == "figures":

@@ -87,16 +87,25 @@ class Document:
 
 
 class _Loader(yaml.SafeLoader):
-    """YAML 1.1 as PyYAML reads it, but 1e-3 is a number and 2015-01-01 a text."""
+    """YAML 1.1 as PyYAML reads it, but 1e-3 is a number, 010 is ten, and 2015-01-01 and 1:30 are texts."""
 
     yaml_implicit_resolvers: ClassVar = {
-        first: [(tag, pattern) for tag, pattern in known if tag != "tag:yaml.org,2002:timestamp"]
+        first: [(tag, pattern) for tag, pattern in known
+                if tag not in ("tag:yaml.org,2002:timestamp", "tag:yaml.org,2002:int")]
         for first, known in yaml.SafeLoader.yaml_implicit_resolvers.items()}
 
 
 _Loader.add_implicit_resolver("tag:yaml.org,2002:float",
                               re.compile(r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)[eE][-+]?[0-9]+$"),
                               list("-+.0123456789"))
+_Loader.add_implicit_resolver("tag:yaml.org,2002:int", re.compile(r"[-+]?(?:[0-9][0-9_]*|0x[0-9a-fA-F_]+)$"),
+                              list("-+0123456789"))
+_Loader.add_constructor("tag:yaml.org,2002:int", lambda loader, node: _whole_number(node.value.replace("_", "")))
+
+
+def _whole_number(text: str) -> int:
+    """The number, in decimal but for 0x; YAML 1.1 would read 010 as eight."""
+    return int(text, 16 if "0x" in text else 10)
 
 
 def read(text: str, file: str, key: str = "") -> tuple[Document, list[Problem]]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..config.axes import measure_at, points, scene_at
 from ..config.model import Experiment, Measure, MethodEntry
-from ..errors import UsageError, nearest
+from ..errors import UsageError, one_of
 from ..methods import FLOOR
 from ..methods.spec import Method, Value
 from ..scene import Scene
@@ -57,7 +57,7 @@ def _chosen(entries: Sequence[MethodEntry], catalog: Mapping[str, Method],
     """The entries to measure, the floor first where it is not listed."""
     unknown = [i for i in only or () if i not in catalog]
     if unknown:
-        raise UsageError(f"--only: unknown method {i!r}; allowed: {', '.join(catalog)}{nearest(i, catalog)}"
+        raise UsageError(f"--only: unknown method {i!r}; {one_of(i, catalog)}"
                          for i in unknown)
     chosen = [e for e in entries if only is None or e.id in only]
     wanted = chosen or FLOOR in (only or ())

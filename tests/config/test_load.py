@@ -127,7 +127,7 @@ def test_shipped_configs_load_with_every_profile(name):
 @pytest.mark.parametrize(("reference", "message"), [
     ("nowhere/x.yaml", "nowhere/x.yaml: no such file or folder"),
     ("smok", "nearest: 'smoke'"),
-    ("smok", "no such file, folder or shipped config; allowed: "),
+    ("smok", "no such file, folder or shipped config; nearest: 'smoke'; allowed: "),
     ("a\0b", "no such file, folder or shipped config"),
     ("x" * 5000, "too long"),
 ])
@@ -182,3 +182,9 @@ def test_all_stands_for_every_method(load):
                                    "{id: kplus-array, label: no culling, culling: off}"))
     assert [e.id for e in experiment.methods] == [*CATALOG, "kplus-array"]
     assert experiment.methods[-1].label == "no culling"
+
+
+def test_whole_numbers_are_decimal(load):
+    """010 is ten, not the eight of YAML 1.1, and 1:30 is no number."""
+    experiment = load(GOOD.replace("depth_complexity: 32", "depth_complexity: 010, seed: 0x10"))
+    assert (experiment.scene.depth_complexity, experiment.scene.seed) == (10, 16)
