@@ -33,11 +33,13 @@ SCHEDULES = 20_000
 @click.option("--helpers", is_flag=True, help="Add a helper invocation to each pixel.")
 @click.option("--exhaustive", type=click.IntRange(0, 8), metavar="BOUND",
               help="Try every schedule with at most so many preemptions, as far as --schedules allows.")
+@click.option("--campaign", is_flag=True, help="Run METHOD, or with METHOD `all` every method, with each option that "
+              "changes what runs concurrently, on strong and weak memory and in lockstep; a line for each.")
 @click.option("--replay", metavar="WORD", help="Run the one schedule that an earlier run has printed.")
 @JSON
 def race(method_id: str, overrides: tuple[str, ...], fragments: str, schedules: int, scenes: int, seed: int, ties: bool,
          weak: bool, no_dependencies: bool, warp: int | None, moved_returns: bool, ordered: bool, helpers: bool,
-         exhaustive: int | None, replay: str | None, as_json: bool) -> None:
+         exhaustive: int | None, campaign: bool, replay: str | None, as_json: bool) -> None:
     """Run the GLSL of METHOD under an adversarial scheduler.
 
     Without a GPU: its shaders are translated to C++ and every load, store and atomic may be interrupted by any other
@@ -47,14 +49,18 @@ def race(method_id: str, overrides: tuple[str, ...], fragments: str, schedules: 
     \b
     Examples: mfr-bench race kplus-array --set k=2 --fragments 4
               mfr-bench race lin-pre --weak --json
+              mfr-bench race all --campaign --schedules 100000
     """
     from ..race.campaign import run, small_variant
     from ..race.check import How
     from ..race.report import record, text
     from ..race.scenes import parse_counts
 
-    variant = small_variant(method(method_id, "METHOD"), overrides)
     counts = parse_counts(fragments)
+    if campaign:
+        _campaign(method_id, counts, How(schedules, seed), scenes)
+        return
+    variant = small_variant(method(method_id, "METHOD"), overrides)
     how = How(schedules, seed, weak, not no_dependencies, warp or 0, moved_returns, exhaustive is not None,
               exhaustive or 0, ordered, helpers)
     found = _replayed(variant, counts, how, ties, replay) if replay else run(variant, counts, how, scenes, ties)
@@ -73,3 +79,22 @@ def _replayed(variant, counts, how, ties: bool, word: str):
     checker = Checker(variant, row_of(counts, scene, ties), how.helpers)
     failure = checker.replay(deviations, how)
     return Found(1, 0.0, int(failure is not None), 0, 0, False, checker, failure)
+
+
+def _campaign(method_id: str, counts, how, scenes: int) -> None:
+    """Prints a line for each configuration and machine, and ends with the status of a broken promise if one broke."""
+    from ..methods import catalog
+    from ..race.campaign import everything
+    from ..race.options import configurations
+    from ..race.report import headline
+    from ..race.scenes import row_of
+
+    chosen = catalog().values() if method_id == "all" else [method(method_id, "METHOD")]
+    broken = 0
+    for one in chosen:
+        for kept in everything(one, configurations(one, row_of(counts), together=1), counts, how, scenes):
+            say(f"{kept.machine:8} {headline(kept.found) if kept.found else kept.error}")
+            broken += kept.broken
+    say(f"{broken} broken")
+    if broken:
+        click.get_current_context().exit(BROKEN)

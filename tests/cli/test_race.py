@@ -56,3 +56,19 @@ def test_shader_json_holds_passes_buffers_and_parameters(mfr):
 def test_a_schedule_survives_being_written():
     choices = ((-1, 1, 1, 2), (0, 1048587, 0, 3), (2, (5 << 20) + 7, 4, 1))
     assert parse_replay(written(5, choices)) == (5, choices)
+
+
+def test_a_campaign_has_a_line_for_each_machine(mfr):
+    ended = mfr("race", "ab-lbuffer", "--campaign", "--schedules", "20", "--scenes", "1")
+    lines = ended.out.splitlines()
+    assert ended.status == 0 and lines[-1] == "0 broken"
+    assert [line.split()[0] for line in lines[:3]] == ["strong", "weak", "lockstep"] and len(lines) % 3 == 1
+
+
+def test_a_broken_promise_ends_with_status_3_and_can_be_replayed(mfr, plant):
+    plant("methods/array/store.frag", "atomicAdd(counter[p], 1u)", "counter[p]++")
+    ended = mfr("race", "ab-array", "--fragments", "3", "--schedules", "2000")
+    assert ended.status == 3 and "methods/array/store.frag" in ended.out
+    word = ended.out.rpartition("--replay ")[2].strip()
+    again = mfr("race", "ab-array", "--fragments", "3", "--replay", word)
+    assert again.status == 3 and f"--replay {word}" in again.out

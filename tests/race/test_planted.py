@@ -123,7 +123,8 @@ FAULTS = [
     Fault("a minimum of depths by a load and a store", "kb-mdt32", "methods/mdt/store_depth.frag",
           "depth = max(depth, atomicMin(depths[slot * pixels + p], depth));",
 
-                   "{ uint old = depths[slot * pixels + p]; depths[slot * pixels + p] = min(old, depth); depth = max(depth, old); }"),
+                   "{ uint old = depths[slot * pixels + p]; depths[slot * pixels + p] = min(old, depth); "
+          "depth = max(depth, old); }"),
     Fault("a slot counts before it is published", "kplus-array-r", "methods/kplus/store_revised.frag",
           "    NODE(p, slot) = fragment;\n    memoryBarrierBuffer();\n", "    NODE(p, slot) = fragment;\n", ("k=3",),
           True,
