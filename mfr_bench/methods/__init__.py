@@ -9,6 +9,7 @@ from types import ModuleType
 from .loading import DeclarationError, family, order_of, twice
 from .spec import Method
 
+NO_FAMILIES = ("loading", "checking")  # which this module imports itself
 FLOOR = "floor"  # id of the method that is measured for every scene: no method can be faster
 
 
@@ -26,7 +27,7 @@ def catalog() -> dict[str, Method]:
     MISTAKES.clear()
     for module in pkgutil.iter_modules(__path__):
         try:
-            found = None if module.ispkg or module.name == "loading" else family(f"{__name__}.{module.name}")
+            found = None if module.ispkg or module.name in NO_FAMILIES else family(f"{__name__}.{module.name}")
         except DeclarationError as error:
             MISTAKES.append(str(error))
         else:

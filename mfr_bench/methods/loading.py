@@ -9,12 +9,11 @@ from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 from types import ModuleType
-from typing import get_args
 
 from ..errors import nearest
 from . import spec
+from .checking import mistakes_of
 from .spec import Method
-from .spec.method import Guarantee
 
 LAST = float("inf")  # the place of a family without ORDER
 
@@ -41,7 +40,9 @@ def family(name: str) -> ModuleType | None:
         raise DeclarationError(f"{_line_of(module, 'METHODS')}: METHODS holds what is no Method; "
                                "allowed: a list of Method(...)")
     for method in methods:
-        _check_guarantee(module, method)
+        for mistake in mistakes_of(method):
+            where = _line_of(module, f'"{mistake.text}"', mistake.text)
+            raise DeclarationError(f"{where}: {method.id}: {mistake.what}")
     return module
 
 
@@ -55,14 +56,6 @@ def twice(module: ModuleType, method: Method, other: ModuleType) -> str:
     where = _line_of(module, f'id="{method.id}"', f'"{method.id}"')
     return (f"{where}: the id {method.id!r} is declared twice, "
             f"first in {Path(other.__file__).name}; allowed: an id of its own")
-
-
-def _check_guarantee(module: ModuleType, method: Method) -> None:
-    allowed = get_args(Guarantee)
-    if method.guarantee not in allowed:
-        where = _line_of(module, f'guarantee="{method.guarantee}"')
-        raise DeclarationError(f"{where}: {method.id}: the guarantee {method.guarantee!r} is none; "
-                               f"allowed: {' | '.join(allowed)}{nearest(str(method.guarantee), allowed)}")
 
 
 def _line_of(module: ModuleType, *texts: str) -> str:

@@ -20,6 +20,10 @@ def doubled(start: int, needed: int) -> int:
     return capacity
 
 
+PURE = {"ceil": math.ceil, "floor": math.floor, "log2": math.log2, "min": min, "max": max, "doubled": doubled}
+FUNCTIONS = (*PURE, "bounded", "paged")
+
+
 @cache
 def _compiled(formula: str):
     return compile(formula, f"<formula {formula}>", "eval")
@@ -27,9 +31,8 @@ def _compiled(formula: str):
 
 def evaluate(formula: str, stats: SceneStats, params: Params) -> float:
     """Value of a resource formula for one frame. Raises NameError for a name it does not know."""
-    functions = {"ceil": math.ceil, "floor": math.floor, "log2": math.log2, "min": min, "max": max, "doubled": doubled,
-                 "bounded": stats.bounded, "paged": stats.paged}
-    scope = {"__builtins__": {}} | functions | stats.names() | dict(params)
+    of_the_scene = {"bounded": stats.bounded, "paged": stats.paged}
+    scope = {"__builtins__": {}} | PURE | of_the_scene | stats.names() | dict(params)
     if "k" in params:
         scope["f_k"] = stats.bounded(int(params["k"])) / stats.P
     return eval(_compiled(formula), scope)
