@@ -29,9 +29,11 @@ ROOTS = {"bookworm": DEBIAN, "trixie": DEBIAN, "forky": DEBIAN, "sid": DEBIAN, "
 PACKAGES = ("ca-certificates", "python3", "python3-venv", "python3-dev", "g++", "make", "git", "libegl1", "libgl1",
             "libgl1-mesa-dri", "mesa-vulkan-drivers", "glslang-tools")
 FAILED, NOT_RUN = 1, 3  # exit status: some check failed; none did, but some could not be run
+NO_SETUP = 75  # status of a check whose root could not be entered or set up
 SCRIPTS = Path("/usr/share/debootstrap/scripts")
 INSIDE = """
-mount --make-rprivate / && mount -t proc proc "$0/proc" && mount --rbind /dev "$0/dev" && mount -t sysfs sysfs "$0/sys"
+{ mount --make-rprivate / && mount -t proc proc "$0/proc" && mount --rbind /dev "$0/dev" &&
+  mount -t sysfs sysfs "$0/sys"; } || exit 75
 exec chroot "$0" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive bash -c "$1"
 """
 VIRGL = """
@@ -142,7 +144,7 @@ class Matrix:
 
     def _check(self, root: str, driver: str, check: str) -> Mapping[str, object]:
         begun = time.monotonic()
-        lines = ["set -e; cd /mfr-bench; make setup >&2" if check != "newcomer" else "set -e; cd /mfr-bench",
+        lines = ["set -e; cd /mfr-bench; make setup >&2 || exit 75" if check != "newcomer" else "set -e; cd /mfr-bench",
                  f"NAME={driver}-{check}; DEVICE={DRIVERS[driver].renderer}; mkdir -p /tmp/drivers",
                  DRIVERS[driver].choose if check != "newcomer" else "", CHECKS[check].command]
         command = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "bash", "-c", INSIDE,
@@ -190,7 +192,7 @@ def said(outcome: Mapping[str, object]) -> str:
     """A cell of the table."""
     if not outcome:
         return "not run"
-    ended = {0: "pass", 124: "timeout"}.get(outcome["status"], f"FAIL ({outcome['status']})")
+    ended = {0: "pass", 124: "timeout", NO_SETUP: "not set up"}.get(outcome["status"], f"FAIL ({outcome['status']})")
     return f"{ended}, {outcome['seconds']} s"
 
 
@@ -215,6 +217,15 @@ def chosen(text: str | None, known: Mapping[str, object], option: str) -> list[s
     return names
 
 
+def missing() -> str | None:
+    """What this machine lacks to make roots and enter them, or None."""
+    if not shutil.which("debootstrap"):
+        return "debootstrap is missing; run: sudo apt-get install -y debootstrap"
+    if subprocess.run(["unshare", "--mount", "true"], capture_output=True, check=False).returncode:
+        return "mounting in a root of its own is not allowed; run it as root: sudo make drivers"
+    return None
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--root", help=f"of {', '.join(ROOTS)}; all by default")
@@ -229,15 +240,17 @@ def main() -> None:
     checks = chosen(given.check or ",".join(c for c in CHECKS if c != "features"), CHECKS, "--check")
     matrix = Matrix(given.dir.resolve())
     if not given.table:
-        if not shutil.which("debootstrap"):
-            sys.exit("drivers: debootstrap is missing; run: sudo apt-get install -y debootstrap")
+        if lacking := missing():
+            say(lacking)
+            sys.exit(NOT_RUN)
         for root in roots:
             for driver in drivers:
                 matrix.run(root, driver, checks, given.again)
     print(table(matrix, roots, drivers, checks))
     found = [matrix.outcome(root, driver, check).get("status") for root in roots for driver in drivers
              for check in checks]
-    sys.exit(FAILED if any(found) else NOT_RUN if None in found else 0)
+    not_run = None in found or NO_SETUP in found
+    sys.exit(FAILED if set(found) - {None, 0, NO_SETUP} else NOT_RUN if not_run else 0)
 
 
 if __name__ == "__main__":
