@@ -36,8 +36,10 @@ def _device_or_reason(want: str):
 @click.command()
 @JSON
 @click.option("--markdown", is_flag=True, help="Print what docs/methods.md holds; needs no device.")
+@click.option("--rounding", is_flag=True,
+              help="Print the table of docs/accuracy.md: what compositing loses to rounding; needs no device.")
 @DEVICE
-def methods(as_json: bool, markdown: bool, device: str) -> None:
+def methods(as_json: bool, markdown: bool, rounding: bool, device: str) -> None:
     """List every method, and whether this device runs it.
 
     With its paper, passes, memory, guarantee, and parameters.
@@ -51,6 +53,11 @@ def methods(as_json: bool, markdown: bool, device: str) -> None:
 
     if markdown:
         say(as_markdown(catalog().values()).rstrip("\n"))
+        return
+    if rounding:
+        from ..oracle.rounding import as_markdown as rounding_table
+
+        say(rounding_table().rstrip("\n"))
         return
     found, reason = _device_or_reason(device)
     records = [_method_record(m, found, reason) for m in catalog().values()]

@@ -1,8 +1,8 @@
 """The float64 answer to a scene, computed without any method under test.
 
 Fragments are composited front to back from their 8-bit payloads (the `over` operator of Porter and
-Duff 1984, premultiplied). The screen is cut along all edges of the quads: within a cell of that grid
-every pixel has the same list, so a scene without rejected fragments costs its number of cells, not of
+Duff 1984, premultiplied). The screen is cut along all edges of the quads: within a patch of that grid
+every pixel has the same list, so a scene without rejected fragments costs its number of patches, not of
 pixels.
 
 The depths of slanted primitives are what a device makes of them. `Fragments` holds a device's own, as
@@ -23,19 +23,19 @@ from ..scene.quads import Quads
 
 @dataclass(frozen=True)
 class Grid:
-    """Edges of the cells: pixel columns x[i]..x[i+1] and rows y[j]..y[j+1] share one list."""
+    """Edges of the patches: pixel columns x[i]..x[i+1] and rows y[j]..y[j+1] share one list."""
 
     x: np.ndarray
     y: np.ndarray
 
     @property
     def areas(self) -> np.ndarray:
-        """int (rows, columns): pixels of each cell."""
+        """int (rows, columns): pixels of each patch."""
         return np.outer(np.diff(self.y), np.diff(self.x))
 
-    def expand(self, cells: np.ndarray) -> np.ndarray:
-        """Cell values (rows, columns, …) to pixel values (H, W, …)."""
-        return np.repeat(np.repeat(cells, np.diff(self.y), axis=0), np.diff(self.x), axis=1)
+    def expand(self, patches: np.ndarray) -> np.ndarray:
+        """Patch values (rows, columns, …) to pixel values (H, W, …)."""
+        return np.repeat(np.repeat(patches, np.diff(self.y), axis=0), np.diff(self.x), axis=1)
 
 
 def _grid(scene: Quads) -> Grid:
@@ -47,8 +47,8 @@ def _grid(scene: Quads) -> Grid:
                 np.unique(np.concatenate([[0, height], rect[:, 1], rect[:, 3]])))
 
 
-def _cell_rects(scene: Quads, grid: Grid) -> np.ndarray:
-    """int (n, 4): the quads' rectangles in cells instead of pixels."""
+def _patch_rects(scene: Quads, grid: Grid) -> np.ndarray:
+    """int (n, 4): the quads' rectangles in patches instead of pixels."""
     rect = scene.rasterized
     return np.stack([np.searchsorted(grid.x, rect[:, 0]), np.searchsorted(grid.y, rect[:, 1]),
                      np.searchsorted(grid.x, rect[:, 2]), np.searchsorted(grid.y, rect[:, 3])], axis=-1)
@@ -57,12 +57,12 @@ def _cell_rects(scene: Quads, grid: Grid) -> np.ndarray:
 def fragment_counts(scene: Quads) -> np.ndarray:
     """int64 (H, W): the fragments that each pixel receives."""
     grid = _grid(scene)
-    return grid.expand(_cell_counts(scene, grid))
+    return grid.expand(_patch_counts(scene, grid))
 
 
-def _cell_counts(scene: Quads, grid: Grid) -> np.ndarray:
+def _patch_counts(scene: Quads, grid: Grid) -> np.ndarray:
     counts = np.zeros((len(grid.y) - 1, len(grid.x) - 1), dtype=np.int64)
-    for quad, (x0, y0, x1, y1) in enumerate(_cell_rects(scene, grid)):
+    for quad, (x0, y0, x1, y1) in enumerate(_patch_rects(scene, grid)):
         counts[y0:y1, x0:x1] += _mask(scene, quad, x0, y0, x1, y1) if scene.rejects else True
     return counts
 
@@ -70,12 +70,12 @@ def _cell_counts(scene: Quads, grid: Grid) -> np.ndarray:
 def stats_of(scene: Quads) -> SceneStats:
     """What the scene asks of a method: its fragments, counted."""
     grid = _grid(scene)
-    counts, areas = _cell_counts(scene, grid), grid.areas
+    counts, areas = _patch_counts(scene, grid), grid.areas
     return scene_stats(scene, counts, areas)
 
 
 def scene_stats(scene: Geometry, counts: np.ndarray, areas: np.ndarray | int = 1) -> SceneStats:
-    """The statistics of a scene with these fragments in pixels, or in cells of these areas."""
+    """The statistics of a scene with these fragments in pixels, or in patches of these areas."""
     weights = np.broadcast_to(areas, counts.shape).ravel()
     histogram = np.bincount(counts.ravel(), weights=weights)  # float64 is exact below 2**53 pixels
     return SceneStats(
@@ -86,7 +86,7 @@ def scene_stats(scene: Geometry, counts: np.ndarray, areas: np.ndarray | int = 1
 
 
 def _mask(scene: Quads, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray | bool:
-    """Which cells of the rectangle have the quad's fragment. Cells are pixels wherever fragments are rejected."""
+    """Which patches of the rectangle have the quad's fragment. Patches are pixels wherever fragments are rejected."""
     return scene.kept(quad, x0, y0, x1, y1) if scene.rejects else True
 
 
@@ -103,7 +103,7 @@ def composite(scene: Quads, layers: int | None = None, criterion: str = "nearest
     transmittance = np.ones(shape)
     taken = np.zeros(shape, dtype=np.int64)
     payload = scene.rgba / 255.0 if payload is None else payload
-    rects = _cell_rects(scene, grid)
+    rects = _patch_rects(scene, grid)
     place = np.argsort(CRITERIA[criterion](scene))
     last = _last_taken(scene, grid, place, layers) if layers is not None and criterion != "nearest" else None
     for quad in scene.depth_order:
@@ -130,10 +130,10 @@ CRITERIA: dict[str, Callable[[Quads], np.ndarray]] = {
 
 
 def _last_taken(scene: Quads, grid: Grid, place: np.ndarray, layers: int) -> np.ndarray:
-    """int64 (rows, columns): the place, in the order from best to worst, of the last quad that each cell takes."""
+    """int64 (rows, columns): the place, in the order from best to worst, of the last quad that each patch takes."""
     shape = (len(grid.y) - 1, len(grid.x) - 1)
     taken, last = np.zeros(shape, dtype=np.int64), np.full(shape, -1, dtype=np.int64)
-    rects = _cell_rects(scene, grid)
+    rects = _patch_rects(scene, grid)
     for quad in np.argsort(place):
         x0, y0, x1, y1 = rects[quad]
         here = np.s_[y0:y1, x0:x1]

@@ -52,7 +52,7 @@ class CellWork:
         self.bench, self.scene, self.job, self.fitted, self.variant = bench, scene, job, fitted, fitted.variant
         self.sampler = Sampler(job.cell.measure)
         self.sampler.resume(partial.samples_ms)
-        self.twin: Sampler | None = None  # the same again, for the noise floor
+        self.replicate: Sampler | None = None  # the A/A replicate: the same again, for the noise floor
         self.passes = {name: list(times_ms) for name, times_ms in partial.passes.items()}
         self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
         self.done = False  # its row is told
@@ -68,7 +68,7 @@ class CellWork:
 
     @property
     def samplers(self) -> list[Sampler]:
-        return [s for s in (self.sampler, self.twin) if s]
+        return [s for s in (self.sampler, self.replicate) if s]
 
     @property
     def wanted(self) -> bool:
@@ -253,11 +253,11 @@ class CellWork:
         self.conformance = {name: max(value, again[name]) for name, value in self.conformance.items()}
 
     def _noise_floor_rel(self) -> float | None:
-        """How far apart the cell and its twin are, at most."""
-        if self.twin is None:
+        """How far apart the cell and its A/A replicate are, at most."""
+        if self.replicate is None:
             return None
         measure = self.job.cell.measure
-        low, _, high = interleaved_ratio(self.twin.samples_ms, self.sampler.samples_ms, measure.min_samples,
+        low, _, high = interleaved_ratio(self.replicate.samples_ms, self.sampler.samples_ms, measure.min_samples,
                                          measure.max_samples)
         return None if low is None or high is None else max(abs(low - 1), abs(high - 1))
 

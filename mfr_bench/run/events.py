@@ -17,13 +17,13 @@ from .jobs import Job
 class Group:
     """Measure these cells of one scene. `partials`: samples by key that earlier processes took.
 
-    Of each set of keys in `twins` one cell is sampled twice, for the noise floor. most_bytes: of main memory, for the
-    process.
+    Of each set of keys in `replicates` one cell is sampled twice, for the noise floor. most_bytes: of main memory, for
+    the process.
     """
 
     jobs: tuple[Job, ...]
     partials: Mapping[str, Partial] = field(default_factory=dict)
-    twins: tuple[frozenset[str], ...] = ()
+    replicates: tuple[frozenset[str], ...] = ()
     most_bytes: float = float("inf")
 
 

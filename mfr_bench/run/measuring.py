@@ -51,7 +51,7 @@ class Measuring:
 
     def group(self, group: Group) -> None:
         """Measure the cells of one scene. Raises DeviceLost, once the cell that it cost is told."""
-        self._partials, self._twins = group.partials, list(group.twins)
+        self._partials, self._replicates = group.partials, list(group.replicates)
         self._prepared_by, self._deadline = _deadlines(group.jobs)
         self._live_bytes = min(LIVE_BYTES, LIVE_SHARE * group.most_bytes)
         self.bench.emit(Begun(None, "scene"))
@@ -130,7 +130,7 @@ class Measuring:
             race = Race(running, self._guarded, self._shuffle, lambda: self._news(running), self._deadline)
             race.run(self._finish)
             running = race.apart
-        self._plant_twin(running)
+        self._start_replicate(running)
         entries = [(cell, s) for cell in running for s in cell.samplers]
         while entries:
             self._shuffle(entries)
@@ -147,13 +147,13 @@ class Measuring:
         self.bench.emit(Synced())
         self.bench.emit(Share(sum(cell.share for cell in running)))
 
-    def _plant_twin(self, running: list[CellWork]) -> None:
+    def _start_replicate(self, running: list[CellWork]) -> None:
         """One cell of an experiment is sampled twice: the difference is the noise floor."""
         for cell in running:
-            served = [keys for keys in self._twins if cell.job.key in keys]
+            served = [keys for keys in self._replicates if cell.job.key in keys]
             if served and cell.checked and not cell.sampler.samples_ms:
-                cell.twin = Sampler(cell.job.cell.measure)
-                self._twins = [keys for keys in self._twins if keys not in served]
+                cell.replicate = Sampler(cell.job.cell.measure)
+                self._replicates = [keys for keys in self._replicates if keys not in served]
 
     def _guarded(self, cell: CellWork, step: Callable[[CellWork], None]) -> None:
         """Run a step of a cell that is not done; what goes wrong in it costs that cell alone."""

@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from mfr_bench.scene import generate
 
 from .conftest import TINY, apart
 
+ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.usefixtures("on_device")
 
 ODD = TINY.replace("size: [32, 24]", "size: [97, 71], pixel_density: 0.4, layout: tiles, seed: 4")
@@ -313,3 +315,9 @@ def test_a_parameter_that_the_method_lacks_is_one_line(mfr, here):
     ended = mfr("render", "other.yaml", "--method", "kplus-array", "--set", "kk=5", "--out", "o.png")
     assert ended.status == 2
     assert ended.err.count("\n") == 1
+
+
+def test_the_table_of_rounding_is_the_one_of_the_docs(mfr):
+    printed = mfr("methods", "--rounding").out
+    assert printed.count("\n") > 3
+    assert printed in (ROOT / "docs" / "accuracy.md").read_text()

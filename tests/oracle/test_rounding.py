@@ -8,7 +8,7 @@ import pytest
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Fitted, SceneStats
-from mfr_bench.oracle import rounding as stability
+from mfr_bench.oracle import rounding
 from mfr_bench.oracle.composite import composite
 from mfr_bench.scene import generate
 
@@ -18,19 +18,19 @@ NEAREST_FIRST = SCENE.rgba[SCENE.depth_order][:, None, :]
 
 
 def test_the_reference_is_the_oracle():
-    np.testing.assert_allclose(stability.exact(NEAREST_FIRST)[0], composite(SCENE)[0, 0], rtol=0, atol=1e-15)
+    np.testing.assert_allclose(rounding.exact(NEAREST_FIRST)[0], composite(SCENE)[0, 0], rtol=0, atol=1e-15)
 
 
-@pytest.mark.parametrize("way", stability.WAYS)
+@pytest.mark.parametrize("way", rounding.WAYS)
 def test_every_way_approaches_the_reference(way):
-    error = np.abs(stability.WAYS[way](stability.payloads(NEAREST_FIRST)) - stability.exact(NEAREST_FIRST)).max()
+    error = np.abs(rounding.WAYS[way](rounding.payloads(NEAREST_FIRST)) - rounding.exact(NEAREST_FIRST)).max()
     assert error < {"float16": 2e-2, "8 bits": 0.5}.get(way.split(", ")[1], 1e-5)
 
 
 @pytest.mark.parametrize("alpha", [(1, 1), (8, 8), (1, 30), (26, 153), (255, 255)])
 @pytest.mark.parametrize("layers", [1, 128, 4096])
 def test_transmittance_keeps_its_bound_and_the_promise(layers, alpha):
-    error = stability.errors(layers, alpha, pixels=16)["by transmittance, float32"]
+    error = rounding.errors(layers, alpha, pixels=16)["by transmittance, float32"]
     stats = SceneStats(W=1, H=1, n=layers, F=layers, primitives=layers)
     bound = Fitted(catalog()["ab-array"].variant({}), stats).error_bound()
     assert error <= min(bound, 2e-6 if layers <= 128 else 2e-5)
@@ -38,9 +38,9 @@ def test_transmittance_keeps_its_bound_and_the_promise(layers, alpha):
 
 def test_a_sum_of_opacities_leaks():
     """Why exact methods hold the transmittance: 1 - alpha stops at the last bit of 1, and every layer shows by it."""
-    found = stability.errors(4096, (8, 8), pixels=16)
+    found = rounding.errors(4096, (8, 8), pixels=16)
     assert found["under, float32"] > 20 * found["by transmittance, float32"]
 
 
 def test_the_page_holds_the_table():
-    assert stability.as_markdown() in (ROOT / "docs" / "accuracy.md").read_text()
+    assert rounding.as_markdown() in (ROOT / "docs" / "accuracy.md").read_text()

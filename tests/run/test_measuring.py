@@ -76,8 +76,8 @@ class Run:
         self.ledger.settle(force)
         try:
             for group in self.ledger.groups():
-                twins = self.ledger.without_floor([job.key for job in group])
-                self.measuring.group(Group(tuple(group), self.ledger.partials(group), twins, most_bytes=2**40))
+                replicates = self.ledger.without_floor([job.key for job in group])
+                self.measuring.group(Group(tuple(group), self.ledger.partials(group), replicates, most_bytes=2**40))
         finally:
             self.ledger.close()
 
@@ -115,7 +115,7 @@ def test_frames_are_interleaved(run):
     timer.frame_ms = lambda draw, repeats: (order.append(draw.__self__.variant.method.id), frame_ms(draw))[1]
     longer = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=15)
     run([cell(m, measure=longer) for m in ("floor", "zbuffer", "ab-array")], timer)
-    assert sorted(order.count(m) for m in set(order)) == [17, 17, 34]  # one of them has a twin
+    assert sorted(order.count(m) for m in set(order)) == [17, 17, 34]  # one of them has an A/A replicate
     assert sorted(order[:36].count(m) for m in set(order)) == [9, 9, 18]
 
 
@@ -136,7 +136,7 @@ def test_the_same_cell_twice_gives_the_noise_floor(run):
 
 
 def test_each_experiment_has_a_noise_floor_of_its_own(device, tmp_path):
-    """Two experiments that share a scene and no cell, a third that has the first one's cell: two cells have a twin."""
+    """Two experiments that share a scene and no cell, a third that has the first one's cell: two cells have one."""
     made = Run(device, [cell("ab-array")], Clock(), tmp_path / "first")
     others = [Sheet(ResultFolder(tmp_path / name), jobs([cell(method)], catalog(), device.info, "wall"))
               for name, method in (("second", "ab-ll"), ("third", "ab-array"))]
