@@ -72,6 +72,8 @@ class _Translator(Values):
     def _globals(self) -> Iterator[str]:
         for g in self.shader.globals:
             kind, name = g.variable.type, g.variable.name
+            if name in self.memory and "shared" not in g.qualifiers:
+                continue
             if "sampler" in kind.name:
                 self.samplers[name] = kind.name
             elif "image" in kind.name or "shared" in g.qualifiers or g.qualifiers & {"in", "uniform"}:

@@ -36,7 +36,7 @@ from .syntax import (
 )
 from .tokens import Locate, Tokens
 
-TYPES = frozenset({"void", "bool", "int", "uint", "float", "uint64_t", "int64_t",
+TYPES = frozenset({"void", "bool", "int", "uint", "float", "uint64_t", "int64_t", "atomic_uint",
                    *(f"{kind}vec{size}" for kind in ("", "u", "i", "b") for size in (2, 3, 4)),
                    *(f"{kind}{shape}" for kind in ("", "u", "i") for shape in (
                        "sampler2D", "sampler2DMS", "sampler2DArray", "image2D"))})

@@ -71,7 +71,7 @@ def _shader(number: int, p: FramePass, compiler: str, sites: Sites) -> str:
 
 
 def _slots(p: FramePass) -> dict[str, int]:
-    return {b.name: b.index for b in p.buffers} | dict.fromkeys(DIAGNOSTICS, len(p.buffers))
+    return {b.name: at for at, b in enumerate(p.buffers)} | dict.fromkeys(DIAGNOSTICS, len(p.buffers))
 
 
 def _locations(p: FramePass) -> dict[str, int]:
@@ -158,7 +158,7 @@ def _pass(frame: Frame, number: int, p: FramePass) -> str:
     step, state = p.step, p.step.state
     blends, blend_count = _blends(state)
     stencil = state.stencil
-    slots = {b.ref: b.index for b in p.buffers}
+    slots = {b.ref: at for at, b in enumerate(p.buffers)}
     written = [slots[ref] for ref in step.writes if ref in slots] if step.kind == "clear" else []
     depths = {t.name for t in frame.targets if t.attaches == "depth"}
     writes_depth = any(base_of(ref)[0] in depths for ref in step.into)

@@ -60,6 +60,7 @@ GIVEN = {
                              "Uint(inputs().local_y), Uint(0u)}",
 }
 LENGTH = "_length"  # of a buffer, as a uniform of its own
+COUNTER = "atomic_uint"  # the type of an atomic counter, a word of memory
 SETS = "xyzw", "rgba", "stpq"
 
 
@@ -132,6 +133,10 @@ class Values:
                 slot = self.stage.slots[runtime[0] if runtime and len(block.members) == 1 else name]
                 self.memory[name] = Buffered(str(slot), self.type(kind.name), self._part(kind.name),
                                              None if kind.lengths else word)
+        for counter in self.shader.globals:
+            name = counter.variable.name
+            if counter.variable.type.name == COUNTER and name in self.stage.slots:
+                self.memory[name] = Buffered(str(self.stage.slots[name]), "Uint", "Uint", 0)
         shared = [g for g in self.shader.globals if "shared" in g.qualifiers]
         for i, variable in enumerate(shared):
             kind = variable.variable.type
@@ -317,6 +322,8 @@ class Values:
 
     def _call(self, e: Call) -> str:
         name = e.name
+        if name == "atomicCounterIncrement":
+            name, e = "atomicAdd", Call(e.line, "atomicAdd", (*e.arguments, Number(e.line, "1u")))
         if name in ATOMICS:
             return self._atomic(e)
         if name in FENCES:

@@ -37,3 +37,8 @@ def test_hazards_show(method_id):
 def test_without_a_lock_fragments_are_lost():
     found = run(small_variant(catalog()["kplus-array"], ["sync=none"]), (4,), How(schedules=500), scenes=1)
     assert found.checker.promises_nothing and found.failed > 50
+
+
+def test_a_dedicated_atomic_counter_is_a_word_of_memory():
+    found = run(small_variant(catalog()["lin-post"], ["allocation=dedicated"]), (3, 2), How(schedules=1000), scenes=2)
+    assert found.failure is None
