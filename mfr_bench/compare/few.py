@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import cache
 from statistics import NormalDist, median, stdev
 
 import numpy as np
 
-from ..stats import ratio_interval, sampled_interval
+from ..stats import sampled_interval
 
 MEDIAN_EFFICIENCY = 1.2533  # standard error of a median over that of a mean, of normal samples
 SHARES = (0.683, 0.9, 0.95, 0.99)  # quantiles of the pooled distances; a normal tail covers the widest of them
@@ -32,8 +33,15 @@ class Frames:
 
     def __init__(self, cells: Iterable[Sequence[float]]):
         """From the samples of the cells, in ms. Cells of one sample tell nothing."""
-        told = sorted((median(samples), distance) for samples in cells for distance in _distances(samples))
-        self._medians_ms, self._distances = np.array(told).reshape(-1, 2).T
+        told = [samples for samples in cells if len(samples) > 1 and min(samples) > 0]
+        counts = np.array([len(samples) for samples in told], dtype=np.int64)
+        medians_ms = np.repeat([median(samples) for samples in told], counts)
+        times_ms = np.array([time_ms for samples in told for time_ms in samples])
+        distances = _distances(times_ms, medians_ms, np.repeat(counts, counts))
+        by_median = np.lexsort((distances, medians_ms))
+        self._medians_ms = medians_ms[by_median]
+        self._number = np.argsort(distances[by_median])  # in that order, of each frame from the least distance on
+        self._distances = distances[by_median][self._number]
 
     def deviation(self, time_ms: float) -> float:
         """Deviation of the logarithm of one frame's time, of frames that take about so long.
@@ -59,7 +67,7 @@ class Frames:
     def _near(self, time_ms: float) -> np.ndarray:
         """Distances of the frames that tell of such a time, ascending."""
         shorter = np.searchsorted(self._medians_ms, AS_LONG * time_ms)
-        return np.sort(self._distances[min(shorter, max(0, self._distances.size - FRAMES_LEAST)):])
+        return self._distances[self._number >= min(shorter, max(0, self._distances.size - FRAMES_LEAST))]
 
 
 def _at(ascending: np.ndarray, share: float) -> float:
@@ -67,14 +75,15 @@ def _at(ascending: np.ndarray, share: float) -> float:
     return float(ascending[math.ceil(share * ascending.size) - 1])
 
 
-def _distances(samples: Sequence[float]) -> list[float]:
-    """Logarithmic distances from the median, made longer by what a median of so few lies too near to them."""
-    if len(samples) < 2 or min(samples) <= 0:
-        return []
-    middle, scale = median(samples), math.sqrt(len(samples) / (len(samples) - 1))
-    return [scale * abs(math.log(sample / middle)) for sample in samples]
+def _distances(times_ms: np.ndarray, medians_ms: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Logarithmic distances of frames from the medians of their cells, which have `counts` frames each.
+
+    They are made longer by what a median of so few lies too near to them.
+    """
+    return np.sqrt(counts / (counts - 1)) * np.abs(np.log(times_ms / medians_ms))
 
 
+@cache
 def _quantile(share: float) -> float:
     """How many deviations hold this share of a normal distribution."""
     return NormalDist().inv_cdf((1 + share) / 2)
@@ -82,8 +91,10 @@ def _quantile(share: float) -> float:
 
 def log_ratio(over: Sequence[float], under: Sequence[float], frames: Frames) -> tuple[float, float] | None:
     """Logarithm of the ratio of two medians, and its standard error; None where either has no time."""
-    ratio = ratio_interval(over, under, CONFIDENCE)[1]
-    return (math.log(ratio), math.hypot(*(_error(side, frames) for side in (over, under)))) if ratio else None
+    medians_ms = [median(side) if side else 0.0 for side in (over, under)]
+    if not all(medians_ms):
+        return None
+    return math.log(medians_ms[0] / medians_ms[1]), math.hypot(*(_error(side, frames) for side in (over, under)))
 
 
 def _error(samples: Sequence[float], frames: Frames) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -61,6 +61,32 @@ def run(machine, seed, slower=None, factor=1.0, path="run", methods=METHODS, dev
             samples = sampled(random, middle, machine)[:counts and counts[changed]]
             cells.append(cell(f"m{method}", samples, {"depth_complexity": scene}, device))
     return side(cells, path, aa(random, machine))
+
+
+class Runs:
+    """Runs of a machine that differ in one cell: what they have in common is made once.
+
+    Each is what `run` makes with the same arguments, to within rounding.
+    """
+
+    def __init__(self, machine, methods=METHODS):
+        self.machine, self._methods, self._made = machine, methods, {}
+
+    def side(self, seed, counts=None):
+        """A run with nothing slower, `counts` frames of each cell; the frames that are taken are those of one draw."""
+        if (seed, counts) not in self._made:
+            self._made[seed, counts] = run(self.machine, seed, methods=self._methods, counts=(counts, counts))
+        return self._made[seed, counts]
+
+    def slowed(self, seed, method, scene, factor, counts=None, slowed=None):
+        """The same with the frames of one cell `factor` times as long, `slowed` of them."""
+        if factor == 1 and counts == slowed:
+            return self.side(seed, counts)
+        common, every = self.side(seed, counts), self.side(seed)
+        key = list(every.entries)[SCENES.index(scene) * self._methods + method]
+        samples = [factor * sample for sample in every.entries[key].point.cell["samples_ms"][:slowed]]
+        (entry,) = side([cell(f"m{method}", samples, {"depth_complexity": scene})]).entries.values()
+        return replace(common, entries=common.entries | {key: entry})
 
 
 def aa(random, machine):

@@ -1,5 +1,7 @@
 """`compare` as a gate: a slowdown in one of 28 cells, and none, on machines that are never twice the same."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from mfr_bench.compare.few import Frames
 from mfr_bench.compare.judge import FASTER, SAME, SLOWER
 from mfr_bench.compare.noise import MOST_STRETCH, Shift, estimate
 
-from .planted import SCENES, Machine, cell, run, side
+from .planted import SCENES, Machine, Runs, cell, run, side
 
 METHODS = 14  # in two scenes: 28 cells
 SEEDS = 50
@@ -18,53 +20,51 @@ TAILS = ("normal", "laplace", "t3", "bursts")
 MANY = None  # frames of a cell: 10 to 49
 
 
-def gate(machine, factor, seed, before=MANY, after=MANY, slowed=MANY):
+def gate(runs, factor, seed, before=MANY, after=MANY, slowed=MANY):
     """Whether the slowed cell is found, and whether any other is called a change.
 
     `before`, `after`: frames of each cell of a side; `slowed`: of the slowed cell, after.
     """
     method, scene = seed % METHODS, SCENES[seed % 2]
-    old = run(machine, 2 * seed, methods=METHODS, counts=(before, before))
-    new = run(machine, 2 * seed + 1, slower=method, factor=factor, methods=METHODS, alone=scene,
-              counts=(after, slowed))
+    old, new = runs.side(2 * seed, before), runs.slowed(2 * seed + 1, method, scene, factor, after, slowed)
     called = [(v.after.point.method, v.after.point.cell["scene"]["depth_complexity"], v.verdict)
               for v in compare(old, new).verdicts if v.verdict in (SLOWER, FASTER)]
     planted = (f"m{method}", scene, SLOWER)
     return planted in called, any(c != planted or factor == 1 for c in called)
 
 
-def gates(machine, factor, **counts):
+def gates(runs, factor, **counts):
     """Of SEEDS comparisons: those that find the slowdown, and those that call something else a change."""
-    found = [gate(machine, factor, seed, **counts) for seed in range(SEEDS)]
+    found = [gate(runs, factor, seed, **counts) for seed in range(SEEDS)]
     return sum(hit for hit, _ in found), sum(alarm for _, alarm in found)
 
 
-@pytest.fixture(params=[(name, tails) for name in MACHINES for tails in TAILS], ids="-".join)
-def machine(request):
+@pytest.fixture(params=[(name, tails) for name in MACHINES for tails in TAILS], ids="-".join, scope="module")
+def runs(request):
+    """The runs of a machine, for all tests of it in turn."""
     name, tails = request.param
-    planted = MACHINES[name]
-    return Machine(planted.cv, planted.shift, tails, planted.load)
+    return Runs(replace(MACHINES[name], tails=tails), METHODS)
 
 
 @pytest.mark.parametrize("factor", [1.0, 1.05, 1.3])
-def test_at_most_1_comparison_in_20_calls_a_change_that_is_none(machine, factor):
-    assert gates(machine, factor)[1] <= SEEDS / 20
+def test_at_most_1_comparison_in_20_calls_a_change_that_is_none(runs, factor):
+    assert gates(runs, factor)[1] <= SEEDS / 20
 
 
-def test_a_run_of_single_samples_raises_no_more_alarms(machine):
-    assert gates(machine, 1.0, before=1, after=1, slowed=1)[1] <= SEEDS / 20
+def test_a_run_of_single_samples_raises_no_more_alarms(runs):
+    assert gates(runs, 1.0, before=1, after=1, slowed=1)[1] <= SEEDS / 20
 
 
-def test_twice_the_time_is_found_from_7_samples_a_side(machine):
-    found, alarms = gates(machine, 2.0, before=7, after=7, slowed=7)
+def test_twice_the_time_is_found_from_7_samples_a_side(runs):
+    found, alarms = gates(runs, 2.0, before=7, after=7, slowed=7)
     assert found >= 0.95 * SEEDS and alarms <= SEEDS / 20
 
 
 @pytest.mark.parametrize("factor", [10.0, 100.0])
 @pytest.mark.parametrize("counts", [{"slowed": 1}, {"before": 1, "after": 1, "slowed": 1}],
                          ids=["one-sample-of-the-slow-cell", "one-sample-of-each"])
-def test_10_and_100_times_the_time_are_always_found_from_one_sample(machine, factor, counts):
-    found, alarms = gates(machine, factor, **counts)
+def test_10_and_100_times_the_time_are_always_found_from_one_sample(runs, factor, counts):
+    found, alarms = gates(runs, factor, **counts)
     assert found == SEEDS and alarms <= SEEDS / 20
 
 
@@ -93,6 +93,16 @@ def test_a_stalled_frame_of_seven_does_not_hide_ten_times_the_time():
     new[3]["samples_ms"] = [10 * s for s in new[3]["samples_ms"]]
     called = [v.name for v in compare(side(old), side(new)).verdicts if v.verdict == SLOWER]
     assert called == ["m1, n 32"]
+
+
+def test_shared_runs_are_the_runs_made_one_by_one():
+    noisy = MACHINES["noisy"]
+    for counts in ((MANY, MANY), (MANY, 1), (7, 7)):
+        alone = run(noisy, 5, slower=3, factor=10.0, methods=METHODS, alone=32, counts=counts)
+        shared = Runs(noisy, METHODS).slowed(5, 3, 32, 10.0, *counts)
+        assert list(alone.entries) == list(shared.entries) and alone.noise == shared.noise
+        for one, other in zip(alone.entries.values(), shared.entries.values(), strict=True):
+            assert one.point.cell["samples_ms"] == pytest.approx(other.point.cell["samples_ms"], rel=1e-12)
 
 
 def test_few_samples_are_not_called_the_same():
