@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from .interruption import Interruption
-from .options import DEVICE, JSON, PROFILE, SET, ConfigName, MethodName, OutPath, first_experiment, method
+from .options import DEVICE, JSON, PROFILE, SET, ConfigName, MethodName, OutPath, PassName, first_experiment, method
 from .output import note, say, width
 
 WRONG = 3
@@ -311,7 +311,7 @@ def _png(image) -> bytes:
 
 @click.command()
 @click.argument("method_id", metavar="METHOD", type=MethodName())
-@click.option("--pass", "pass_name", metavar="NAME", help="Only the pass of this name.")
+@click.option("--pass", "pass_name", metavar="NAME", type=PassName(), help="Only the pass of this name.")
 @click.option("--config", default="smoke", show_default=True, type=ConfigName(),
               help="The config whose first cell gives parameters and sizes.")
 @PROFILE

@@ -44,6 +44,55 @@ class MethodName(click.ParamType):
         return [CompletionItem(f"{done},{i}" if done else i) for i in catalog() if i.startswith(last)]
 
 
+def _arguments(context) -> list[str]:
+    """The arguments before an option that is being completed: click does not assign them while it lacks its value."""
+    assigned = context.params.get("configs") or [context.params[n] for n in ("config", "method_id") if
+                                                 context.params.get(n)]
+    return [*context.args, *assigned]
+
+
+class ProfileName(click.ParamType):
+    """The name of a profile, completed from the configs that the command line has so far."""
+
+    name = "profile"
+
+    def shell_complete(self, context, param, incomplete):
+        from click.shell_completion import CompletionItem
+
+        from ..config.load import profile_names
+
+        return [CompletionItem(name) for name in profile_names(_arguments(context)) if name.startswith(incomplete)]
+
+
+class SettingText(click.ParamType):
+    """KEY=VALUE, completed up to the equals sign."""
+
+    name = "setting"
+
+    def shell_complete(self, context, param, incomplete):
+        from click.shell_completion import CompletionItem
+
+        from ..config.layers import KEYS
+        from ..methods import catalog
+
+        params = (p.name for method in catalog().values() for p in method.params)
+        return [CompletionItem(f"{key}=") for key in dict.fromkeys([*params, "r", *KEYS]) if key.startswith(incomplete)]
+
+
+class PassName(click.ParamType):
+    """The name of a pass, completed from the method that the command line has so far."""
+
+    name = "pass"
+
+    def shell_complete(self, context, param, incomplete):
+        from click.shell_completion import CompletionItem
+
+        from ..methods import catalog
+
+        chosen = next((catalog()[word] for word in _arguments(context) if word in catalog()), None)
+        return [CompletionItem(name) for name in (chosen.pass_names if chosen else ()) if name.startswith(incomplete)]
+
+
 class OutPath(click.Path):
     """Where to write: an empty name, as an unset variable gives it, is none."""
 
@@ -83,9 +132,10 @@ class DeviceName(click.ParamType):
 DEVICE = click.option("--device", type=DeviceName(), default="auto", show_default=True, metavar="DEVICE",
                       help="The OpenGL device. auto: a GPU where there is one, else a software driver on the CPU; "
                            "gpu; cpu; or an index, UUID, PCI address or part of a name as doctor lists them.")
-SET = click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE",
+SET = click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", type=SettingText(),
                    help="Change a key of the config, e.g. k=8 or scene.size=[64,64]; may be repeated.")
-PROFILE = click.option("--profile", metavar="NAME", help="Lay this profile of the config over it, e.g. smoke.")
+PROFILE = click.option("--profile", metavar="NAME", type=ProfileName(),
+                       help="Lay this profile of the config over it, e.g. smoke.")
 FORCE = click.option("--force", is_flag=True, help="Measure cells again that the folder already has.")
 KEEP_FAILED = click.option("--keep-failed", is_flag=True, help="Keep cells that crashed, timed out or ran out of "
                            "memory; else they are measured again.")

@@ -65,6 +65,19 @@ def find(reference: str) -> list[Path]:
     raise UsageError(f"{reference}: no such file, folder or shipped config; {one_of(reference, names)}")
 
 
+def profile_names(references: Sequence[str]) -> list[str]:
+    """The profiles of the configs, each once; none of a config that cannot be found or read."""
+    found: dict[str, None] = {}
+    for reference in references:
+        try:
+            texts = [path.read_text() for path in find(reference)]
+        except (UsageError, OSError, UnicodeDecodeError):
+            continue
+        for text in texts:
+            found.update(dict.fromkeys(read(text, reference)[0].mapping("profiles")))
+    return list(found)
+
+
 def _files(folder: Path) -> list[Path]:
     return sorted(p for p in folder.iterdir() if p.suffix in SUFFIXES and p.is_file())
 

@@ -63,6 +63,10 @@ def completed(words):
     ("mfr-bench ta", ["table"]), ("mfr-bench run smo", ["smoke"]), ("mfr-bench run smoke --dev", ["--device"]),
     ("mfr-bench run smoke --device c", ["cpu"]), ("mfr-bench shader kplus-h", ["kplus-heap"]),
     ("mfr-bench run smoke --only zbuffer,kplus-h", ["zbuffer,kplus-heap"]),
+    ("mfr-bench run smoke --profile sm", ["smoke"]), ("mfr-bench render smoke --profile sm", ["smoke"]),
+    ("mfr-bench run smoke --profile zz", []), ("mfr-bench run no-such-config --profile sm", []),
+    ("mfr-bench run smoke --set scene.fragment_p", ["scene.fragment_probability="]),
+    ("mfr-bench run smoke --set stop_op", ["stop_opacity="]), ("mfr-bench shader kplus-array --pass res", ["resolve"]),
 ])
 def test_shells_complete_names(words, found):
     assert completed(words)[:len(found)] == found
