@@ -174,7 +174,8 @@ def _pass(frame: Frame, number: int, p: FramePass) -> str:
         f"{('always', 'equal').index(stencil.test) + 1}" if stencil else "0",
         f"{('increment', 'decrement').index(stencil.update) + 1}" if stencil else "0",
         str(stencil.reference if stencil else 0), _bool(step.region), _bool(step.by_tile), _bool(p.concurrent),
-        _bool(step.counts), _bool(step.counts and frame.capacity_is_counted), "false",
+        _bool(step.counts), _bool(step.counts and frame.capacity_is_counted),
+        _bool(frame.variant.scope.get("sync") in ("interlock", "ordered")),
         _bool(_uses_mask(p)), str(p.instances), str(p.groups), local[0], str(command),
         str(step.defines.get("CLASS", -1)), "{" + ", ".join(map(str, written)) + "}", str(len(written)), local[1],
     ]

@@ -246,7 +246,7 @@ void set_order() {
 
 void shade(const PassDesc& p) {
     m.solo = !p.concurrent || m.options.mode == SEQUENTIAL;
-    lockstep_on = m.options.warp > 0 && !m.solo && p.kind != COMPUTE;
+    lockstep_on = m.options.warp > 0 && !m.solo && p.kind != COMPUTE && !p.interlocked;
     if (m.options.mode == PRIORITY)
         for (int i = 0; i < m.used; ++i) m.fibers[size_t(i)].priority = 1 + int(m.random.below(1u << 20));
     set_order();
