@@ -46,7 +46,7 @@ def draws_in_software(renderer: str) -> bool:
 
 
 def versions() -> dict[str, str | None]:
-    """Of this program, Python, the system, and the packages that measure."""
+    """The versions of this program, Python, the system, and the packages that measure."""
     return {"mfr-bench": __version__, "python": platform.python_version(), "system": platform.platform(),
             **{name: _version(name) for name in PACKAGES}}
 

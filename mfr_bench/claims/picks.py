@@ -160,7 +160,7 @@ def _fastest(points: list[Point]) -> list[Point]:
 
 
 def coordinates(*points: Point) -> dict[str, Any]:
-    """Where a comparison was made: viewport, n, p_d, f_p, order, layout, opacity, and the first cell's parameters."""
+    """The point of a comparison: viewport, n, p_d, f_p, order, layout, opacity, and the first cell's parameters."""
     first = points[0]
     names = ("size", "depth_complexity", "pixel_density", "fragment_probability", "order", "layout", "opacity")
     own = {name: value for point in reversed(points) for name, value in point.cell["params"].items()}

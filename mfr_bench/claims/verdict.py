@@ -75,7 +75,7 @@ class Finding:
 
     @property
     def deciding(self) -> Comparison | None:
-        """Of the comparisons with the rule's outcome, the one that is furthest from holding."""
+        """The comparison that is furthest from holding, of those with the rule's outcome."""
         return min((c for c in self.tested if c.outcome is self.outcome), key=lambda c: c.margin, default=None)
 
     @property

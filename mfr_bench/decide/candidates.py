@@ -55,7 +55,7 @@ def candidates(catalog: Mapping[str, Method], question: Question,
 
 def within_time(found: list[Candidate], excluded: list[Excluded],
                 left_s: float) -> tuple[list[Candidate], list[Excluded]]:
-    """As many candidates as can be compiled and checked in the time; the others are excluded for lack of it.
+    """Keep as many candidates as can be compiled and checked in the time; the others are excluded for lack of it.
 
     A method's first candidate comes before any method's second.
     """

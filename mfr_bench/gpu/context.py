@@ -85,7 +85,7 @@ class Device:
 
     @cached_property
     def failed_trials(self) -> dict[str, str]:
-        """Of each offered feature that a trial finds wrong, the trial and what it found."""
+        """The trial that found an offered feature wrong, and what it found, by feature."""
         return self.trials.failed(self)
 
     @property

@@ -258,7 +258,7 @@ class PassRunner:
         yield self._switch(rawgl.MULTISAMPLE, state.multisample)
 
     def _blending(self, state: State) -> Iterator[Callable[[], None]]:
-        """Of all locations alike, or of each its own way."""
+        """Set the blending, one for all output locations or one for each."""
         yield self._switch(rawgl.BLEND, state.blend or state.blends)
         if state.blend:
             equation, source, destination = state.blend

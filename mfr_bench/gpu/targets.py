@@ -45,7 +45,7 @@ class Texture:
 
     @property
     def bytes(self) -> int:
-        """Of all samples and layers."""
+        """The size of the target in bytes, with all samples and layers."""
         return int(4 * FORMAT_WORDS[self.format]) * self.size[0] * self.size[1] * self.samples * max(1, self.layers)
 
     def attach(self, attachment: int) -> None:

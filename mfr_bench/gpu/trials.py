@@ -273,7 +273,7 @@ TRIALS = (
 
 
 def failed(device: Device) -> dict[str, str]:
-    """Of each feature that the device offers and that fails its trial, the trial and what it found."""
+    """The trial that found an offered feature wrong, and what it found, by feature."""
     found = {}
     for trial in TRIALS:
         if trial.feature in device.offered:

@@ -1,4 +1,4 @@
-"""What the methods are held to: the oracle of the scene on the device, whichever kind it is."""
+"""The oracle of the scene on the device, of whichever kind; the images of methods are checked against it."""
 
 from __future__ import annotations
 

@@ -66,7 +66,7 @@ def _passed(frame: Frame, draw: Callable[[], None]) -> int:
     return samples
 
 
-def entered_map(frame: Frame) -> np.ndarray | None:
+def admitted_map(frame: Frame) -> np.ndarray | None:
     """uint32 (H, W): fragments that asked for the lock, or were stored without it.
 
     Draws a frame. The others were discarded before: by early z, or by the test that needs no lock. None for a method

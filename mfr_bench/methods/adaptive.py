@@ -103,7 +103,7 @@ BUDGETED = Above(MEMORY_MB.name, (0.0,))
 
 @dataclass(frozen=True)
 class Layout:
-    """Where cells lie: which frames have them there, and how the shaders are told."""
+    """A layout of the cells in memory: the frames that use it, and the defines that select it in the shaders."""
 
     runs_in: Callable[[Plan], bool]
     defines: Mapping[str, int]
@@ -175,7 +175,7 @@ def _resolve(index: int, layout: Layout) -> Pass:
 
 
 def _resolver(most: int) -> str:
-    """Of pixels with up to `most` fragments."""
+    """The file that resolves pixels with up to `most` fragments."""
     return "network" if most < HALVES else "halves" if most == HALVES else "nearest"
 
 

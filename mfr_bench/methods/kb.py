@@ -2,7 +2,7 @@
 
 They aim at the k nearest fragments and are right where the fragments of a pixel come one by one; what the hazards
 cost is measured, not promised. Words are those of Table 1 of kplus_2015 without attribute packing, `beside` says
-where more is held.
+where more is stored.
 
 The original stores a pixel's slots in render targets that the shader reads and writes at once, at most 8 of them,
 or 16 packed; here they are storage buffers, with the same lack of exclusion, kept to the same 16. A greater k

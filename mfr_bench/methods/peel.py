@@ -7,7 +7,7 @@ peel-bucket composites the fragments that it peels from the front and from the b
 memory does not grow with the scene: 8 words for both colours of a bucket, 2 for its edges and 2 for those to come,
 2 for the colours just peeled.
 
-peel-srab takes fragments in order of arrival, so all must be held until they are sorted. Its source keeps the
+peel-srab takes fragments in order of arrival, so all must be stored until they are sorted. Its source keeps the
 targets of all passes, 2 words per sample, and 1 word per sample of depth and stencil. Here each pass copies its
 targets into an array (2n words, 2 words per sample more) and notes for each sample the primitive that it came
 from (1 word per sample), for each pixel where the next pass resumes and how many fragments it has (2 words). The

@@ -183,7 +183,7 @@ class Fragments:
 
     def composite(self, layers: int | None = None, criterion: str = "nearest",
                   payload: np.ndarray | None = None) -> np.ndarray:
-        """As `composite` of a scene of flat quads."""
+        """Composite every pixel, as the `composite` of a scene of flat quads does."""
         flat, payload = self.counts.ravel(), self.scene.rgba / 255.0 if payload is None else payload
         image = np.empty((flat.size, 4))
         for pixels, part in in_chunks(flat):

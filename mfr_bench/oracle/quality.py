@@ -45,7 +45,7 @@ def quality(image: np.ndarray, full: np.ndarray, with_flip: bool = True) -> dict
 
 
 def _worst(error: np.ndarray) -> tuple[float, int]:
-    """Of the pixels' errors the largest, and how many are wrong."""
+    """The largest error of a pixel, and the number of wrong pixels."""
     return float(error.max()), int(np.count_nonzero(error > WRONG_PIXEL))
 
 

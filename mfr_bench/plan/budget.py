@@ -35,7 +35,7 @@ class TimeBudget:
 
 
 def coarseness(cells: Sequence[Cell]) -> list[int]:
-    """Of each cell of an experiment, how fine a look at its axes needs it: 0 for the ends of every axis.
+    """How fine a look at the axes needs each cell of an experiment: 0 for the ends of every axis.
 
     1 adds the middle of each, 2 the quarters, and so on. A cell is as fine as the finest of its places.
     """
@@ -44,7 +44,7 @@ def coarseness(cells: Sequence[Cell]) -> list[int]:
 
 
 def _depths(cells: Sequence[Cell]) -> dict[str, dict[Any, int]]:
-    """Of each axis, the depth of each of its values, in the order in which cells bring them."""
+    """The depth of each value of each axis, in the order in which cells bring them."""
     values: Mapping[str, dict[Any, None]] = defaultdict(dict)
     for cell in cells:
         for axis, value in cell.point.items():

@@ -16,7 +16,7 @@ FAULTS = {  # in the order in which they are looked for
     "hung": "the cell ran out of time",
     "refused": "the method, the device or the budget forbids the cell",
     "lost": "fragments are lost, by the method's own count",
-    "ties": "equal depths of different colours: all are held, and show otherwise than in the order of submission",
+    "ties": "equal depths of different colours: all are stored, and show otherwise than in the order of submission",
     "image": "an exact method's image is wrong, or differs from frame to frame",
     "bound": "an exact method's error exceeds what rounding explains",
     "differs": "an approximate method's image differs from the one that it aims at",

@@ -15,7 +15,7 @@ HEAD = """# Conformance
 
 Every method against the float64 oracle, as `mfr-bench conformance DIR...` prints it from results of
 `mfr-bench run conformance determinism`. Each number is the worst of all cells of its row: wrong pixels are those with a
-channel error above 1/512 in one image; kept is how many fragments the method held, counted in its memory, over how many
+channel error above 1/512 in one image; kept is how many fragments the method stored, counted in memory, over how many
 it promises to, empty where it holds none; lost fragments are those that it counted itself; images are the distinct ones
 of {frames} frames. A cell that the device cannot run is not counted as ok.
 """

@@ -14,7 +14,7 @@ from ..errors import CapacityError, MfrError
 from ..gpu.context import Device
 from ..gpu.frame import Frame
 from ..gpu.timers import Timer, repeats_for
-from ..gpu.work import entered_map, work_of
+from ..gpu.work import admitted_map, work_of
 from ..measure.sampling import Sampler
 from ..measure.split import Split
 from ..methods.spec import Fitted, Variant
@@ -55,10 +55,10 @@ class CellWork:
         self.replicate: Sampler | None = None  # the A/A replicate: the same again, for the noise floor
         self.passes = {name: list(times_ms) for name, times_ms in partial.passes.items()}
         self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
-        self.done = False  # its row is told
+        self.done = False  # its result was sent
         self.repeats = 1  # frames in a sample
         self.pass_frames = PASS_FRAMES  # frames whose passes are timed
-        self._told = len(self.sampler.samples_ms)  # samples that are no news
+        self._told = len(self.sampler.samples_ms)  # samples already sent
         self.frame = self._drawn()
         try:
             self._check()
@@ -130,7 +130,7 @@ class CellWork:
         return self.scene.conformance(self.variant, image) if self.checked else {}
 
     def batch(self, sampler: Sampler) -> None:
-        """As many frames as the sampler wants next; where it is warm, one whose passes are timed as well."""
+        """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed."""
         self._begin("sampling")
         for _ in sampler.turn():
             self.bench.stop_if_asked()
@@ -226,8 +226,8 @@ class CellWork:
         found = {}
         if "fragments" in wanted:
             found["fragments"] = truth.counts
-        if "discarded" in wanted and (entered := entered_map(self.frame)) is not None:
-            found["discarded"] = truth.counts - entered
+        if "discarded" in wanted and (admitted := admitted_map(self.frame)) is not None:
+            found["discarded"] = truth.counts - admitted
         if self.checked and {"image", "error", "loss"}.intersection(wanted):
             image = self.frame.image()
             with self._checking():
@@ -247,13 +247,13 @@ class CellWork:
             self._hold_against_promise(self.frame.image())
 
     def _hold_against_promise(self, image: np.ndarray) -> None:
-        """Of all images that are looked at the worst counts."""
+        """Check an image against the promise; the worst of all images that are checked counts."""
         with self._checking():
             again = self._conformance(image)
         self.conformance = {name: max(value, again[name]) for name, value in self.conformance.items()}
 
     def _noise_floor_rel(self) -> float | None:
-        """How far apart the cell and its A/A replicate are, at most."""
+        """The largest relative difference between the cell and its A/A replicate; None without one."""
         if self.replicate is None:
             return None
         measure = self.job.cell.measure
@@ -283,17 +283,18 @@ class CellWork:
         return len(images)
 
     def _shares(self) -> dict[str, float | None]:
-        """Of the fragments generated: those kept, those that the promise keeps, and those discarded before the store.
+        """The shares of the fragments that are kept, that the promise keeps, and that are discarded before the store.
 
-        They are of the scene on the device. What the method's memory cannot be asked for is as promised.
+        All are shares of the fragments that the scene on the device generates. A count that the method's memory does
+        not show is taken to be as promised.
         """
         stats = self.scene.shown
         if not self.checked or not stats.F:
             return {"hit_ratio": None, "promised_ratio": None, "discarded_share": None}
         counted, promised = self.frame.probe(), Fitted(self.variant, stats).kept()
-        arrived = counted.get("shaded_fragments")
+        shaded = counted.get("shaded_fragments")
         return {"hit_ratio": counted.get("stored_fragments", promised) / stats.F, "promised_ratio": promised / stats.F,
-                "discarded_share": None if arrived is None else 1 - arrived / stats.F}
+                "discarded_share": None if shaded is None else 1 - shaded / stats.F}
 
 
 def verdict(variant: Variant, conformance: Mapping[str, float | int], lost: int,

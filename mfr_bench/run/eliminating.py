@@ -35,7 +35,7 @@ class Race:
         return bound is not None and cell.quality["max_error_all"] > bound
 
     def _may_drop(self, faster: str, slower: str) -> bool:
-        """With a bound of the error every method that keeps it is as good; without, error and memory count too."""
+        """Tell whether the slower cell may go: under a bound on the error, or if its error and memory are no better."""
         if self._measure.max_error is not None:
             return True
         one, other = self._cells[faster], self._cells[slower]

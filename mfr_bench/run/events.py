@@ -17,8 +17,8 @@ from .jobs import Job
 class Group:
     """Measure these cells of one scene. `partials`: samples by key that earlier processes took.
 
-    Of each set of keys in `replicates` one cell is sampled twice, for the noise floor. most_bytes: of main memory, for
-    the process.
+    One cell of each set of keys in `replicates` is sampled twice, for the noise floor. most_bytes: main memory that the
+    process may take.
     """
 
     jobs: tuple[Job, ...]

@@ -79,7 +79,7 @@ class Ledger:
         return [list(pending[group].values()) for group in order]
 
     def _looks(self) -> dict[str, int]:
-        """Of each key, the coarsest look that needs it in any experiment."""
+        """The coarsest look that needs each key in any experiment."""
         found: dict[str, int] = {}
         for sheet in self.sheets:
             for key, look in zip(sheet.jobs, coarseness([job.cell for job in sheet.jobs.values()]), strict=True):
@@ -107,7 +107,7 @@ class Ledger:
             self._home(batch.key).add(batch.key, self._session, batch.samples_ms, batch.passes)
 
     def add_split(self, seconds: Mapping[str, float]) -> None:
-        """Where the worker's time went."""
+        """The worker's time by kind of work."""
         for kind, spent_s in seconds.items():
             self.split.seconds[kind] = self.split.seconds.get(kind, 0.0) + spent_s
 

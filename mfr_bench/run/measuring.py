@@ -148,7 +148,7 @@ class Measuring:
         self.bench.emit(Share(sum(cell.share for cell in running)))
 
     def _start_replicate(self, running: list[CellWork]) -> None:
-        """One cell of an experiment is sampled twice: the difference is the noise floor."""
+        """Sample one cell of each experiment twice: the difference is the noise floor."""
         for cell in running:
             served = [keys for keys in self._replicates if cell.job.key in keys]
             if served and cell.checked and not cell.sampler.samples_ms:

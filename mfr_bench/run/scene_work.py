@@ -44,12 +44,12 @@ class SceneWork:
 
     @property
     def frames(self) -> list[SceneStats]:
-        """Of every frame of an animation."""
+        """The statistics of every frame of an animation."""
         return list(self._stats.values())
 
     @property
     def shown(self) -> SceneStats:
-        """Of the scene on the device now."""
+        """The statistics of the scene on the device now."""
         return self._stats[id(self.scene_buffer.scene)]
 
     def show(self, frame: int) -> Geometry:

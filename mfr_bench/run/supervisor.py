@@ -50,7 +50,7 @@ class Hand:
         self._since = self._looked = time.monotonic()
 
     def accuse(self) -> None:
-        """The worker is being killed for what is in hand now: what it may still say changes no blame."""
+        """Note that the worker is killed for its current cell; whatever it sends later does not change the blame."""
         self._accused = True
 
     def take(self, key: str | None, phase: str) -> None:

@@ -11,7 +11,7 @@ from mfr_bench.gpu.scene_buffer import SceneBuffer
 from mfr_bench.gpu.single import shown
 from mfr_bench.gpu.targets import Canvas
 from mfr_bench.gpu.truth import Truth, true_stats
-from mfr_bench.gpu.work import entered_map
+from mfr_bench.gpu.work import admitted_map
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Fitted, Promise
 from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
@@ -219,20 +219,20 @@ def test_culling_refuses_what_the_order_lets_it(device, method, order, culling):
     counts = fragment_counts(scene)
     expected = np.minimum(counts, 4) if order == "front_to_back" else counts
     with drawn(device, method, scene, k=4, culling=culling) as frame:
-        entered = entered_map(frame)
-        np.testing.assert_array_equal(entered, expected)
+        admitted = admitted_map(frame)
+        np.testing.assert_array_equal(admitted, expected)
 
 
 def test_early_z_keeps_fragments_from_the_lock(device):
     scene = generate(SceneConfig(size=(33, 21), depth_complexity=40, order="back_to_front", seed=5))
     with drawn(device, "kplus-array", scene, k=4, occupancy=32) as frame:
-        entered = entered_map(frame)
-        assert entered.sum() == frame.probe()["shaded_fragments"] < 0.5 * 40 * 33 * 21
-        assert entered.min() >= 4
+        admitted = admitted_map(frame)
+        assert admitted.sum() == frame.probe()["shaded_fragments"] < 0.5 * 40 * 33 * 21
+        assert admitted.min() >= 4
 
 
 def test_a_method_that_has_no_lock_or_meets_fragments_again_has_no_map(device):
     scene = generate(SceneConfig(size=(33, 21), depth_complexity=12))
     for method, params in (("kb-mdt32", {"k": 4}), ("peel-kplus", {"k": 4}), ("ab-array", {})):
         with drawn(device, method, scene, **params) as frame:
-            assert entered_map(frame) is None
+            assert admitted_map(frame) is None

@@ -32,10 +32,10 @@ ACCUMULATE = Param(
     choices=("float32", "compensated", "float16", "unorm8"),
     weakens={"float16": "rounded to 11 bits after each fragment: a layer behind an opacity of 0.9995 is lost",
              "unorm8": "rounded to 8 bits after each fragment, an error of up to n/510"})
-# Of `resolve`; a method may offer some or all.
+# Options of `resolve`; a method may offer some or all.
 RESOLVE_OPTIONS = (SORT, LOCAL_ARRAY, BMA, STAGE, ACCUMULATE, STOP_OPACITY)
 REUSE_COUNT = Param("reuse_count", "off", "fragments are counted, and ranges made, in every frame (off), or in the "
-                    "first frame of a scene for all that follow until it changes (on): frames of a still scene are "
+                    "first frame of a scene for all that follow until it changes (on): frames of a static scene are "
                     "then timed without their count", choices=ON_OFF)
 ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emulated by 32-bit ones",
                  choices=("native", "emulated"), needs={"native": "shader_atomic_int64"})

@@ -64,7 +64,7 @@ class Method:
     leaves_out: str | None = None  # the parameter that bounds the error of leaving out fragments far behind others
     deepest: int | None = None  # most fragments of a pixel that the method can hold
     most_layers: str | None = None  # the nearest fragments that its parameters leave of all, 0: every one; a formula
-    mixes: bool = False  # its image stands for every fragment, whatever its k; few or none are held as they were
+    mixes: bool = False  # its image stands for every fragment, whatever its k; few or none are stored as they were
     exact_where: str | None = None  # where an approximate method is exact all the same: a formula, e.g. "n <= k"
     merges: bool = False  # composites groups of fragments by themselves before they are stacked
 
