@@ -11,7 +11,7 @@ from typing import Any
 from ..store.status import STATUSES
 from .output import note, place
 
-ENOUGH = 0.1  # cells; from fewer no time is foretold
+ENOUGH = 0.1  # cells; from fewer no time is predicted
 STOPPING = "stopping; Ctrl-C again ends at once"
 
 

@@ -1,4 +1,4 @@
-"""One run from its plans to its reports: what is kept and shared, what is measured, what is told of it."""
+"""Carries one run from its plans to its reports: what is kept and shared, what is measured, what is printed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 from .output import note, say, width
 from .report_commands import write_report
 
-# What a manifest tells of the run that measured: a run that finds everything measured leaves it alone.
+# What a manifest says of the run that measured: a run that finds everything measured leaves it alone.
 OF_THE_MEASURING = ("started", "calibration", "versions", "environment", "calibration_end", "calibration_drift",
                     "split_s", "noise_floor_rel")
 
@@ -216,7 +216,7 @@ def _ok_first(entry: tuple[str, int]) -> tuple[bool, str]:
 
 
 def manifest(experiment, todo, ready) -> dict[str, Any]:
-    """What a result folder tells of its experiment, device and run."""
+    """The manifest of a result folder: its experiment, device and run."""
     from .. import environment
 
     return {

@@ -1,4 +1,4 @@
-"""`stress`: the shipped stressors through the same machinery as `run`; tells where each method breaks."""
+"""`stress`: the shipped stressors through the same machinery as `run`; says where each method breaks."""
 
 from __future__ import annotations
 

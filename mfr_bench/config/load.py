@@ -87,7 +87,7 @@ def _reading_order(problem: Problem) -> tuple:
 
 
 def _new(found: Sequence[Problem], known: Sequence[Problem]) -> list[Problem]:
-    """The problems at places that had none: a mistake is told once, though a layer may change its words."""
+    """The problems at places that had none: a mistake is reported once, though a layer may change its words."""
     places = {problem.place for problem in known}
     return [problem for problem in found if problem.place not in places]
 
@@ -139,7 +139,7 @@ class _Loader:
 
     def _profile(self, base: Document, name: str, known: Sequence[Problem],
                  path: Path) -> tuple[Document, Experiment | None, list[Problem]]:
-        """The base under a profile, checked. Its own mistakes are told, at the profile's lines."""
+        """Check the base under a profile. The profile's own mistakes are reported at its lines."""
         document, problems = overlay(base, profile_layer(base, name), self.parameters)
         experiment, found = check(document, self.catalog, path)
         home = base.place(("profiles", name))

@@ -164,10 +164,10 @@ def _measured(row: Mapping[str, Any]) -> Frame | None:
 
 def rates_of(runs: Iterable[tuple[Mapping[str, Any], Sequence[Mapping[str, Any]]]],
              calibration: Mapping[str, Any]) -> Rates:
-    """Rates by what earlier runs tell of their time, else by default. `runs`: manifests with their cell records."""
-    told: Counter[str] = Counter()
+    """Rates by what earlier runs say of their time, else by default. `runs`: manifests with their cell records."""
+    spent: Counter[str] = Counter()
     cells = pixels = 0
-    starts: set[object] = set()  # a run of several configs tells its time in every manifest
+    starts: set[object] = set()  # a run of several configs writes its time into every manifest
     for manifest, rows in runs:
         split = manifest.get("split_s")
         if not isinstance(split, dict) or not split.get("compile"):
@@ -177,13 +177,13 @@ def rates_of(runs: Iterable[tuple[Mapping[str, Any], Sequence[Mapping[str, Any]]
         pixels += sum(math.prod(row["scene"]["size"]) for row in measured)
         if manifest.get("started") not in starts:
             starts.add(manifest.get("started"))
-            told.update({kind: seconds for kind, seconds in split.items() if isinstance(seconds, (int, float))})
+            spent.update({kind: seconds for kind, seconds in split.items() if isinstance(seconds, (int, float))})
     rates = calibrated(calibration)
     if not cells:
         return rates
-    return replace(rates, start_s=told["start-up"] / len(starts), compile_s=told["compile"] / cells,
-                   pixel_s=(told["check"] + told["oracle"] + told["scene"]) / pixels,
-                   store_s=told["store"] / cells, report_s=told["report"] / cells)
+    return replace(rates, start_s=spent["start-up"] / len(starts), compile_s=spent["compile"] / cells,
+                   pixel_s=(spent["check"] + spent["oracle"] + spent["scene"]) / pixels,
+                   store_s=spent["store"] / cells, report_s=spent["report"] / cells)
 
 
 def calibrated(calibration: Mapping[str, Any]) -> Rates:

@@ -25,7 +25,7 @@ class Outcome:
 
     @classmethod
     def of(cls, cell: Cell, row: Mapping[str, Any]) -> Outcome | None:
-        """From the record of a cell; None where it was not tried, which tells nothing."""
+        """The outcome that a record shows; None if the cell was not tried, which shows nothing."""
         if str(row.get("reason") or "").endswith(NOT_TRIED):
             return None
         frames_ms = [*(row.get("warmup_ms") or ()), *(row.get("samples_ms") or ())]
@@ -57,7 +57,7 @@ GROWING = ("pixel_density", "depth_complexity", "fragment_probability")  # more 
 def predicted_timeout(cell: Cell, known: Iterable[Outcome]) -> str | None:
     """The reason why a cell cannot be measured within its limits: a smaller one that could not. None without one.
 
-    A smaller one tells nothing where a cell of no less work than it was measured within the limits.
+    A smaller one shows nothing if a cell of no less work than it was measured within the limits.
     """
     known = list(known)
     smaller = [k for k in known if k.over_limit(cell.measure) and _no_smaller(cell, k.cell)]

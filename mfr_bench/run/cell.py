@@ -32,7 +32,7 @@ Emit = Callable[[Any], None]
 
 @dataclass
 class Bench:
-    """What every cell is measured with, and whom its events are told."""
+    """The device and the timer of every cell, and `emit`, which receives the events of its measurement."""
 
     device: Device
     timer: Timer
@@ -58,7 +58,7 @@ class CellWork:
         self.done = False  # its result was sent
         self.repeats = 1  # frames in a sample
         self.pass_frames = PASS_FRAMES  # frames whose passes are timed
-        self._told = len(self.sampler.samples_ms)  # samples already sent
+        self._emitted = len(self.sampler.samples_ms)  # samples already sent
         self.frame = self._drawn()
         try:
             self._check()
@@ -171,7 +171,7 @@ class CellWork:
 
     def _tell(self, passes: Mapping[str, float]) -> None:
         """What is new since the last batch."""
-        samples, self._told = self.sampler.samples_ms[self._told:], len(self.sampler.samples_ms)
+        samples, self._emitted = self.sampler.samples_ms[self._emitted:], len(self.sampler.samples_ms)
         if samples or passes:
             self.bench.emit(Sampled(self.job.key, tuple(samples), passes))
 

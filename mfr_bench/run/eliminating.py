@@ -9,7 +9,7 @@ from ..measure.elimination import Dropped, Elimination
 from .cell import CellWork
 
 WARM_UP = 2  # frames before the first round
-NEWS_ROUNDS = 8  # after so many rounds what was sampled is told, so that a killed run loses no more
+NEWS_ROUNDS = 8  # after so many rounds the samples are emitted, so that a killed run loses no more
 
 Step = Callable[[CellWork], None]
 
@@ -18,8 +18,8 @@ class Race:
     """Rounds among the cells that take part; `apart` has the others, which are sampled as usual.
 
     A cell takes part if it promises an image, and if its error is within measure.max_error where there is one. guarded:
-    runs a step of a cell, whose failure costs that cell alone. news: called when what was told should be kept.
-    deadline: of the rounds, on the monotonic clock.
+    runs a step of a cell, whose failure costs that cell alone. news: called when events should be
+    kept. deadline: of the rounds, on the monotonic clock.
     """
 
     def __init__(self, running: Sequence[CellWork], guarded: Callable[[CellWork, Step], None],

@@ -73,7 +73,7 @@ class Failed:
 
 @dataclass(frozen=True)
 class Begun:
-    """From now on this cell is in hand, until it is finished or another is; None: all cells of the group."""
+    """The worker begins a phase of the cell with this key; None: of all cells of the group."""
 
     key: str | None
     phase: str

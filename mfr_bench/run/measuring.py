@@ -1,4 +1,4 @@
-"""The cells of one scene, on the device of this process: prepared, sampled in turns, each row told as it is done."""
+"""The cells of one scene, on the device of this process: prepared, sampled in turns, each row emitted as it is done."""
 
 from __future__ import annotations
 
@@ -42,7 +42,8 @@ class DeviceLost(Exception):  # noqa: N818 - what happened, not what is wrong wi
 class Measuring:
     """Measures groups of cells; every event goes to the bench's `emit`.
 
-    Once the bench is `interrupted`, `group` raises KeyboardInterrupt between two frames, with what can be kept told.
+    Once the bench is `interrupted`, `group` raises KeyboardInterrupt between two frames, after it has emitted what can
+    be kept.
     """
 
     def __init__(self, bench: Bench, catalog: Mapping[str, Method]):
@@ -50,7 +51,7 @@ class Measuring:
         self._shuffle = random.Random(0).shuffle  # noqa: S311 - an order, not a secret
 
     def group(self, group: Group) -> None:
-        """Measure the cells of one scene. Raises DeviceLost, once the cell that it cost is told."""
+        """Measure the cells of one scene. Raises DeviceLost, after the row of the cell that lost it is emitted."""
         self._partials, self._replicates = group.partials, list(group.replicates)
         self._prepared_by, self._deadline = _deadlines(group.jobs)
         self._live_bytes = min(LIVE_BYTES, LIVE_SHARE * group.most_bytes)

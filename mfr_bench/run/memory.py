@@ -19,7 +19,7 @@ def resident_bytes(pid: int) -> int:
 
 
 def free_bytes() -> float:
-    """Memory that processes may still take, by the machine and by the container; infinite where neither tells."""
+    """Memory that processes may still take, by the machine and by the container; infinite if neither reports it."""
     return min(_machine(), _container())
 
 

@@ -243,7 +243,7 @@ class Supervisor:
         return max((FREE_SHARE * self.free_bytes if mb is None else mb * MIB for mb in given), default=float("inf"))
 
     def _replace(self, deaths: int) -> None:
-        """Another worker on the same device. Raises DeviceError where none comes up, or dies without a cell in hand."""
+        """Start another worker on the same device. Raises DeviceError if none starts, or if it dies between cells."""
         self._worker.close()
         reason = "the process that measures died again and again, with no cell in hand"
         for start in range(STARTS if deaths < STARTS else 0):

@@ -1,4 +1,4 @@
-"""The process that measures: owns the OpenGL context, takes groups of cells, tells what becomes of them."""
+"""The process that measures: owns the OpenGL context, takes groups of cells, emits what becomes of them."""
 
 from __future__ import annotations
 

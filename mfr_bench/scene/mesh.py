@@ -55,7 +55,7 @@ def _read(path: str, stamp: tuple) -> Faces:
 
 
 def _stamp(path: Path) -> tuple:
-    """What tells a file from a later one of the same name."""
+    """What distinguishes a file from a later one of the same name."""
     try:
         found = path.stat()
     except OSError as error:
