@@ -68,7 +68,7 @@ DEEPEST = 65535  # fragments that 16 bits can count
 WORTH_CUTTING = 40  # layers from which two cheap passes for the opacity cost less than storing what it hides
 UNCLASSED = 16  # layers up to which telling pixels apart costs more than it saves
 BOUNDS = (0, *NETWORKS, 2**32)
-TALLY = {"DEEPEST": DEEPEST}
+COUNT_DEFINES = {"DEEPEST": DEEPEST}
 CLASSES = {"COMMAND_WORDS": COMMAND_WORDS, "UNCLASSED": UNCLASSED, "HALVES": HALVES}
 
 
@@ -114,7 +114,7 @@ class Layout:
 
     @property
     def reads(self) -> tuple[str, ...]:
-        return self.storage if self.defines["DENSE"] else (*self.storage, "tally")
+        return self.storage if self.defines["DENSE"] else (*self.storage, "fragment_counts")
 
 
 def _in(path: str) -> Callable[[Plan], bool]:
@@ -136,7 +136,7 @@ def _classed(plan: Plan) -> bool:
 
 IN_PLANES = Layout(_in(PLANES), {"DENSE": 1, "PLANES": 1})
 IN_CELLS = Layout(_in(DENSE), {"DENSE": 1, "PLANES": 0})
-IN_RANGES = Layout(_in(RANGES), {"DENSE": 0, "PLANES": 0, **TALLY})
+IN_RANGES = Layout(_in(RANGES), {"DENSE": 0, "PLANES": 0, **COUNT_DEFINES})
 LAYOUTS = (IN_PLANES, IN_CELLS, IN_RANGES)
 
 
@@ -201,10 +201,10 @@ def _whole_and_cut(step: Pass) -> tuple[Pass, Pass]:
     return replace(step, runs_in=_where(step.runs_in, lambda plan: not plan.cut_off)), _before_cut(step)
 
 
-COUNT = Pass("count", "geometry", "methods/adaptive/count.frag", into=("tally",), clears={"tally": CLEARED},
-             defines=TALLY, state=State(blend=ADD), counts=True)
+COUNT = Pass("count", "geometry", "methods/adaptive/count.frag", into=("fragment_counts",),
+             clears={"fragment_counts": CLEARED}, defines=COUNT_DEFINES, state=State(blend=ADD), counts=True)
 COUNT_LATER = replace(COUNT, counts=False, counts_for_plan=True)  # there is room for whatever comes
-ALLOCATE = Pass("allocate", "fullscreen", "methods/adaptive/allocate.frag", region=True, reads=("tally",),
+ALLOCATE = Pass("allocate", "fullscreen", "methods/adaptive/allocate.frag", region=True, reads=("fragment_counts",),
                 writes=("counter", "taken"))
 CLASSIFIES = {"into": (PIXEL_CLASS.name,), "clears": {PIXEL_CLASS.name: (1.0,)}, "state": State(depth_test="always")}
 STORE = Pass("store", "geometry", "methods/adaptive/store.frag", writes=("counter", "nodes"))
@@ -256,7 +256,7 @@ METHODS = [
                  Buffer("nodes", "2*capacity", type="FRAGMENT", doc="fragments: in planes, dense cells, or ranges"),
                  Buffer("sums", f"H*ceil(W/{SEGMENT})", when=BUDGETED,
                         doc=f"fragments of each {SEGMENT} adjacent pixels of a row")),
-        targets=(Target("tally", "r16", doc="number of fragments, counted by blending"),
+        targets=(Target("fragment_counts", "r16", doc="number of fragments, counted by blending"),
                  replace(PIXEL_CLASS, format="depth16"),
                  Target("opacity", "rg8", when=APPROXIMATE,
                         doc="optical depth of the first and second half of the depths before furthest_cut"),
@@ -279,8 +279,8 @@ METHODS = [
             Pass("blend", "geometry", "methods/adaptive/blended.frag", runs_in=_in(DIRECT), probes=STORED),
             *map(_at_once, RESOLVING),
             Pass("clear", "clear", writes=("sums",), runs_in=_banded, when=BUDGETED),
-            Pass("allocate", "fullscreen", "methods/adaptive/sums.frag", region=True, reads=("tally",),
-                 writes=("sums",), defines={"SEGMENT": SEGMENT, **TALLY}, runs_in=_banded, when=BUDGETED),
+            Pass("allocate", "fullscreen", "methods/adaptive/sums.frag", region=True, reads=("fragment_counts",),
+                 writes=("sums",), defines={"SEGMENT": SEGMENT, **COUNT_DEFINES}, runs_in=_banded, when=BUDGETED),
             Loop(tuple(_of_band(step) for step in (*STORING, *RESOLVING) if not step.defines.get("DENSE")),
                  bands="sums"),
         ),

@@ -6,10 +6,10 @@
 #include "methods/adaptive/classify.glsl"
 #endif
 #include "methods/adaptive/region.glsl"
-#include "methods/adaptive/tally.glsl"
+#include "methods/adaptive/fragment_count.glsl"
 
 void main() {
-    uint count = tallied();
+    uint count = fragment_count();
 #if CLASSED
     classify(count);
 #endif

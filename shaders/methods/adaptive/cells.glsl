@@ -3,7 +3,7 @@
 // Buffers: reads counter.
 #include "methods/adaptive/region.glsl"
 #if !DENSE
-#include "methods/adaptive/tally.glsl"
+#include "methods/adaptive/fragment_count.glsl"
 #endif
 
 uint first_cell, end_cell, cell_step;
@@ -20,6 +20,6 @@ void find_cells(uint p) {
 #else
     cell_step = 1u;
     end_cell = counter[p];
-    first_cell = end_cell - tallied();
+    first_cell = end_cell - fragment_count();
 #endif
 }

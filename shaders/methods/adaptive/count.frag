@@ -5,5 +5,5 @@
 
 void main() {
     if (rejected()) discard;
-    out_tally = vec4(1.0 / float(DEEPEST));
+    out_fragment_counts = vec4(1.0 / float(DEEPEST));
 }
