@@ -148,7 +148,11 @@ def fault(cell: Any) -> str | None:
 def _wrong_values(cell: Cell) -> str | None:
     """What keeps a cell's values from being those of their columns, or None."""
     wrong = [column for name, column in columns.VALUES.items() if not _fits(column, cell["values"].get(name))]
-    return f"values.{wrong[0].name}: not of type {wrong[0].type}, or negative" if wrong else None
+    if wrong:
+        return f"values.{wrong[0].name}: not of type {wrong[0].type}, or negative"
+    interval = [cell["values"].get(name) for name in ("time_ms_low", "time_ms", "time_ms_high")]
+    known = [float(value) for value in interval if value is not None]
+    return None if known == sorted(known) else "values.time_ms: outside time_ms_low to time_ms_high"
 
 
 def _wrong_parts(cell: Cell) -> str | None:
@@ -161,6 +165,8 @@ def _wrong_parts(cell: Cell) -> str | None:
               if isinstance(pair, list) and not (len(pair) == 2 and _is_numbers(pair))]
     wrong += [f"point.{name}" for name, value in point.items() if not flat(value)]
     wrong += [f"measure.{name}" for name, value in cell["measure"].items() if not flat(value)]
+    wrong += [f"measure.{name}" for name in ("min_samples", "max_samples")
+              if not is_number(cell["measure"].get(name, 0))]
     wrong += [name for name in ("reason", "glsl_hash", "measured") if not isinstance(cell.get(name), (str, type(None)))]
     wrong += [name for name in ("buffers", "work") if not isinstance(cell.get(name), (dict, type(None)))]
     device = cell.get("device")

@@ -21,7 +21,8 @@ SCENE = {"kind": "quads", "size": [8, 6], "pixel_density": 0.5, "depth_complexit
 
 
 def cell(name="a", method="kplus-array", scene=SCENE, values=None, **parts):
-    found = {"timer": "wall", "time_ms": 2.0, "time_ms_low": 1.9, "time_ms_high": 2.1} | (values or {})
+    found = {"timer": "wall", "time_ms": 2.0} | (values or {})
+    found = {"time_ms_low": found["time_ms"], "time_ms_high": found["time_ms"]} | found
     return {"key": store.key({"name": name}), "experiment": "planted", "method": method, "label": method, "params": {},
             "scene": scene, "measure": {}, "point": {}, "status": "ok", "reason": None, "values": found,
             "warmup_ms": [2.2], "samples_ms": [2.0, 2.1], "passes": {}, "buffers": {}, "glsl_hash": "ab",
@@ -127,7 +128,8 @@ def test_any_cut_off_file_counts_as_damaged(folder):
 
 @pytest.mark.parametrize("change", [
     {"status": "great"}, {"values": {"time_ms": "fast"}}, {"samples_ms": [None]}, {"key": store.key({"name": "z"})},
-    {"scene": {"size": [8]}}, {"params": None}])
+    {"scene": {"size": [8]}}, {"params": None}, {"measure": {"min_samples": "10"}},
+    {"values": {"time_ms_low": 1.0, "time_ms": 2.0, "time_ms_high": -0.0}}])
 def test_a_cell_with_wrong_contents_is_set_aside(folder, change):
     record = cell()
     folder.write_cell(record)
