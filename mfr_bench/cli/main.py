@@ -7,7 +7,7 @@ import sys
 import click
 
 from .. import __version__
-from ..errors import Interrupted, MfrError, UsageError, nearest
+from ..errors import Interrupted, MfrError, UsageError, one_of
 from . import (
     advise_command,
     claims_command,
@@ -69,7 +69,7 @@ class Commands(click.Group):
     def resolve_command(self, context, args):
         if args and self.get_command(context, args[0]) is None:
             names = self.list_commands(context)
-            raise click.UsageError(f"no command {args[0]!r}; allowed: {', '.join(names)}{nearest(args[0], names)}")
+            raise click.UsageError(f"no command {args[0]!r}; {one_of(args[0], names)}")
         return super().resolve_command(context, args)
 
 

@@ -41,7 +41,12 @@ class Listed:
     trouble: str | None = None
 
     def matches(self, want: str) -> bool:
-        """Whether `want` is its kind, or a part of its renderer's name."""
+        """Whether `want` is its kind, or a part of its renderer's name.
+
+        A number of one or two digits is an index alone: names hold such numbers, of versions and of processor cores.
+        """
+        if want.isdecimal() and len(want) <= 2:
+            return False
         return want in ("auto", self.info.get("kind")) or want.lower() in str(self.info.get("renderer", "")).lower()
 
 

@@ -105,6 +105,7 @@ def test_a_software_driver_is_taken_where_no_gpu_can_be_opened(machine, monkeypa
 @pytest.mark.parametrize(("want", "said"), [
     ("radeon", "--device radeon: no such device; allowed: .* 1 NVIDIA H200; 2 NVIDIA H200; 3 llvmpipe"),
     ("9", "--device 9: no such device"),
+    ("20", "--device 20: no such device"),  # an index that no device has, and a part of two names
     ("0", r"no OpenGL 4\.3 device: EGL device 0: eglInitialize failed \(0x3001\); install a driver"),
 ])
 def test_a_device_that_is_not_there_is_told_with_those_that_are(machine, want, said):
