@@ -133,7 +133,7 @@ def test_differences_within_the_noise_floor_decide_nothing(tmp_path, claim_id):
     assert "noise floor" in judged.reason
 
 
-@pytest.mark.parametrize("claim_id", planted.COUNTED)
+@pytest.mark.parametrize("claim_id", sorted(planted.COUNTED))
 def test_what_is_counted_needs_neither_samples_nor_quiet(tmp_path, claim_id):
     few = [c | {"samples_ms": c["samples_ms"][:3]} for c in cells(claim_id)]
     assert verdict(tmp_path, claim_id, few, noise_floor_rel=1000.0).verdict == HOLDS
