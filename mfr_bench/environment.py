@@ -173,11 +173,11 @@ def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str
 
 
 def _held_back(tree: Mapping[str, Any]) -> dict[str, str]:
-    """Why the GPU's clocks were lowered at either end of a run; nothing where the driver does not tell."""
+    """Why the GPU's clocks were lowered at either end of a run; nothing if the driver does not report it."""
     ends = (_entry(_entry(tree, part), "gpu") for part in PASSING)
-    told = [reasons for gpu in ends if isinstance(reasons := gpu.get("throttle_reasons"), list)]
-    held = sorted({str(reason) for reasons in told for reason in reasons} - {"idle"})
-    return {"throttle reasons": ", ".join(held) or "none"} if told else {}
+    reported = [reasons for gpu in ends if isinstance(reasons := gpu.get("throttle_reasons"), list)]
+    causes = sorted({str(reason) for reasons in reported for reason in reasons} - {"idle"})
+    return {"throttle reasons": ", ".join(causes) or "none"} if reported else {}
 
 
 def _entry(tree: Mapping[str, Any], name: str) -> Mapping[str, Any]:

@@ -200,8 +200,8 @@ def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
     noise = manifest.get("noise_floor_rel")
     lines = [f"{sheet.counts.total()} cells: {statuses or 'none'}{kept}{copied}"]
     if left := left_out(sheet):
-        told = ", ".join(f"{label} {count}" for label, count in left.items())
-        lines.append(f"left out for the time budget: {sum(left.values())} cells ({told}); "
+        by_label = ", ".join(f"{label} {count}" for label, count in left.items())
+        lines.append(f"left out for the time budget: {sum(left.values())} cells ({by_label}); "
                      "the same command measures them")
     if noise is not None:
         lines.append(f"noise floor {percent(noise)}: the same method measured twice differs by that")

@@ -66,7 +66,7 @@ class _Checker:
         first = next(points(self.axes["sweep"], self.axes["zip"]))
         return Experiment(
             config.name, config.title or config.name,
-            {key: told for key, told in config.source.as_dict().items() if told},
+            {key: value for key, value in config.source.as_dict().items() if value},
             scene_at(scene, self.params, first) if self._has("r") else scene, self.params, tuple(self.entries),
             self.axes["sweep"], self.axes["zip"], measure, config.figures, path)
 

@@ -144,7 +144,7 @@ class Device:
             raise DeviceError(f"{doing}: {error}")
 
     def alive(self) -> bool:
-        """Whether the device still does as it is told, after an error that may have been its own; forgets GL's."""
+        """Whether the device still works after an error that it may have caused; clears the GL error."""
         for _ in range(MOST_ERRORS):
             if not self.gl.error():
                 break

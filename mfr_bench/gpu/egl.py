@@ -68,8 +68,8 @@ def _uuid(egl: ctypes.CDLL, handle: int) -> str | None:
     binary = _function(egl, "eglQueryDeviceBinaryEXT", ctypes.c_void_p, ctypes.c_int, ctypes.c_int, ctypes.c_void_p,
                        ctypes.POINTER(ctypes.c_int))
     raw, size = (ctypes.c_ubyte * UUID_BYTES)(), ctypes.c_int()
-    told = binary and binary(handle, DEVICE_UUID, UUID_BYTES, raw, ctypes.byref(size)) and size.value == UUID_BYTES
-    return uuid_text(bytes(raw)) if told else None
+    found = binary and binary(handle, DEVICE_UUID, UUID_BYTES, raw, ctypes.byref(size)) and size.value == UUID_BYTES
+    return uuid_text(bytes(raw)) if found else None
 
 
 def uuid_text(raw: bytes) -> str | None:

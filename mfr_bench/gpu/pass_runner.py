@@ -111,7 +111,7 @@ class PassRunner:
 
     @cached_property
     def clips_from_zero(self) -> bool:
-        """Whether the vertex shader gives depths as they are; told to it once."""
+        """Whether the vertex shader writes depths from 0 to 1; sets its uniform once."""
         if "clips_from_zero" not in self.program:
             return False
         self.program["clips_from_zero"] = bool(self.gl.glClipControl)

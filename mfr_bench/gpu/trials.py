@@ -68,7 +68,7 @@ Outcome = tuple[bool, str]
 class Trial:
     """A check with a known answer, and the feature that methods lose where it fails; None: of all devices.
 
-    `avoided`: no shader depends on it, so that a failure is told and harms nothing.
+    `avoided`: no shader depends on it, so that a failure is reported and harms nothing.
     """
 
     name: str

@@ -109,7 +109,7 @@ METHODS = [
     Method(
         id="kb-mha", name="KB-MHA (reconstruction)", family="kb",
         source="Zhang 2014; kplus_2015 §2, Table 1; the code of the depths is not public",
-        summary="k-buffer whose slots carry a code of depth and colour; a slot torn by a hazard is told by it and "
+        summary="k-buffer whose slots carry a code of depth and colour; a slot torn by a hazard is detected by it and "
                 "counts as empty",
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure=f"{HAZARD}, and one torn slot in four passes for whole; right where a device shades the fragments of "

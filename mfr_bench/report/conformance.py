@@ -117,7 +117,7 @@ def _not_run(series: Mapping[str, Sequence[Point]]) -> list[str]:
     for label, points in series.items():
         for p in points:
             if not p.ending.timed:
-                told = f"{p.sign}: {p.cell.get('reason')}"
-                counts[label, told] = counts.get((label, told), 0) + 1
-    return [f"- {label}: {count} cell{'s' * (count > 1)} {told}"
-            for (label, told), count in counts.items()] or ["Nothing."]
+                reason = f"{p.sign}: {p.cell.get('reason')}"
+                counts[label, reason] = counts.get((label, reason), 0) + 1
+    return [f"- {label}: {count} cell{'s' * (count > 1)} {reason}"
+            for (label, reason), count in counts.items()] or ["Nothing."]

@@ -194,6 +194,6 @@ def _named(members: Sequence[Printed]) -> list[str]:
             for name, of_name in by_name.items()]
 
 
-def _with_condition(row: Printed, told: Sequence[str]) -> str:
-    place = ", ".join(part for part in _places(row) if part not in told)
+def _with_condition(row: Printed, shared: Sequence[str]) -> str:
+    place = ", ".join(part for part in _places(row) if part not in shared)
     return f"{value_text(row)} ({place})" if place else value_text(row)

@@ -75,5 +75,5 @@ def _label(cell: Cell, same: list[dict]) -> str:
     names = [n for n in dict.fromkeys(n for fixed in same for n in fixed)
              if len({fixed.get(n) for fixed in same}) > 1]
     mine = {"method": cell["method"]} | cell["params"]
-    told = [str(mine[n]) if n == "method" else f"{n} {mine[n]}" for n in names if n in mine]
-    return f"{cell['label']} ({', '.join(told)})" if told else cell["label"]
+    parts = [str(mine[n]) if n == "method" else f"{n} {mine[n]}" for n in names if n in mine]
+    return f"{cell['label']} ({', '.join(parts)})" if parts else cell["label"]

@@ -92,7 +92,7 @@ def _by_device(result: Result) -> Result:
 def _draw_all(result: Result, target: Path, processes: int) -> list[Path]:
     several = len(result.figures) > 1
     if any(options.get("kind") == "maps" for options in result.figures):
-        for point in result.points:  # read here, where what cannot be read is told; a forked child's words are lost
+        for point in result.points:  # read here, to report unreadable files; a forked child's warnings are lost
             _ = point.arrays
     tasks = list(zip(_stems(result, target), result.figures, strict=True))
     with _uncollected():
@@ -121,7 +121,7 @@ def _write_shared(result: Result, tasks: Sequence[tuple[Path, Options]]) -> None
         os._exit(0)
     _write(result, tasks[::2])
     if os.waitpid(child, 0)[1]:
-        _write(result, tasks[1::2])  # its error, told here
+        _write(result, tasks[1::2])  # raises the child's error here
 
 
 @contextmanager

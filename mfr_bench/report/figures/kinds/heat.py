@@ -98,8 +98,8 @@ class Heat:
         usual = {a: Counter(p.at(a) for p in self.points).most_common(1)[0][0] for a in axes}
         found: dict[str, list[Point]] = {}
         for p in self.points:
-            told = [a for a in axes if p.at(a) != usual[a]] or axes
-            found.setdefault(", ".join(data.heading(a, p.at(a), " ") for a in told), []).append(p)
+            named = [a for a in axes if p.at(a) != usual[a]] or axes
+            found.setdefault(", ".join(data.heading(a, p.at(a), " ") for a in named), []).append(p)
         return list(found.items())
 
     @property

@@ -108,9 +108,9 @@ def _draw(axes: Axes, panel: Panel) -> None:
                       bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.75})
 
 
-def _words(k: int, told: Sequence[str]) -> str:
-    told = [words for words in told if words]
-    return f"k = {k}" + (f" by {'; '.join(told)}" if told else "")
+def _words(k: int, notes: Sequence[str]) -> str:
+    notes = [words for words in notes if words]
+    return f"k = {k}" + (f" by {'; '.join(notes)}" if notes else "")
 
 
 def _finish(axes: Axes, options: Options, room: float, leftmost: bool, lowest: bool) -> None:
