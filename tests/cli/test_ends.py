@@ -256,8 +256,8 @@ def test_a_terminal_sees_one_live_line(tiny, columns):
     assert status == 0
     assert f"{CELLS} cells: {CELLS} ok" in out
     lines = plain(received)
-    assert lines[0].startswith(f"tiny 0/{CELLS}  starting")
-    assert all(re.match(rf"tiny [0-{CELLS}]/{CELLS}", line) and len(line) <= columns for line in lines)
+    assert re.match(rf"\d+ s  tiny 0/{CELLS}  starting", lines[0])
+    assert all(re.match(rf"\d+ s  tiny [0-{CELLS}]/{CELLS}", line) and len(line) <= columns for line in lines)
     assert "\x1b[?25h" in received.rpartition("\x1b[?25l")[2]  # the cursor is back
 
 

@@ -36,6 +36,7 @@ WHOLE = {  # passes that touch more than the region, and why
     **dict.fromkeys([("ab-precalc", "clear"), ("ab-precalc", "scan"), ("ab-dfb", "clear"), ("ab-dfb", "scan")],
                     "the sum goes over all pixels"),
     **dict.fromkeys([("open-post", "clear"), ("open-pre", "clear")], "the table is of no pixel's own"),
+    ("ab-sb", "count"): "counting by blending clears a render target and reads it whole, as its authors' passes do",
 }
 # Parameters by which full-screen passes come and go, or clear and read other storage.
 OPTIONS = {"occupancy", "packed", "insert", "allocation", "scan", "reuse_count", "sync", "multisampling", "precision",
