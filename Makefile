@@ -1,6 +1,7 @@
 # `make bench` and `make test` set up what they need themselves.
 
 VENV := .venv
+WORKERS := 2
 PYTHON_READY := $(VENV)/python-ready
 DRIVER_READY := $(VENV)/driver-ready
 
@@ -16,8 +17,8 @@ bench: setup  ## measure configs/smoke.yaml; print its table and where the figur
 papers: setup  ## measure the papers' experiments into results/<device>/ (ARGS="--profile smoke" on a CPU)
 	@$(VENV)/bin/mfr-bench run $$($(VENV)/bin/mfr-bench configs --papers) $(ARGS)
 
-test: setup  ## run every test (ARGS="-k scene")
-	@$(VENV)/bin/python -m pytest $(ARGS)
+test: setup  ## run every test, two at a time (WORKERS=0 for one, ARGS="-k scene")
+	@$(VENV)/bin/python -m pytest -n $(WORKERS) --dist worksteal $(ARGS)
 
 lint: $(PYTHON_READY)  ## check the style of the code
 	@$(VENV)/bin/python -m ruff check .
