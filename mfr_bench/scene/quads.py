@@ -9,12 +9,13 @@ from typing import ClassVar
 import numpy as np
 
 from ..hashing import hash3
-from .overlap import most_over
+from .overlap import bounds_of, most_over
+from .primitives import Primitives
 from .streams import FIRST_DRAWN, LAYERS_DRAWN
 
 
 @dataclass(frozen=True)
-class Quads:
+class Quads(Primitives):
     """Quads in submission order.
 
     rect: int32 (n, 4), x0 y0 x1 y1, half-open pixels, origin lower left; it may reach beyond the viewport.
@@ -23,8 +24,7 @@ class Quads:
     least: where above 0, each pixel draws how many of all quads it receives, at least this many.
     """
 
-    geometry: ClassVar[str] = "quad"  # how primitives reach the device: shaders/scene/<geometry>.vert
-    occluded: ClassVar[bool] = False  # nothing opaque is drawn first
+    geometry: ClassVar[str] = "quad"
 
     viewport: tuple[int, int]
     rect: np.ndarray
@@ -41,11 +41,7 @@ class Quads:
     def bounds(self) -> tuple[int, int, int, int]:
         """Left, bottom, width and height in pixels of what bounds the quads in the viewport."""
         rect = self.rasterized
-        rect = rect[(rect[:, 2] > rect[:, 0]) & (rect[:, 3] > rect[:, 1])]
-        if not len(rect):
-            return 0, 0, 0, 0
-        (left, bottom), (right, top) = rect[:, :2].min(axis=0), rect[:, 2:].max(axis=0)
-        return int(left), int(bottom), int(right - left), int(top - bottom)
+        return bounds_of(rect[(rect[:, 2] > rect[:, 0]) & (rect[:, 3] > rect[:, 1])])
 
     @cached_property
     def depth_bounds(self) -> tuple[float, float]:
@@ -75,11 +71,6 @@ class Quads:
         width, height = self.viewport
         inside = np.clip(self.rect, 0, np.array([width, height, width, height], dtype=np.int32))
         return np.where(((self.depth >= 0) & (self.depth <= 1))[:, None], inside, np.int32(0))
-
-    @property
-    def keep_threshold(self) -> int:
-        """A fragment is generated where its hash is below this; 2**32 means always."""
-        return min(2**32, round(self.fragment_probability * 2**32))
 
     @property
     def rejects(self) -> bool:

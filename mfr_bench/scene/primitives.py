@@ -1,0 +1,79 @@
+"""Bases of the geometries: which fragments are generated, and where primitives with corners can be on the screen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+
+from .overlap import bounds_of, boxes_of, depth_bounds_of, most_over
+
+
+class Primitives:
+    """Primitives of which each fragment is generated with a probability: by a hash of pixel, primitive and seed."""
+
+    geometry: ClassVar[str]  # how primitives reach the device: shaders/scene/<geometry>.vert
+    fragment_probability: float
+
+    @property
+    def keep_threshold(self) -> int:
+        """A fragment is generated where its hash is below this; 2**32 means always."""
+        return min(2**32, round(self.fragment_probability * 2**32))
+
+    @property
+    def occluded(self) -> bool:
+        """Whether something opaque is drawn first and may hide fragments."""
+        return False
+
+
+@dataclass(frozen=True)
+class Cornered(Primitives):
+    """Primitives in submission order, given by corners in clip space, each with one colour.
+
+    position: float32 (n, corners, 4), x y z w. rgba: uint8 (n, 4), straight alpha. seed decides which fragments are
+    rejected.
+    """
+
+    triangles_each: ClassVar[int]  # that a primitive is drawn as
+    least: ClassVar[int] = 0  # no pixel draws its number of fragments
+
+    viewport: tuple[int, int]
+    position: np.ndarray
+    rgba: np.ndarray
+    fragment_probability: float
+    seed: int
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    @property
+    def rejects(self) -> bool:
+        """Whether some fragments of the primitives are not generated."""
+        return self.keep_threshold < 2**32 or self.occluded
+
+    @cached_property
+    def boxes(self) -> np.ndarray:
+        """int32 (n, 4): the pixels of the viewport that bound each primitive, x0 y0 x1 y1, half-open (`boxes_of`)."""
+        return boxes_of(self.position, self.viewport)
+
+    @cached_property
+    def bounds(self) -> tuple[int, int, int, int]:
+        """Left, bottom, width and height in pixels of a rectangle that bounds the primitives in the viewport."""
+        return bounds_of(self.boxes)
+
+    @cached_property
+    def depth_bounds(self) -> tuple[float, float]:
+        """Window depths between which the primitives lie."""
+        return depth_bounds_of(self.position)
+
+    @cached_property
+    def layers(self) -> int:
+        """Most fragments that a pixel can have, by the boxes alone: one of each triangle."""
+        return self.triangles_each * most_over(self.boxes, self.viewport)
+
+    @property
+    def reach(self) -> None:
+        """Most fragments of a frame: no closer bound than each layer in each pixel is known."""
+        return None
