@@ -10,7 +10,7 @@ from ..stats import Interval
 from .evidence import NOTHING, Bound, Comparison, Outcome
 from .measures import column
 from .picks import Pick, coordinates, is_number
-from .rules import compared
+from .rules import OfOnePick, compared
 from .runs import Run
 
 
@@ -57,7 +57,7 @@ class Memory:
 
 
 @dataclass(frozen=True)
-class RunsOut:
+class RunsOut(OfOnePick):
     """Cells that need more memory than they may have."""
 
     cells: Pick
@@ -65,14 +65,6 @@ class RunsOut:
     @property
     def text(self) -> str:
         return f"{self.cells.text}: over the memory budget, or out of memory"
-
-    @property
-    def needs(self) -> str:
-        return self.cells.names
-
-    @property
-    def each(self) -> tuple[str, ...]:
-        return self.cells.each
 
     def compare(self, run: Run) -> list[Comparison]:
         return [self._compared(run, p) for p in run.points if self.cells.takes(p)]

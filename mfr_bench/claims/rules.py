@@ -44,6 +44,20 @@ class Rule(Protocol):
     def compare(self, run: Run) -> list[Comparison]: ...
 
 
+class OfOnePick:
+    """Base of rules over the cells of one pick."""
+
+    cells: Pick
+
+    @property
+    def needs(self) -> str:
+        return self.cells.names
+
+    @property
+    def each(self) -> tuple[str, ...]:
+        return self.cells.each
+
+
 def compared(run: Run, what: str, points: Sequence[Point], interval: Callable[[], Interval], bound: Bound,
              exact: bool = False) -> Comparison:
     """The comparison of these cells, which is made only where all of them were measured with a right image."""
@@ -181,7 +195,7 @@ def _ends(items: Sequence, coordinate: Callable) -> tuple | None:
 
 
 @dataclass(frozen=True)
-class Straight:
+class Straight(OfOnePick):
     """Time on a straight line over a power of a coordinate: inner points against the chord between the ends.
 
     A constant cost per frame does not matter, but that the largest takes `grows` times as long as the smallest does.
@@ -218,10 +232,6 @@ class Straight:
     def needs(self) -> str:
         return f"{self.cells.names} at three values of {short(self.along)} over a factor of {self.span:g}"
 
-    @property
-    def each(self) -> tuple[str, ...]:
-        return self.cells.each
-
     def compare(self, run: Run) -> list[Comparison]:
         refused, found = _sifted(run, ((p,) for p in run.points if self.cells.takes(p)), lambda p: f"{p.method} / line")
         series = _grouped((p for p, in found if is_number(at(p, self.along))),
@@ -251,7 +261,7 @@ class Straight:
 
 
 @dataclass(frozen=True)
-class Share:
+class Share(OfOnePick):
     """The part of a frame that one pass takes, of the sum of its passes."""
 
     cells: Pick
@@ -261,14 +271,6 @@ class Share:
     @property
     def text(self) -> str:
         return f"share of the {self.part} pass, {self.cells.text}: {self.bound.words}"
-
-    @property
-    def needs(self) -> str:
-        return self.cells.names
-
-    @property
-    def each(self) -> tuple[str, ...]:
-        return self.cells.each
 
     def compare(self, run: Run) -> list[Comparison]:
         return [compared(run, f"{self.part} of {p.method}", (p,), lambda p=p: self._share(p), self.bound)
@@ -291,7 +293,7 @@ def _part_of(part: float | None, rest: float | None) -> float | None:
 
 
 @dataclass(frozen=True)
-class Counted:
+class Counted(OfOnePick):
     """A value of a cell that is counted, not timed."""
 
     cells: Pick
@@ -305,10 +307,6 @@ class Counted:
     @property
     def needs(self) -> str:
         return f"{self.cells.names} with a value {self.column}"
-
-    @property
-    def each(self) -> tuple[str, ...]:
-        return self.cells.each
 
     def compare(self, run: Run) -> list[Comparison]:
         value = column(self.column)

@@ -53,11 +53,6 @@ class ResultFolder:
         return self.cells_path / f"{key}.npz"
 
     @property
-    def has_cells(self) -> bool:
-        """Whether the folder has cells in any form."""
-        return self.cells_path.is_dir() or self.pack_path.is_file()
-
-    @property
     def damaged(self) -> list[str]:
         """One line for each file met so far that could not be used, and what became of it."""
         return list(self._damaged.values())

@@ -34,7 +34,7 @@ def files(folder):
 
 def test_unpacked_is_as_before_to_the_byte(folder):
     before, cells = files(folder), folder.cells()
-    assert folder.pack() == 3 and not folder.cells_path.exists() and folder.has_cells
+    assert folder.pack() == 3 and not folder.cells_path.exists() and folder.pack_path.is_file()
     assert folder.cells() == cells and store.ResultFolder(folder.path).cells() == cells
     assert read_arrays(folder, KEEPING)["error"].tolist() == [[0.25] * 3] * 2
     assert read_arrays(folder, cell("a")["key"]) == {} and folder.damaged == []
