@@ -13,7 +13,7 @@ set -eu
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 python3 -m venv "$folder/venv"
-"$folder/venv/bin/pip" -q install trimesh==5.2.0 "assimp-py>=1.1,<1.3" numpy pillow
+"$folder/venv/bin/pip" -q install trimesh==5.2.0 "assimp-py==1.1.0; python_version < '3.12'" "assimp-py==1.2.0; python_version >= '3.12'" numpy pillow
 "$folder/venv/bin/python" - "$folder" <<'PYTHON'
 import base64
 import json
