@@ -98,7 +98,7 @@ Figure = make_dataclass(
 
 @dataclass(frozen=True, kw_only=True)
 class Source(_Plain):
-    """Where an experiment comes from, what stands for its scene, and which quantities of results/reference it has.
+    """The origin of an experiment: paper and figure, what stands for its scene, quantities in results/reference.
 
     readings: how a text that leaves something open was read, and what differs from the paper; a sentence each.
     """

@@ -1,4 +1,4 @@
-"""Where shaders find their resources: storage blocks, texture units, uniform blocks, the counters of diagnostics."""
+"""Binding points of shaders: storage blocks, texture units, uniform blocks, the counters of diagnostics."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ BOX_BINDING = 2
 
 @dataclass(frozen=True)
 class Binding:
-    """Where a pass finds a resource: `ref` as declared (`name`, `name.current`, `name.previous`).
+    """The binding of a resource in a pass: `ref` as declared (`name`, `name.current`, `name.previous`).
 
     atomic: a dedicated atomic counter, whose `index` is that of its own binding points.
     """

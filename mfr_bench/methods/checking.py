@@ -18,7 +18,7 @@ CAPACITY = ("capacity", "k", "f_k")  # names of formulas that the method's capac
 
 @dataclass(frozen=True)
 class Mistake:
-    """What is wrong with a method, and the text in its file that is."""
+    """A mistake in a method's declaration, and the text in its file that is wrong."""
 
     text: str
     what: str

@@ -1,4 +1,4 @@
-"""What is measured first where time is short: of every series its ends, then its middle, then what lies between. Pure.
+"""Order of cells where time is short: of every series its ends, then its middle, then what lies between. Pure.
 
 A budget covers the whole command: what it needs for reports at its end is set aside from the start.
 """

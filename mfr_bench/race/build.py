@@ -46,13 +46,13 @@ def compiler() -> str:
 
 
 def cache_folder() -> Path:
-    """Where compiled machines are kept: $XDG_CACHE_HOME or ~/.cache."""
+    """The folder in which compiled machines are kept: below $XDG_CACHE_HOME or ~/.cache."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "mfr-bench" / "race"
 
 
 @cache
 def _own_hash() -> str:
-    """Of the translator, the machine and the compiler: what they make changes with them."""
+    """Hash of the translator, the machine and the compiler: what they make changes with them."""
     texts = [path.read_bytes() for path in (*sorted(HERE.glob("*.py")), *sorted(MACHINE.iterdir()))]
     version = subprocess.run([compiler(), "--version"], capture_output=True, check=True).stdout
     return hashlib.sha256(b"\0".join((*texts, version))).hexdigest()

@@ -86,7 +86,7 @@ def test_doctor_for_reading(mfr, device):
 
 
 def test_doctor_lists_a_device_that_cannot_be_used(mfr, monkeypatch):
-    """As where the user has no permission for it; the others are told all the same."""
+    """A user may have no permission for a device; the others are told all the same."""
     listed = [Listed(0, {"uuid": None, "pci": "0000:01:00.0"}, "eglInitialize failed"), Listed(1, {
         "renderer": "NVIDIA H200", "kind": "gpu", "version": "4.6", "uuid": None, "pci": None})]
     monkeypatch.setattr("mfr_bench.gpu.device.list_devices", lambda: listed)
@@ -95,7 +95,7 @@ def test_doctor_lists_a_device_that_cannot_be_used(mfr, monkeypatch):
 
 
 def test_doctor_tells_what_a_failed_trial_costs(mfr, plant):
-    """Where no method depends on it, the exit status stays 0."""
+    """The exit status stays 0 where no method depends on it."""
     plant("probe/block_length.frag", "seen[p] = uint(second.length())", "seen[p] = 4u")
     ended = mfr("doctor")
     assert ended.status == 0
@@ -288,7 +288,7 @@ def test_what_is_printed_is_what_compiles(device, odd, here, mfr):
 
 
 def test_glslang_accepts_what_is_printed(mfr, here):
-    """Where the reference compiler is installed, it judges without a GPU."""
+    """The reference compiler, where it is installed, judges without a GPU."""
     try:
         subprocess.run(["glslangValidator", "--version"], capture_output=True, check=True)
     except OSError:

@@ -79,7 +79,7 @@ def test_nothing_is_raised_without_a_wish_and_handlers_are_put_back():
 
 
 def test_ignored_signals_stay_ignored():
-    """As they are below nohup, and in the background of a script."""
+    """Signals are ignored so below nohup, and in the background of a script."""
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     with Interruption() as interruption:
         signal.raise_signal(signal.SIGHUP)

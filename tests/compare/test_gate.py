@@ -34,7 +34,7 @@ def gate(runs, factor, seed, before=MANY, after=MANY, slowed=MANY):
 
 
 def gates(runs, factor, **counts):
-    """Of SEEDS comparisons: those that find the slowdown, and those that call something else a change."""
+    """Counts of SEEDS comparisons: those that find the slowdown, and those that call something else a change."""
     found = [gate(runs, factor, seed, **counts) for seed in range(SEEDS)]
     return sum(hit for hit, _ in found), sum(alarm for _, alarm in found)
 

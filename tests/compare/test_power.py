@@ -30,7 +30,7 @@ def test_two_runs_of_one_thing_differ_in_at_most_1_of_20(machine, tails):
 
 
 def found_slowdowns(machine, runs=RUNS):
-    """Of comparisons where one method is 5 % slower and both noise floors are under 2 %: those that find it, all."""
+    """Counts of comparisons where one method is 5 % slower and both noise floors are under 2 %: that find it, all."""
     found = total = 0
     for seed in range(runs):
         before, after = run(machine, 2 * seed), run(machine, 2 * seed + 1, slower=seed % METHODS, factor=1.05)

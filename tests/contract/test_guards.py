@@ -78,7 +78,7 @@ class _Fenced:
 
 
 def variant_of(method) -> Variant:
-    """With room for K fragments where the method has a k, and emulated atomics where it needs wide ones."""
+    """The variant with room for K fragments where the method has a k, and emulated atomics where it needs wide ones."""
     wide = method.param("atomic64")
     return method.variant(({"k": K} if method.param("k") else {})
                           | ({"atomic64": "emulated"} if wide and wide.acts is None else {}))

@@ -100,7 +100,7 @@ def test_every_option(device, variant):
 
 @pytest.mark.parametrize("method", EXACT, ids=lambda m: m.id)
 def test_exact_at_128_layers(device, method):
-    """With emulated atomics where the device has no wide ones."""
+    """The variant with emulated atomics where the device has no wide ones."""
     choices = [{}, {"atomic64": "emulated"}] if method.param("atomic64") else [{}]
     found = [with_k(method.variant(chosen), 16) for chosen in choices]
     running = [variant for variant in found if runs_here(device, variant)]
@@ -119,7 +119,7 @@ def test_exact_for_every_k(device, method, k):
 
 @pytest.mark.parametrize("method", [m for m in every_method() if m.exact_where], ids=lambda m: m.id)
 def test_approximate_methods_are_exact_where_they_say_so(device, method):
-    """With few and with many slots, and with every option: each condition holds in some scene, and the image there."""
+    """Few and many slots, and every option: each condition holds in some scene, and the image there."""
     chosen = [with_k(variant, k) for variant in [method.variant({}), *options(method)] for k in (4, 16)]
     exact = [name for variant in chosen if runs_here(device, variant)
              for name in check(device, variant, {n: SCENES[n] for n in ("flat", "opaque", "rejecting")})]

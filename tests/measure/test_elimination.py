@@ -33,7 +33,7 @@ def played(kind: str, seed: int, medians=MEDIANS, most: int = 200) -> tuple[Elim
 
 @pytest.mark.parametrize("kind", ["lognormal", "bursts", "steps"])
 def test_the_fastest_is_found_with_a_fraction_of_the_frames(kind):
-    """Of 60 plays no more drop the fastest than a chance of 1 % explains; all 14 methods at 200 frames are 2,800."""
+    """Among 60 plays no more drop the fastest than a chance of 1 % explains; all 14 methods at 200 frames are 2,800."""
     plays = [played(kind, seed) for seed in range(60)]
     assert sum("m0" not in found.left for found, _ in plays) <= 3
     assert sum(found.leader == "m0" for found, _ in plays) >= 57

@@ -35,7 +35,7 @@ def test_64_bit_records_hold_depth_and_link(device, method, params):
 
 @pytest.mark.parametrize(("method", "params"), WIDE)
 def test_64_bit_records_keep_equal_depths(device, method, params):
-    """Of equal alpha, so that their order shows in the colours alone: every one of them is there."""
+    """Fragments have equal alpha, so that their order shows in the colours alone: every one of them is there."""
     with drawn(device, method, stack([0.5] * 4, COLOURS), **params) as frame:
         alpha = 1 - (1 - 120 / 255) ** 4
         np.testing.assert_allclose(frame.image()[..., 3], alpha, rtol=0, atol=1e-5)

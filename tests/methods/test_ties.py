@@ -71,7 +71,7 @@ def test_the_furthest_of_a_core_is_the_first_to_arrive(device):
 
 
 def test_dual_peeling_shows_the_maximum_of_each_channel(device):
-    """Of the premultiplied colours, or of what they are behind the layers in front of them."""
+    """The maximum is that of the premultiplied colours, or of what they are behind the layers in front of them."""
     straight = RGBA / 255
     premultiplied = np.concatenate([straight[:, :3] * straight[:, 3:], straight[:, 3:]], axis=1)
     expected = premultiplied[FRONT]

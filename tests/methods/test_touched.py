@@ -145,7 +145,7 @@ def shown(frame, scene) -> np.ndarray:
 
 
 def differences(device, variant) -> list[float]:
-    """Of each frame of the animation, how far the image is from that of the variant that touches the viewport."""
+    """Deviation of each frame of the animation from that of the variant that touches the whole viewport."""
     whole = variant.method.variant(variant.params | {"touched": "off"})
     with animated(device, variant, whole) as (scenes, frame, other):
         return [float(np.abs(shown(frame, scene) - shown(other, scene)).max()) for scene in scenes]

@@ -15,7 +15,7 @@ SOUND = {"hit_ratio": 0.25, "promised_ratio": 0.25, "lost_fragments": 0, "distin
 
 @pytest.fixture
 def page(tmp_path):
-    """Of two folders: a hazard in one cell of `kb`, an exact method, one that is not run."""
+    """Results of two folders: a hazard in one cell of `kb`, an exact method, one that is not run."""
     repeated = MEASURE | {"repeat_images": 50}
     cells = [cell("kb", "KB", params={"k": 4}, point={"k": 4}, values=SOUND, measure=repeated),
              cell("kb", "KB", params={"k": 8}, point={"k": 8}, values=SHARES, measure=repeated),

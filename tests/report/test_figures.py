@@ -583,7 +583,7 @@ def test_maps_share_a_scale_and_stand_upright(tmp_path):
 
 
 def test_maps_of_nothing_say_so(tmp_path):
-    """As where a run was stopped before the first cell that keeps an array."""
+    """A run may be stopped before the first cell that keeps an array."""
     figure = mapped(tmp_path, MAPS, {})
     assert [text.get_text() for axes in figure.axes for text in axes.texts] == ["nothing measured"]
 

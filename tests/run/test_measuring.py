@@ -192,7 +192,7 @@ def test_a_cell_that_fails_costs_itself_alone(run, monkeypatch, error, when):
 
 
 def test_fragments_that_fit_no_buffer_are_an_overflow_with_their_number(run, device, monkeypatch):
-    """As if more came than was planned for: the list starts with half of the room that they need."""
+    """More fragments come than was planned for: the list starts with half of the room that they need."""
     variant = catalog()["ab-ll"].variant({})
     stats = expected_stats(SCENE)
     start, end = Fitted(variant, stats).start_capacity(), Fitted(variant, stats).capacity()

@@ -75,7 +75,7 @@ class Known:
 
     @classmethod
     def of(cls, stats: SceneStats, fragments: int | None, room: int | None) -> Known:
-        """What is known of a scene before a frame is drawn, from the statistics of its geometry."""
+        """Knowledge of a scene before a frame is drawn, from the statistics of its geometry."""
         area = stats.P if stats.area is None else stats.area
         filled = stats.flat and not stats.rejects and stats.reach == stats.primitives * area
         return cls(stats.most_layers, area, stats.P, fragments, room, stats.reach, filled)

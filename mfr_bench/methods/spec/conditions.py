@@ -12,7 +12,7 @@ from .passes import Pass
 
 @dataclass(frozen=True)
 class FrameState:
-    """What is known of a frame before its first pass.
+    """The state of a frame that is known before its first pass.
 
     plan: of a planned method. static: the frame before was of the same scene, and what it left is in place. probing:
     the frame is drawn to count fragments, outside any measurement.

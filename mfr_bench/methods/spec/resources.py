@@ -67,7 +67,7 @@ class Target:
 
     @property
     def attaches(self) -> Literal["colour", "depth"]:
-        """Where a framebuffer takes it; a stencil comes with a depth."""
+        """The attachment of a framebuffer that takes it; a stencil comes with a depth."""
         return "depth" if self.format.startswith("depth") else "colour"
 
 
