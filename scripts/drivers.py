@@ -28,7 +28,10 @@ DEBIAN, UBUNTU = "http://deb.debian.org/debian", "http://archive.ubuntu.com/ubun
 ROOTS = {"bookworm": DEBIAN, "trixie": DEBIAN, "forky": DEBIAN, "sid": DEBIAN, "noble": UBUNTU, "resolute": UBUNTU}
 PACKAGES = ("ca-certificates", "python3", "python3-venv", "python3-dev", "g++", "make", "git", "libegl1", "libgl1",
             "libgl1-mesa-dri", "mesa-vulkan-drivers", "glslang-tools")
+KEYRING = "usr/share/keyrings/ubuntu-archive-keyring.gpg"
+KEYS_FROM = "trixie"  # a root whose distribution has a package of Ubuntu's keys, as Debian 12 has not
 FAILED, NOT_RUN = 1, 3  # exit status: some check failed; none did, but some could not be run
+SETUP_S = 900  # the longest that a setup may take: Python 3.14 compiles flip-evaluator
 NO_SETUP = 75  # status of a check whose root could not be entered or set up
 SCRIPTS = Path("/usr/share/debootstrap/scripts")
 INSIDE = """
@@ -86,6 +89,7 @@ class Matrix:
         self.folder = folder
         self.sources = _sources()
         self.stamp = _stamp(self.sources)
+        self._ready: dict[str, bool] = {}  # whether a root is set up, once that was tried
 
     def run(self, root: str, driver: str, checks: Sequence[str], again: bool) -> None:
         """Run the checks of one driver in one root, and keep how each ended."""
@@ -94,7 +98,19 @@ class Matrix:
             return
         self._copy_sources(root)
         for check in wanted:
-            self._keep(root, driver, check, self._check(root, driver, check))
+            if check != "newcomer" and not self._set_up(root):
+                self._keep(root, driver, check, {"status": NO_SETUP, "seconds": 0})
+            else:
+                self._keep(root, driver, check, self._check(root, driver, check))
+
+    def _set_up(self, root: str) -> bool:
+        """Whether the sources that were copied last are set up; a newcomer's commands do that themselves."""
+        if root not in self._ready:
+            begun = time.monotonic()
+            status = self._logged(root, "none", "setup", self._inside(root, "cd /mfr-bench && make setup"), SETUP_S)
+            self._keep(root, "none", "setup", {"status": status, "seconds": round(time.monotonic() - begun)})
+            self._ready[root] = status == 0
+        return self._ready[root]
 
     def outcome(self, root: str, driver: str, check: str) -> Mapping[str, object]:
         """How a check ended, or nothing."""
@@ -119,8 +135,8 @@ class Matrix:
         shutil.rmtree(place, ignore_errors=True)
         script = [] if (SCRIPTS / root).exists() else [str(SCRIPTS / ("sid" if ROOTS[root] == DEBIAN else "gutsy"))]
         begun = time.monotonic()
-        components = ["--components=main,universe"] if ROOTS[root] == UBUNTU else []
-        made = self._logged(root, "none", "root", ["debootstrap", "--variant=minbase", *components,
+        of_ubuntu = [f"--keyring={self._keyring()}", "--components=main,universe"] if ROOTS[root] == UBUNTU else []
+        made = self._logged(root, "none", "root", ["debootstrap", "--variant=minbase", "--force-check-gpg", *of_ubuntu,
                                                    f"--include={','.join(PACKAGES)}", root, str(place), ROOTS[root],
                                                    *script], 600)
         self._keep(root, "none", "root", {"status": made, "seconds": round(time.monotonic() - begun)})
@@ -130,6 +146,21 @@ class Matrix:
             shutil.copy(file, f"{place}{file}")
         ready.touch()
         return True
+
+    def _keyring(self) -> Path:
+        """Ubuntu's keys: this machine's, or those of a root of Debian."""
+        own, inside = Path("/", KEYRING), self.folder / KEYS_FROM / KEYRING
+        if own.exists():
+            return own
+        if self._made(KEYS_FROM) and not inside.exists():
+            install = "apt-get -qq update && apt-get -qq install -y ubuntu-archive-keyring"
+            self._logged(KEYS_FROM, "none", "keyring", self._inside(KEYS_FROM, install), 120)
+        return inside
+
+    def _inside(self, root: str, script: str) -> list[str]:
+        """The command that runs a script of bash in a root; what it started ends with it, and it with this process."""
+        return ["setpriv", "--pdeathsig", "KILL", "unshare", "--mount", "--pid", "--fork", "--kill-child",
+                "bash", "-c", INSIDE, str(self.folder / root), script]
 
     def _copy_sources(self, root: str) -> None:
         """The work tree as it is now, beside the .venv of earlier runs."""
@@ -144,12 +175,10 @@ class Matrix:
 
     def _check(self, root: str, driver: str, check: str) -> Mapping[str, object]:
         begun = time.monotonic()
-        lines = ["set -e; cd /mfr-bench; make setup >&2 || exit 75" if check != "newcomer" else "set -e; cd /mfr-bench",
+        lines = ["set -e; cd /mfr-bench",
                  f"NAME={driver}-{check}; DEVICE={DRIVERS[driver].renderer}; mkdir -p /tmp/drivers",
                  DRIVERS[driver].choose if check != "newcomer" else "", CHECKS[check].command]
-        command = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "bash", "-c", INSIDE,
-                   str(self.folder / root), "\n".join(lines)]
-        status = self._logged(root, driver, check, command, CHECKS[check].limit_s)
+        status = self._logged(root, driver, check, self._inside(root, "\n".join(lines)), CHECKS[check].limit_s)
         return {"status": status, "seconds": round(time.monotonic() - begun), "last": self._last(root, driver, check)}
 
     def _logged(self, root: str, driver: str, check: str, command: Sequence[str], limit_s: int) -> int:

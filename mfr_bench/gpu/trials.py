@@ -19,14 +19,21 @@ from ..methods import kplus
 from ..methods.shared import ATOMIC64
 from ..methods.spec import (
     ADD,
+    BEHIND,
     EMPTY,
     IMAGE,
+    INVERTED_ALPHA,
     LISTED,
     MAX,
+    OVER,
+    REVEAL,
     SAMPLE_STENCIL,
+    SEEN_THROUGH_BOTH,
     TILE_POINTS,
+    UNDER,
     Blend,
     Buffer,
+    Format,
     Method,
     Pass,
     State,
@@ -45,21 +52,37 @@ SCENE = SceneConfig(size=(24, 20), depth_complexity=3)
 TILES_SCENE = SceneConfig(size=(3 * LISTED, 2 * LISTED), depth_complexity=5)
 TILED = {"touched": "tiles", "k": 8, "sync": "spin"}
 INVOCATIONS = 64
-BLENDED = ("r8", "rg8", "rgba8", "r16", "rgba16f", "r32f", "rg32f", "rgba32f")
+# Formats of targets with how methods blend in them; the image is rgba32f.
+BLENDED: tuple[tuple[tuple[Format, ...], State], ...] = (
+    *(((format,), State(blend=ADD)) for format in ("rg8", "r16", "r32f", "rg32f", "rgba32f")),
+    *(((format,), State(blend=MAX)) for format in ("rg32f", "rgba32f")),
+    (("rgba32f",), State(blend=OVER)),
+    (("rgba32f",), State(blend=UNDER)),
+    (("rgba32f",), State(blend=BEHIND, blend_alpha=SEEN_THROUGH_BOTH)),
+    (("rgba32f",), State(blend=("add", "zero", "one"), blend_alpha=INVERTED_ALPHA)),
+    (("rgba16f", "r8"), State(blends=(ADD, REVEAL))),
+    (("rgba32f", "r32f"), State(blends=(ADD, REVEAL))),
+)
 STEP = 1 / 255  # of a channel of 8 bits
+SOURCE, START = (0.25, 0.5), 0.125  # colour and alpha of each fragment; of the target before
 LENGTH_SIZE = (24, 20)  # pixels
 SECOND_WORDS = 1000  # of the block whose length is asked for
 
-OPERATIONS = probe_method(
-    "atomic operations", Pass("apply", "compute", "probe/operations.comp", writes=("element", "before"), groups="1",
-                              defines={"INVOCATIONS": INVOCATIONS}),
-    buffers=(Buffer("element", "6", coherent=True), Buffer("before", f"6*{INVOCATIONS}")))
-OPERATIONS64 = probe_method(
-    "64-bit atomics", Pass("apply", "compute", "probe/operations64.comp", groups="1",
-                           writes=("wide", "signed_wide", "before"), defines={"INVOCATIONS": INVOCATIONS}),
+STAGES = {"compute shaders": ("compute", "comp"), "fragment shaders": ("fullscreen", "frag")}
+OPERATIONS = {stage: probe_method(
+    f"atomic operations in {stage}",
+    Pass("apply", kind, f"probe/operations.{ending}", writes=("element", "dedicated", "before"),
+         groups="1" if kind == "compute" else None, defines={"INVOCATIONS": INVOCATIONS}, atomics=("dedicated",)),
+    buffers=(Buffer("element", "6", coherent=True), Buffer("dedicated", "1"), Buffer("before", f"7*{INVOCATIONS}")),
+) for stage, (kind, ending) in STAGES.items()}
+OPERATIONS64 = {stage: probe_method(
+    f"64-bit atomics in {stage}",
+    Pass("apply", kind, f"probe/operations64.{ending}", writes=("wide", "signed_wide", "before"),
+         groups="1" if kind == "compute" else None, defines={"INVOCATIONS": INVOCATIONS}),
     buffers=(Buffer("wide", "4", type="uint64_t", coherent=True),
              Buffer("signed_wide", "2", type="int64_t", coherent=True),
-             Buffer("before", f"6*{INVOCATIONS}", type="uvec2")), params=(ATOMIC64,))
+             Buffer("before", f"6*{INVOCATIONS}", type="uvec2")), params=(ATOMIC64,),
+) for stage, (kind, ending) in STAGES.items()}
 
 Outcome = tuple[bool, str]
 
@@ -118,55 +141,99 @@ def block_length(device: Device) -> Outcome:
 
 
 def operations(device: Device) -> Outcome:
-    """Whether each 32-bit atomic operation takes effect once for every invocation."""
+    """Whether each 32-bit atomic operation takes effect once for every invocation, in either kind of shader."""
+    return _all({stage: _operations(device, method) for stage, method in OPERATIONS.items()})
+
+
+def _operations(device: Device, method: Method) -> dict[str, bool]:
     start = np.array([0, 0, EMPTY, 0, 0, 0], dtype=np.uint32)
-    with _drawn(device, SCENE, OPERATIONS, element=start) as frame:
-        after, before = frame.words("element"), frame.words("before").reshape(6, INVOCATIONS)
+    with _drawn(device, SCENE, method, element=start, dedicated=np.zeros(1, np.uint32)) as frame:
+        after, dedicated = frame.words("element"), int(frame.words("dedicated")[0])
+        before = frame.words("before").reshape(7, INVOCATIONS)
     values = np.arange(1, INVOCATIONS + 1)
     first, swapped = int(after[5]), np.sort(before[5])
-    right = {
+    return {
         "add": after[0] == INVOCATIONS and set(before[0]) == set(values - 1),
-        "max": after[1] == INVOCATIONS and before[1].max() < INVOCATIONS,
-        "min": after[2] == 1 and before[2].max() == EMPTY,
-        "or": after[3] == EMPTY and before[3].min() == 0,
+        "max": after[1] == INVOCATIONS and sum(before[1] == 0) == 1 and before[1][-1] < INVOCATIONS,
+        "min": after[2] == 1 and sum(before[2] == EMPTY) == 1 and before[2][0] > 1,
+        "or": after[3] == EMPTY and sum(before[3] == 0) == 1,
         "exchange": {int(after[4]), *map(int, before[4])} == {0, *range(1, INVOCATIONS + 1)},
         "compare-and-swap": 1 <= first <= INVOCATIONS and swapped[0] == 0 and set(swapped[1:]) == {first},
+        "counter": dedicated == INVOCATIONS and set(before[6]) == set(values - 1),
     }
-    return _all(right)
 
 
 def operations64(device: Device) -> Outcome:
     """Whether each 64-bit operation that methods use compiles, and takes effect once on both words together."""
+    return _all({stage: _operations64(device, method) for stage, method in OPERATIONS64.items()})
+
+
+def _operations64(device: Device, method: Method) -> dict[str, bool]:
     start = np.array([0, 0, EMPTY, EMPTY], dtype=np.uint32)
-    with _drawn(device, SCENE, OPERATIONS64, wide=start, signed_wide=np.zeros(2, np.uint32)) as frame:
+    with _drawn(device, SCENE, method, wide=start, signed_wide=np.zeros(2, np.uint32)) as frame:
         wide, after = frame.words("wide").reshape(2, 2), frame.words("signed_wide")
         before = frame.words("before").reshape(3, INVOCATIONS, 2)
     chain = [tuple(map(int, pair)) for pair in (*before[2], after)]
-    right = {"max": (wide[0] == INVOCATIONS).all(), "min": (wide[1] == 1).all(),
-             "exchange": sorted(chain) == [(i, i) for i in range(INVOCATIONS + 1)]}
-    return _all(right)
+    return {"max": bool((wide[0] == INVOCATIONS).all()), "min": bool((wide[1] == 1).all()),
+            "exchange": sorted(chain) == [(i, i) for i in range(INVOCATIONS + 1)]}
 
 
-def _all(right: Mapping[str, object]) -> Outcome:
-    wrong = [name for name, passed in right.items() if not passed]
-    return not wrong, f"wrong: {', '.join(wrong)}" if wrong else f"right: {', '.join(right)}"
+def _all(right: Mapping[str, Mapping[str, bool]]) -> Outcome:
+    """The outcome of operations, by kind of shader and name."""
+    wrong = [f"{name} in {stage}" for stage, passed in right.items() for name in passed if not passed[name]]
+    names = dict.fromkeys(name for passed in right.values() for name in passed)
+    return not wrong, f"wrong: {', '.join(wrong)}" if wrong else f"right in {' and '.join(right)}: {', '.join(names)}"
 
 
 def blending(device: Device) -> Outcome:
-    """Whether sums and maxima are right in every format that methods blend in."""
-    wrong = [f"{format} {equation[0]}" for format in BLENDED for equation, value in ((ADD, 0.75), (MAX, 0.25))
-             if not _blends(device, format, equation, value)]
-    return not wrong, f"wrong: {', '.join(wrong)}" if wrong else f"sum and maximum right in {', '.join(BLENDED)}"
+    """Whether each way of blending that methods use is right in each format that they use it in."""
+    wrong = [_told(formats, state) for formats, state in BLENDED if not _blends(device, formats, state)]
+    told = f"wrong: {', '.join(wrong)}" if wrong else f"{len(BLENDED)} of {len(BLENDED)} ways right"
+    return not wrong, told
 
 
-def _blends(device: Device, format: str, equation: Blend, value: float) -> bool:
+def _told(formats: tuple[str, ...], state: State) -> str:
+    blends = [state.blend] if state.blend else list(state.blends)
+    return " beside ".join(" ".join((format, *blend)) for format, blend in zip(formats, blends, strict=True)) + (
+        f", alpha {' '.join(state.blend_alpha)}" if state.blend_alpha else "")
+
+
+def _blends(device: Device, formats: tuple[Format, ...], state: State) -> bool:
+    names = ("blended", "beside")[:len(formats)]
+    defines = {"BESIDE": len(formats) - 1}
     method = probe_method(
-        f"blending {format}", Pass("blend", "geometry", "probe/quarter.frag", into=("blended",),
-                                   clears={"blended": (0.0,) * 4}, state=State(blend=equation)),
-        Pass("show", "fullscreen", "probe/show_blended.frag", reads=("blended",), into=(IMAGE,)),
-        targets=(Target("blended", format),))
+        f"blending {_told(formats, state)}",
+        Pass("blend", "geometry", "probe/blend.frag", into=names, state=state, defines=defines,
+             clears=dict.fromkeys(names, (START,) * 4)),
+        Pass("show", "fullscreen", "probe/show_blended.frag", reads=names, into=(IMAGE,), defines=defines),
+        targets=tuple(Target(name, format) for name, format in zip(names, formats, strict=True)))
     with _drawn(device, SCENE, method) as frame:
-        return bool(np.abs(frame.image()[..., 0] - value).max() <= STEP)
+        image = frame.image()
+    blends = [state.blend] if state.blend else list(state.blends)
+    expected = [_blended(blend, state.blend_alpha) for blend in blends]
+    seen = [(image[..., channel], colour) for channel, (colour, _) in enumerate(expected)]
+    if formats[0].startswith("rgba"):
+        seen.append((image[..., 3], expected[0][1]))
+    return all(np.abs(channel - value).max() <= STEP for channel, value in seen)
+
+
+def _blended(blend: Blend, alpha_factors: tuple[str, str] | None) -> tuple[float, float]:
+    """Colour and alpha of a target once every fragment of a pixel was blended into it."""
+    colour = alpha = START
+    for _ in range(SCENE.depth_complexity):
+        colour, alpha = (_applied(blend, SOURCE[0], colour, alpha),
+                         _applied((blend[0], *(alpha_factors or blend[1:])), SOURCE[1], alpha, alpha))
+    return colour, alpha
+
+
+def _applied(blend: Blend, source: float, stored: float, stored_alpha: float) -> float:
+    """The definition of OpenGL 4.3, section 17.3.8: a maximum has no factors."""
+    equation, *factors = blend
+    if equation == "max":
+        return max(source, stored)
+    known = {"zero": 0.0, "one": 1.0, "one_minus_src_alpha": 1 - SOURCE[1], "dst_alpha": stored_alpha,
+             "one_minus_dst_alpha": 1 - stored_alpha}
+    return source * known[factors[0]] + stored * known[factors[1]]
 
 
 def queries(device: Device) -> Outcome:

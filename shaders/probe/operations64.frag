@@ -1,0 +1,9 @@
+// Trial of 64-bit atomics in fragment shaders: the first INVOCATIONS pixels apply them.
+// Buffers: updates wide and signed_wide; writes before.
+#include "common/pixel.glsl"
+#include "probe/operations64.glsl"
+
+void main() {
+    uint p = pixel_index();
+    if (p < INVOCATIONS) apply(p);
+}
