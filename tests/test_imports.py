@@ -24,8 +24,9 @@ LAYERS = (
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "methods", "config", "plan", "scene", "oracle",
               "glsl", "race", "store", "report", "claims", "compare", "page")
-PARENT = ("run.supervisor", "run.ledger", "run.process")  # of a run: another process has the device
-OF_THE_DEVICE = ("gpu", "run.cell", "run.measuring", "run.scene_work", "run.worker")
+PARENT = ("run.supervisor", "run.device_process", "run.ledger", "run.process")  # another process has the device
+OF_THE_DEVICE = ("gpu", "run.bench", "run.cell", "run.images", "run.measuring", "run.outcome", "run.scene_work",
+                 "run.worker")
 GL_PACKAGES = {"moderngl", "glcontext", "OpenGL"}
 SPEAKING = ("methods", "claims", "cli")  # what a paper claims is about its methods; for the commands see below
 HEAVY = {"numpy", "pandas", "matplotlib", "moderngl", "glcontext", "pydantic", "yaml", "rich"}

@@ -241,7 +241,7 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
 
     from ..gpu.device import open_device
     from ..gpu.single import shown
-    from ..run.cell import verdict
+    from ..run.outcome import verdict
 
     with Interruption(device_here=True):
         opened = open_device(device)

@@ -1,10 +1,13 @@
 """Runs of cells: a process that owns the device measures; its parent plans, keeps, and outlives it.
 
-    supervisor, process               the parent's loop over scenes, and its hold on the worker
-    ledger                            what is kept, shared, written: rows, and samples of unfinished cells
+    supervisor, hand                  the parent's loop over scenes, and what it knows of the cell in hand
+    device_process, process           the worker that has the device, replaced where it dies; its link and its end
+    ledger, settling, sheet           what is kept, shared, written: rows, and samples of unfinished cells
     jobs, events, memory              what both sides know, and what they say to each other
     worker                            the process that measures: device, timer, its end of the link
-    measuring, cell, scene_work       on the device: the cells of a scene in turns, one of them, the scene itself
+    measuring, eliminating            on the device: the cells of a scene in turns, or in rounds that the slower leave
+    cell, images, outcome             one cell sampled, its images checked, its status and values
+    scene_work, bench                 the scene with its oracle images; the device and timer of all cells
 
 Samples reach the parent batch by batch, and it has kept them before the worker goes on.
 """

@@ -26,20 +26,20 @@ class Race:
                  shuffle: Callable[[list], None], news: Callable[[], None], deadline: float):
         self._guarded, self._shuffle, self._news, self._deadline = guarded, shuffle, news, deadline
         self._measure = running[0].job.cell.measure
-        self._cells = {cell.job.key: cell for cell in running if cell.checked and not self._too_wrong(cell)}
-        self._wrong = [cell for cell in running if cell.checked and self._too_wrong(cell)]
-        self.apart = [cell for cell in running if not cell.checked]
+        self._cells = {cell.job.key: cell for cell in running if cell.images.promised and not self._too_wrong(cell)}
+        self._wrong = [cell for cell in running if cell.images.promised and self._too_wrong(cell)]
+        self.apart = [cell for cell in running if not cell.images.promised]
 
     def _too_wrong(self, cell: CellWork) -> bool:
         bound = self._measure.max_error
-        return bound is not None and cell.quality["max_error_all"] > bound
+        return bound is not None and cell.images.quality["max_error_all"] > bound
 
     def _may_drop(self, faster: str, slower: str) -> bool:
         """Tell whether the slower cell may go: under a bound on the error, or if its error and memory are no better."""
         if self._measure.max_error is not None:
             return True
         one, other = self._cells[faster], self._cells[slower]
-        return one.quality["rmse"] <= other.quality["rmse"] and one.memory_bytes <= other.memory_bytes
+        return one.images.quality["rmse"] <= other.images.quality["rmse"] and one.memory_bytes <= other.memory_bytes
 
     def run(self, finish: Step) -> None:
         """Draw rounds until one method is left, all that are left are as good, or time or frames run out."""
@@ -86,7 +86,7 @@ class Race:
 
     def _tell(self, race: Elimination) -> None:
         for key in race.left:
-            self._cells[key].tell()
+            self._cells[key].emit_samples()
         self._news()
 
     def _words(self, gone: Dropped) -> str:

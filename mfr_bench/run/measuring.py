@@ -12,10 +12,12 @@ from ..measure.sampling import Sampler
 from ..methods.spec import Fitted, Method, SceneStats
 from ..plan import judge
 from ..store.journal import Partial
-from .cell import Bench, CellWork, failure, scene_values
+from .bench import Bench
+from .cell import CellWork
 from .eliminating import Race
 from .events import Begun, Finished, Group, Share, Synced
 from .jobs import Job
+from .outcome import failure, scene_values
 from .scene_work import SceneWork
 
 LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
@@ -152,7 +154,7 @@ class Measuring:
         """Sample one cell of each experiment twice: the difference is the noise floor."""
         for cell in running:
             served = [keys for keys in self._replicates if cell.job.key in keys]
-            if served and cell.checked and not cell.sampler.samples_ms:
+            if served and cell.images.promised and not cell.sampler.samples_ms:
                 cell.replicate = Sampler(cell.job.cell.measure)
                 self._replicates = [keys for keys in self._replicates if keys not in served]
 

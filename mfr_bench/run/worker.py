@@ -17,7 +17,7 @@ from ..gpu.selftest import calibrate
 from ..gpu.timers import GpuTimer, WallTimer
 from ..measure.split import Split
 from ..methods import catalog
-from .cell import Bench
+from .bench import Bench
 from .events import Calibrate, Calibrated, Ended, Failed, Go, Ready, Synced
 from .measuring import DeviceLost, Measuring
 

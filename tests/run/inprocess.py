@@ -8,7 +8,7 @@ from dataclasses import asdict
 from mfr_bench.gpu import device as devices
 from mfr_bench.gpu.selftest import calibrate
 from mfr_bench.methods import catalog
-from mfr_bench.run.cell import Bench
+from mfr_bench.run.bench import Bench
 from mfr_bench.run.events import Calibrate, Calibrated, Ended, Group, Ready
 from mfr_bench.run.measuring import Measuring
 from mfr_bench.run.process import Died

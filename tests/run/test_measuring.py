@@ -17,11 +17,12 @@ from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Fitted
 from mfr_bench.plan import Cell, expected_stats
 from mfr_bench.run import measuring, scene_work
-from mfr_bench.run.cell import Bench, failure
+from mfr_bench.run.bench import Bench
 from mfr_bench.run.events import CHECK, Begun, Finished, Group, Sampled, Share
 from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger
 from mfr_bench.run.measuring import Measuring
+from mfr_bench.run.outcome import failure
 from mfr_bench.run.sheet import Sheet
 from mfr_bench.store import ResultFolder
 from mfr_bench.store.arrays import read_arrays
