@@ -11,7 +11,7 @@ from mfr_bench.config.model import Measure, Scene
 from mfr_bench.errors import DeviceError
 from mfr_bench.methods import catalog
 from mfr_bench.plan import Cell
-from mfr_bench.run import supervisor as supervisors
+from mfr_bench.run import device_process as processes
 from mfr_bench.run.events import (
     CHECK,
     Begun,
@@ -95,8 +95,8 @@ class Stage:
 
     def __init__(self, folder, monkeypatch, cells, *actors, asked=lambda: False, **more):
         self.actors, waiting = actors, list(actors)
-        monkeypatch.setattr(supervisors, "Worker", lambda want, timer=None: waiting.pop(0))
-        monkeypatch.setattr(supervisors, "PAUSE_S", 0)
+        monkeypatch.setattr(processes, "Worker", lambda want, timer=None: waiting.pop(0))
+        monkeypatch.setattr(processes, "PAUSE_S", 0)
         self.sheet = Sheet(ResultFolder(folder), jobs(cells, catalog(), DEVICE, "wall"))
         self.ledger = Ledger([self.sheet], DEVICE)
         self.ledger.settle()
@@ -162,7 +162,7 @@ def test_a_row_that_was_told_before_the_death_stands(play):
 
 def test_a_cell_that_takes_too_long_is_ended(play, monkeypatch):
     now = [0.0]
-    monkeypatch.setattr(supervisors.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(processes.time, "monotonic", lambda: now[0])
     measure = Measure(time_limit_s=2, hard_limit_s=30)
 
     def later():
@@ -181,7 +181,7 @@ def test_a_cell_that_takes_too_long_is_ended(play, monkeypatch):
 def test_what_a_killed_worker_had_still_said_changes_no_blame(play, monkeypatch):
     """The cell that was too long ends in the same moment, and the next begins: that one is not to blame."""
     now = [0.0]
-    monkeypatch.setattr(supervisors.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(processes.time, "monotonic", lambda: now[0])
 
     def later():
         now[0] += 4
@@ -197,7 +197,7 @@ def test_what_a_killed_worker_had_still_said_changes_no_blame(play, monkeypatch)
 
 def test_time_in_which_the_parent_was_stopped_does_not_count(play, monkeypatch):
     now = [0.0]
-    monkeypatch.setattr(supervisors.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(processes.time, "monotonic", lambda: now[0])
 
     def stopped():
         now[0] += 3600
@@ -212,7 +212,7 @@ def test_time_in_which_the_parent_was_stopped_does_not_count(play, monkeypatch):
 def test_time_in_which_the_harness_compares_images_is_no_time_of_the_method(play, monkeypatch):
     """FLIP of a large image takes longer than the cell may; samples before and after it stand."""
     now = [0.0]
-    monkeypatch.setattr(supervisors.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(processes.time, "monotonic", lambda: now[0])
     measure = Measure(time_limit_s=2, hard_limit_s=30)
 
     def later():
@@ -259,7 +259,7 @@ def test_a_device_that_does_not_come_back_ends_the_run(play, opening):
         return [Begun(group.jobs[0].key, "compile"), CRASH]
 
     with pytest.raises(DeviceError, match=r"^the OpenGL device fake is gone: "):
-        play(CELLS, Actor(crashes), *[Actor(well, opening) for _ in range(supervisors.STARTS)])
+        play(CELLS, Actor(crashes), *[Actor(well, opening) for _ in range(processes.STARTS)])
 
 
 def test_a_device_that_comes_back_late_is_used(play):
@@ -289,7 +289,7 @@ def test_a_wish_to_stop_reaches_the_worker_once(play):
 def test_at_the_deadline_what_is_in_hand_stops_and_the_rest_is_left(play, monkeypatch):
     """The clock is planted: the time is up while the first scene is measured. No row is made up for what is left."""
     now = [0.0]
-    monkeypatch.setattr(supervisors.time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(processes.time, "monotonic", lambda: now[0])
 
     def script(group):
         first, *_ = group.jobs
@@ -377,7 +377,7 @@ def test_after_a_timeout_larger_k_of_the_same_scene_are_left_out(play):
     ([CRASH], None)])
 def test_the_calibration_at_the_end_is_the_workers_or_none(monkeypatch, events, found):
     worker = Actor(lambda group: [])
-    monkeypatch.setattr(supervisors, "Worker", lambda want, timer=None: worker)
+    monkeypatch.setattr(processes, "Worker", lambda want, timer=None: worker)
     with Supervisor("auto") as supervisor:
         supervisor.ready()
         worker.events += events
@@ -386,7 +386,7 @@ def test_the_calibration_at_the_end_is_the_workers_or_none(monkeypatch, events, 
 
 def test_a_user_who_stops_the_run_waits_for_no_calibration(monkeypatch):
     worker = Actor(lambda group: [])
-    monkeypatch.setattr(supervisors, "Worker", lambda want, timer=None: worker)
+    monkeypatch.setattr(processes, "Worker", lambda want, timer=None: worker)
     with Supervisor("auto", asked=lambda: True) as supervisor:
         supervisor.ready()
         assert supervisor.calibrate_again() is None
