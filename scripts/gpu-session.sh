@@ -5,21 +5,39 @@
 #
 # TIME (default 8m) is for all of it, DEVICE (default gpu) as for --device, PROFILE a profile of the configs, e.g. smoke.
 # In this order: doctor, the tests that need features which software drivers lack, conformance and the races stressor,
-# the papers' experiments by what they tell most, their claims. Every part has a share of the time; what it leaves goes
-# to the next. DIR holds everything, in a size that is printed at the end; MFR is the command, if not that of .venv.
+# the race machine (which needs a C++ compiler), the papers' experiments by what they tell most, their claims. Every part
+# has a share of the time; what it leaves goes to the next; tests that passed are not run again. Cut
+# off by a signal, it ends what runs, which keeps what it has measured. DIR holds everything, in a size that is printed at
+# the end; MFR is the command, if not that of .venv, and PYTHON what runs the tests. Exit status 1: a part failed.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 total=${1:-8m} dir=${2:-gpu-results} device=${DEVICE:-gpu} profile=${PROFILE:+--profile $PROFILE}
-mfr=${MFR:-.venv/bin/mfr-bench}
+mfr=${MFR:-.venv/bin/mfr-bench} python=${PYTHON:-.venv/bin/python}
+case ${total%[smh]} in
+    '' | "$total" | *[!0-9]* | 0*) echo "gpu-session: $total: allowed: a whole number with s, m or h, such as 8m" >&2 && exit 2 ;;
+esac
 case $total in
     *h) budget_s=$((${total%h} * 3600)) ;;
     *m) budget_s=$((${total%m} * 60)) ;;
-    *s) budget_s=${total%s} ;;
-    *) echo "gpu-session: $total: allowed: a whole number with s, m or h, such as 8m" >&2 && exit 2 ;;
+    *) budget_s=${total%s} ;;
 esac
 begun_s=$(date +%s)
-failed=0
+failed=0 running=
 mkdir -p "$dir" || exit 1
+bound=
+! command -v setpriv >/dev/null || bound="setpriv --pdeathsig TERM"  # what runs ends where this script is killed
+
+# shellcheck disable=SC2329 # by traps
+# end_early STATUS: ends what runs, which keeps what it has, and then the script.
+end_early() {
+    trap '' INT TERM HUP
+    [ -z "$running" ] || { kill "$running" && wait "$running"; } 2>/dev/null
+    echo "== cut off after $(($(date +%s) - begun_s)) s of $budget_s s; the same call goes on: $dir"
+    exit "$1"
+}
+trap 'end_early 130' INT
+trap 'end_early 143' TERM
+trap 'end_early 129' HUP
 
 # What claims and packing need at the end is set aside for them.
 aside_s=$((budget_s / 20 + 5))
@@ -43,9 +61,28 @@ part() {
         set -- "$@" "$word"
     done
     status=0
-    timeout --signal=INT --kill-after=20 $((limit_s + 10)) "$@" >"$dir/$name.log" 2>&1 || status=$?
-    echo "== $name: status $status, $(left_s) s left; $(tail -n 1 "$dir/$name.log")"
-    [ "$status" -eq 0 ] || failed=1
+    # shellcheck disable=SC2086 # $bound is three words or none
+    $bound timeout --kill-after=20 $((limit_s + 10)) "$@" >"$dir/$name.log" 2>&1 &
+    running=$!
+    wait "$running" || status=$?
+    running=
+    case $status in
+        124 | 137) ended="cut off" ;;
+        *) ended="status $status" ;;
+    esac
+    echo "== $name: $ended, $(left_s) s left; $(tail -n 1 "$dir/$name.log")"
+    [ "$ended" = "cut off" ] || [ "$status" -eq 0 ] || failed=1
+}
+
+# once NAME SHARE COMMAND...: a part that is not run again once it has passed in this folder.
+once() {
+    if [ -e "$dir/$1.passed" ]; then
+        echo "== $1: passed before"
+        return
+    fi
+    status=1
+    part "$@"
+    [ "$status" -ne 0 ] || touch "$dir/$1.passed"
 }
 
 # measured NAME SHARE CONFIG...: the experiments, coarse points of each before finer ones of any.
@@ -57,9 +94,14 @@ measured() {
 }
 
 part doctor 10 "$mfr" doctor --device "$device"
-part tests 25 .venv/bin/python -m pytest -q -p no:cacheprovider tests/gpu tests/contract -k "trial or interlock or native"
+once tests 25 "$python" -m pytest -v -p no:cacheprovider tests/gpu tests/contract -k "trial or interlock or native"
 measured conformance 25 conformance
 part races 10 "$mfr" stress races --profile smoke --device "$device" --out "$dir/races" --time-budget @
+if command -v "${CXX:-c++}" >/dev/null || command -v g++ >/dev/null || command -v clang++ >/dev/null; then
+    once race 5 "$mfr" race all --campaign --schedules 1000
+else
+    echo "== race: left out, no C++ compiler"
+fi
 measured kplus 20 kplus2015-fig6 kplus2015-fig8 kplus2015-fig9-abuffer kplus2015-fig9-sync
 measured lists 15 gpupro5-fig3 gpupro5-fig5 sbuffer2012-fig4 adaptive
 measured others 100 occupancy2015-fig5 kplus2014-k kplus2015-fig10 twochannel-fig4

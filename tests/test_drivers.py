@@ -1,0 +1,110 @@
+"""The matrix of drivers: what runs again, what is told, and the workflow that runs it."""
+
+import importlib.util
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).resolve().parent.parent
+WORKFLOW = ROOT / ".github" / "workflows" / "drivers.yml"
+
+
+@pytest.fixture
+def drivers(monkeypatch):
+    """The script as a module, whose scripts run here instead of in a root."""
+    spec = importlib.util.spec_from_file_location("drivers", ROOT / "scripts" / "drivers.py")
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "drivers", module)
+    spec.loader.exec_module(module)
+    monkeypatch.setattr(module.Matrix, "_inside", lambda self, root, script: ["bash", "-c", script.replace(
+        "cd /mfr-bench", f"cd {self.folder}")])
+    monkeypatch.setattr(module.Matrix, "_copy_sources", lambda self, root: None)
+    return module
+
+
+@pytest.fixture
+def matrix(drivers, tmp_path):
+    """A matrix with one root that was made before, in which `make setup` succeeds."""
+    (tmp_path / "sid.ready").touch()
+    (tmp_path / "Makefile").write_text("setup:\n\t@echo set up\n")
+    return drivers.Matrix(tmp_path)
+
+
+def statuses(matrix, *checks):
+    return [matrix.outcome("sid", "llvmpipe", check).get("status") for check in checks]
+
+
+def test_a_check_that_ended_runs_again_when_the_sources_change(drivers, matrix, monkeypatch):
+    ran = matrix.folder / "ran"
+    monkeypatch.setitem(drivers.CHECKS, "doctor", drivers.Check(f"echo once >>{ran}; false", 20))
+    for _ in range(2):
+        matrix.run("sid", "llvmpipe", ["doctor"], again=False)
+    assert statuses(matrix, "doctor") == [1]
+    assert ran.read_text() == "once\n"
+    matrix.stamp = "other"
+    matrix.run("sid", "llvmpipe", ["doctor"], again=False)
+    matrix.run("sid", "llvmpipe", ["doctor"], again=True)
+    assert ran.read_text() == "once\n" * 3
+
+
+def test_the_table_tells_how_each_check_ended(drivers, matrix, monkeypatch):
+    for check, command, limit_s in (("doctor", "true", 20), ("smoke", "exit 4", 20), ("stress", "sleep 20", 1)):
+        monkeypatch.setitem(drivers.CHECKS, check, drivers.Check(command, limit_s))
+    matrix.run("sid", "llvmpipe", ["doctor", "smoke", "stress"], again=False)
+    assert statuses(matrix, "doctor", "smoke", "stress", "contract") == [0, 4, 124, None]
+    row = drivers.table(matrix, ["sid"], ["llvmpipe"], ["doctor", "smoke", "stress", "contract"]).splitlines()[-1]
+    cells = [cell.strip().partition(",")[0] for cell in row.strip("|").split("|")]
+    assert cells == ["sid", "llvmpipe", "pass", "FAIL (4)", "timeout", "not run"]
+
+
+def test_a_root_that_cannot_be_set_up_fails_no_check(drivers, matrix):
+    (matrix.folder / "Makefile").write_text("setup:\n\t@false\n")
+    matrix.run("sid", "llvmpipe", ["doctor", "smoke"], again=False)
+    assert statuses(matrix, "doctor", "smoke") == [drivers.NO_SETUP] * 2
+    assert "not set up" in drivers.table(matrix, ["sid"], ["llvmpipe"], ["doctor"])
+
+
+def test_the_two_commands_of_a_newcomer_run_on_the_roots_own_default_alone(drivers, matrix):
+    assert "newcomer" in drivers.of("llvmpipe", list(drivers.CHECKS))
+    assert "newcomer" not in drivers.of("zink", list(drivers.CHECKS))
+    assert drivers.table(matrix, ["sid"], ["zink"], ["newcomer"]).splitlines()[-1] == "| sid | zink | – |"
+
+
+def test_what_runs_in_a_root_ends_with_the_script(tmp_path):
+    """The way of `Matrix._inside`, without a root: a killed parent takes its child along."""
+    assert '"setpriv", "--pdeathsig", "KILL"' in (ROOT / "scripts" / "drivers.py").read_text()
+    parent = subprocess.Popen([sys.executable, "-c", "import subprocess, sys; child = subprocess.Popen("
+                               "['setpriv', '--pdeathsig', 'KILL', 'sleep', '60']); print(child.pid, flush=True);"
+                               "child.wait()"], stdout=subprocess.PIPE, text=True)
+    child = int(parent.stdout.readline())
+    time.sleep(0.3)  # until setpriv has run
+    parent.send_signal(signal.SIGKILL)
+    parent.wait()
+    for _ in range(100):
+        if not alive(child):
+            return
+        time.sleep(0.05)
+    os.kill(child, signal.SIGKILL)
+    pytest.fail("the child outlived its parent")
+
+
+def alive(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_the_workflow_has_a_job_for_each_root_and_driver(drivers):
+    job = yaml.safe_load(WORKFLOW.read_text())["jobs"]["drivers"]
+    assert job["strategy"]["matrix"] == {"root": list(drivers.ROOTS), "driver": list(drivers.DRIVERS)}
+    kept = next(step["with"] for step in job["steps"] if "upload-artifact" in step.get("uses", ""))
+    assert kept["include-hidden-files"] is True  # the folder of logs begins with a dot
+    assert json.dumps(job).count("${{ matrix.driver }}") >= 3
