@@ -23,6 +23,7 @@ def drivers(monkeypatch):
     module = importlib.util.module_from_spec(spec)
     monkeypatch.setitem(sys.modules, "drivers", module)
     spec.loader.exec_module(module)
+    module.entering = module.Matrix._inside
     monkeypatch.setattr(module.Matrix, "_inside", lambda self, root, script: ["bash", "-c", script.replace(
         "cd /mfr-bench", f"cd {self.folder}")])
     monkeypatch.setattr(module.Matrix, "_copy_sources", lambda self, root: None)
@@ -77,12 +78,18 @@ def test_the_two_commands_of_a_newcomer_run_on_the_roots_own_default_alone(drive
     assert drivers.table(matrix, ["sid"], ["zink"], ["newcomer"]).splitlines()[-1] == "| sid | zink | – |"
 
 
-def test_what_runs_in_a_root_ends_with_the_script(tmp_path):
-    """The way of `Matrix._inside`, without a root: a killed parent takes its child along."""
-    assert '"setpriv", "--pdeathsig", "KILL"' in (ROOT / "scripts" / "drivers.py").read_text()
-    parent = subprocess.Popen([sys.executable, "-c", "import subprocess, sys; child = subprocess.Popen("
-                               "['setpriv', '--pdeathsig', 'KILL', 'sleep', '60']); print(child.pid, flush=True);"
-                               "child.wait()"], stdout=subprocess.PIPE, text=True)
+PARENT = """
+import subprocess, sys
+child = subprocess.Popen(sys.argv[1:])
+print(child.pid, flush=True)
+child.wait()
+"""
+
+
+def test_what_runs_in_a_root_ends_with_the_script(drivers, matrix):
+    bound = drivers.entering(matrix, "sid", "")
+    command = [*bound[:bound.index("unshare")], "sleep", "60"]
+    parent = subprocess.Popen([sys.executable, "-c", PARENT, *command], stdout=subprocess.PIPE, text=True)
     child = int(parent.stdout.readline())
     time.sleep(0.3)  # until setpriv has run
     parent.send_signal(signal.SIGKILL)
