@@ -24,6 +24,11 @@ def reference_dir() -> Path:
     return _folder("reference", "results/reference")
 
 
+def template_dir() -> Path:
+    """The folder of the package that `new-method` writes. Raises MfrError where the installation lacks it."""
+    return _folder("template", "examples/my-array")
+
+
 def _folder(name: str, beside: str | None = None) -> Path:
     """The folder `name` of an installed package, `beside` (by default the same name) in the repository."""
     places = (PACKAGE / "_data" / name, PACKAGE.parent / (beside or name))

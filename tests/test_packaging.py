@@ -16,7 +16,8 @@ import pytest
 import mfr_bench
 
 ROOT = Path(__file__).resolve().parent.parent
-SHIPPED = {"shaders": "shaders", "configs": "configs", "results/reference": "reference"}  # in the tree -> in _data
+SHIPPED = {"shaders": "shaders", "configs": "configs", "results/reference": "reference",
+           "examples/my-array": "template"}  # in the tree -> in _data
 
 
 def build(target: str, source: Path, out: Path) -> Path:
@@ -63,7 +64,7 @@ def test_wheel_holds_the_package_and_its_data_and_nothing_else(wheel):
 
 
 def test_unpacked_wheel_works_without_the_repository(wheel, tmp_path):
-    """`mfr-bench configs` and `mfr-bench run smoke --dry-run` of the wheel alone, in an empty folder."""
+    """`configs`, `run smoke --dry-run`, `new-method` and `check` of the wheel alone, in an empty folder."""
     site = tmp_path / "site"
     with zipfile.ZipFile(wheel) as archive:
         archive.extractall(site)  # noqa: S202 # as above
@@ -80,6 +81,8 @@ def test_unpacked_wheel_works_without_the_repository(wheel, tmp_path):
 
     assert "smoke" in cli("configs")
     assert cli("run", "smoke", "--dry-run")
+    cli("new-method", "mine")
+    assert cli("check", "mine", "--methods", "mine", "--no-race").endswith("mine: every check passed\n")
 
 
 def test_sdist_builds_the_same_wheel(wheel, unpacked_sdist, tmp_path):

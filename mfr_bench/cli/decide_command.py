@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 
 from .mesh_scene import MESH, MESH_CONFIG, mesh_overrides
-from .options import DEVICE, JSON, OutPath
+from .options import DEVICE, JSON, OUTSIDE, OutPath
 from .output import note, say, width
 
 MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a device finds more in some pixels
@@ -32,6 +32,7 @@ NOTHING = 6  # exit status: no method keeps the bounds
               help="Where results go. [default: results/<device>/decide-<hash>]")
 @DEVICE
 @JSON
+@OUTSIDE
 def decide(size: str | None, layers: int | None, covered: float, mesh: str | None, config: str | None,
            memory_mb: float | None, max_error: str, time_budget: str, out: str | None, device: str,
            as_json: bool) -> int:

@@ -12,7 +12,19 @@ from typing import Any
 import click
 
 from .interruption import Interruption
-from .options import DEVICE, JSON, PROFILE, SET, ConfigName, MethodName, OutPath, PassName, first_experiment, method
+from .options import (
+    DEVICE,
+    JSON,
+    OUTSIDE,
+    PROFILE,
+    SET,
+    ConfigName,
+    MethodName,
+    OutPath,
+    PassName,
+    first_experiment,
+    method,
+)
 from .output import note, say, width
 
 WRONG = 3
@@ -39,6 +51,7 @@ def _device_or_reason(want: str):
 @click.option("--rounding", is_flag=True,
               help="Print the table of docs/accuracy.md: what compositing loses to rounding; needs no device.")
 @DEVICE
+@OUTSIDE
 def methods(as_json: bool, markdown: bool, rounding: bool, device: str) -> None:
     """List every method, and whether this device runs it.
 
@@ -185,6 +198,7 @@ def _said_ms(tick_ms: float | None) -> str:
 @click.option("--out", required=True, type=OutPath(dir_okay=False), help="The .npz file to write.")
 @PROFILE
 @SET
+@OUTSIDE
 def scene(config: str, out: str, profile: str | None, overrides: tuple[str, ...]) -> None:
     """Write the scene of CONFIG's first cell as NumPy arrays.
 
@@ -221,6 +235,7 @@ def scene(config: str, out: str, profile: str | None, overrides: tuple[str, ...]
 @PROFILE
 @SET
 @DEVICE
+@OUTSIDE
 def render(config: str, method_id: str, out: str, profile: str | None, overrides: tuple[str, ...],
            device: str) -> None:
     """Render CONFIG's first scene by one method, and check the image.
@@ -319,6 +334,7 @@ def _png(image) -> bytes:
 @click.option("--plan", "as_plan", is_flag=True,
               help="Print what a frame runs instead: passes, bindings, barriers, and why passes are left out.")
 @JSON
+@OUTSIDE
 def shader(method_id: str, pass_name: str | None, config: str, profile: str | None,
            overrides: tuple[str, ...], as_plan: bool, as_json: bool) -> None:
     """Print the GLSL of METHOD as it is compiled.

@@ -14,6 +14,7 @@ from . import (
     compare_command,
     decide_command,
     device_commands,
+    method_commands,
     pack_commands,
     page_command,
     race_command,
@@ -50,6 +51,7 @@ SECTIONS = {
                                page_command.report, pack_commands.pack, pack_commands.unpack),
     "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, device_commands.scene,
                     device_commands.render, device_commands.shader, race_command.race),
+    "Add a method": (method_commands.new_method, method_commands.check),
 }
 WHOLE = 200  # characters of a command's line in the list, which is never cut
 

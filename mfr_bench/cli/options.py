@@ -159,6 +159,18 @@ TIME_BUDGET = click.option("--time-budget", "budget_s", metavar="TIME", callback
                                 "gets its coarse points before any gets finer ones.")
 
 
+def _use_methods(context, param, folders: tuple[str, ...]) -> None:
+    if folders:
+        from ..methods.outside import use
+
+        use(folders)
+
+
+OUTSIDE = click.option("--methods", "method_folders", multiple=True, metavar="FOLDER", is_eager=True,
+                       expose_value=False, callback=_use_methods, type=click.Path(exists=True, file_okay=False),
+                       help="Take the methods of this folder too, beside those of installed packages; may be repeated.")
+
+
 def measuring(what: str, folder: str):
     """The options of a command that measures `what`, each into a `folder` of its own."""
     out = click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
@@ -166,7 +178,8 @@ def measuring(what: str, folder: str):
                             f"[default: results/<device>/{folder}]")
 
     def decorate(command):
-        for option in (QUIET, DRY_RUN, TIME_BUDGET, TRY_HOPELESS, KEEP_FAILED, FORCE, DEVICE, SET, ONLY, PROFILE, out):
+        for option in (OUTSIDE, QUIET, DRY_RUN, TIME_BUDGET, TRY_HOPELESS, KEEP_FAILED, FORCE, DEVICE, SET, ONLY,
+                       PROFILE, out):
             command = option(command)
         return command
     return decorate

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import FOLDERS, OutPath
+from .options import FOLDERS, OUTSIDE, OutPath
 from .output import note, say
 
 
@@ -14,6 +14,7 @@ from .output import note, say
 @FOLDERS
 @click.option("--out", metavar="F.html", default="report.html", show_default=True, type=OutPath(dir_okay=False),
               help="Write the page to this file.")
+@OUTSIDE
 def report(folders: tuple[str, ...], out: str) -> None:
     """Write one HTML page of all results at or below DIR, to be sent.
 

@@ -6,7 +6,7 @@ import json
 
 import click
 
-from .options import JSON, MethodName, method
+from .options import JSON, OUTSIDE, MethodName, method
 from .output import say
 
 BROKEN = 3
@@ -37,6 +37,7 @@ SCHEDULES = 20_000
               "changes what runs concurrently, on strong and weak memory and in lockstep; a line for each.")
 @click.option("--replay", metavar="WORD", help="Run the one schedule that an earlier run has printed.")
 @JSON
+@OUTSIDE
 def race(method_id: str, overrides: tuple[str, ...], fragments: str, schedules: int, scenes: int, seed: int, ties: bool,
          weak: bool, no_dependencies: bool, warp: int | None, moved_returns: bool, ordered: bool, helpers: bool,
          exhaustive: int | None, campaign: bool, replay: str | None, as_json: bool) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import FOLDERS, OutPath
+from .options import FOLDERS, OUTSIDE, OutPath
 from .output import note, say, width
 
 
@@ -43,6 +43,7 @@ def _write_tables(folder) -> list[Path]:
 @FOLDERS
 @click.option("--together", metavar="OUT", type=OutPath(file_okay=False),
               help="Draw each experiment that several results hold once, device beside device, into OUT.")
+@OUTSIDE
 def plot(folders: tuple[str, ...], together: str | None) -> None:
     """Draw the figures of all results at or below DIR again.
 
@@ -84,6 +85,7 @@ def _print_columns(context: click.Context, parameter: click.Parameter, asked: bo
 @FOLDERS
 @click.option("--columns", is_flag=True, is_eager=True, expose_value=False, callback=_print_columns,
               help="Print docs/results.md: every file and column of a result folder.")
+@OUTSIDE
 def table(folders: tuple[str, ...]) -> None:
     """Print the tables of all results at or below DIR.
 

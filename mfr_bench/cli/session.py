@@ -215,6 +215,12 @@ def _ok_first(entry: tuple[str, int]) -> tuple[bool, str]:
     return entry[0] != "ok", entry[0]
 
 
+def _packages(todo) -> dict[str, Any]:
+    """The packages that bring methods from outside, if there are any."""
+    found = {job.package["name"]: dict(job.package) for job in todo if job.package}
+    return {"packages": list(found.values())} if found else {}
+
+
 def manifest(experiment, todo, ready) -> dict[str, Any]:
     """The manifest of a result folder: its experiment, device and run."""
     from .. import environment
@@ -228,7 +234,7 @@ def manifest(experiment, todo, ready) -> dict[str, Any]:
         "methods": [{"id": m.id, "label": m.label, "params": dict(m.params)} for m in experiment.methods],
         "measure": experiment.measure.as_dict(), "figures": [f.as_dict() for f in experiment.figures],
         "cells": list(dict.fromkeys(job.key for job in todo)), "device": dict(ready.device),
-        "timer": ready.timer, "calibration": dict(ready.calibration),
+        **_packages(todo), "timer": ready.timer, "calibration": dict(ready.calibration),
         "versions": environment.versions(), "environment": environment.at_the_start(ready.device),
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }

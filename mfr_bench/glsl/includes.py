@@ -8,11 +8,14 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 from ..errors import ShaderError
+from ..methods.outside import shader_folders
 from ..resources import shaders_dir
 from .code import code_of
 from .counters import is_counter
 
 LINE_STRIDE = 100_000  # line numbers carry the file: Mesa drops the source number of #line
+
+folders_outside = shader_folders  # the process that loads a package has another answer
 
 _INCLUDE = re.compile(r'^\s*#include\s+(?:"(?P<path>[^"]+)"|<(?P<slot>\w+)>)\s*$')
 
@@ -49,8 +52,10 @@ class Source:
 
 @cache
 def read(path: str) -> str:
-    """Text of a file below shaders/."""
+    """Text of a file below shaders/, or else below the shaders of a package from outside."""
     file = shaders_dir() / path
+    if not file.is_file():
+        file = next((f for f in (folder / path for folder in folders_outside()) if f.is_file()), file)
     try:
         return file.read_text(encoding="utf-8")
     except OSError as error:

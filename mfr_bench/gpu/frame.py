@@ -39,6 +39,8 @@ class Frame:
     Raises ShaderError for GLSL that does not compile, MemoryError where the device has no room.
     """
 
+    ALLOCATION = Allocation  # what holds the buffers and textures; a check of writes outside them has another
+
     def __init__(self, device: Device, fitted: Fitted, scene_buffer: SceneBuffer, canvas: Canvas):
         self.device, self.gl, self.fitted = device, device.gl, fitted
         self.variant, self.stats = fitted.variant, fitted.stats
@@ -55,7 +57,7 @@ class Frame:
         self._probing = False
         self._frame_plan: tuple[tuple, FramePlan] | None = None  # the newest, with the fields of the state it is for
         self._barriers = Barriers(())
-        self.allocation = Allocation(device, fitted, canvas)
+        self.allocation = self.ALLOCATION(device, fitted, canvas)
         self.diagnostics = Diagnostics(device)
         self._schedule = Schedule(device.gl, fitted)
         self.uniforms = Uniforms(device, fitted.stats)

@@ -1,15 +1,17 @@
-"""The catalog of methods, found by scanning this package: a family file lists its own in `METHODS`."""
+"""The catalog of methods: a family file of this package, or a package or folder outside, lists its own in `METHODS`."""
 
 from __future__ import annotations
 
 import pkgutil
+from collections.abc import Mapping
 from functools import lru_cache
 from types import ModuleType
 
+from . import outside
 from .loading import DeclarationError, family, order_of, twice
 from .spec import Method
 
-NO_FAMILIES = ("loading", "checking")  # which this module imports itself
+NO_FAMILIES = ("loading", "checking", "outside")  # which this module imports itself
 FLOOR = "floor"  # id of the method that is measured for every scene: no method can be faster
 
 
@@ -20,6 +22,8 @@ MISTAKES: list[str] = []
 @lru_cache(maxsize=1)
 def catalog() -> dict[str, Method]:
     """Every declared method by id, in the order of the family files' `ORDER`; families without it come last.
+
+    Behind them stand the methods from outside, which bear their package.
 
     A family whose declaration has a mistake is left out, and MISTAKES gets a line for it.
     """
@@ -40,4 +44,22 @@ def catalog() -> dict[str, Method]:
                 MISTAKES.append(twice(each, method, owners[method.id]))
             else:
                 methods[method.id], owners[method.id] = method, each
-    return methods
+    return methods | _from_outside(methods)
+
+
+def _from_outside(taken: Mapping[str, Method]) -> dict[str, Method]:
+    """The methods that packages and folders bring; an id that is `taken` stays with whom it is."""
+    found: dict[str, Method] = {}
+    for each in outside.loaded():
+        MISTAKES.extend(each.mistakes)
+        for method in each.methods:
+            if method.id in taken or method.id in found:
+                MISTAKES.append(f"{each.source.name}: the id {method.id!r} is declared twice, first in "
+                                f"{_owner(taken.get(method.id) or found[method.id])}; allowed: an id of its own")
+            else:
+                found[method.id] = method
+    return found
+
+
+def _owner(method: Method) -> str:
+    return method.package["name"] if method.package else "mfr-bench"

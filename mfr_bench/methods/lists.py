@@ -10,6 +10,7 @@ Words beside those of kplus_2015, Table 1 (3f + 1), by option:
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from .shared import (
     ATOMIC64,
@@ -28,6 +29,7 @@ from .shared import (
     resolve,
     resolve_sorted,
 )
+from .shared.clearing import Expand
 from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import ON_OFF, SPARE_CELLS, Buffer, Grown, Method, Param, Params, Pass, when
 
@@ -78,12 +80,13 @@ def _counted(step: Pass, scope: Params) -> tuple[Pass, ...]:
 
 def rendered(step: Pass) -> Pass:
     """The pass by the name that gpupro5_ch1 gives it, as often as RENDERS says; each leaves the same image."""
-    def expand(made: Pass, scope: Params) -> tuple[Pass, ...]:
-        passes = expanded(made, scope, step.expand)
-        again = tuple(p for p in passes if p.probes is None)
-        return passes + again * (int(scope["renders"]) - 1)
+    return replace(step, name="render", expand=partial(_repeated, expand=step.expand))
 
-    return replace(step, name="render", expand=expand)
+
+def _repeated(step: Pass, scope: Params, expand: Expand | None) -> tuple[Pass, ...]:
+    passes = expanded(step, scope, expand)
+    again = tuple(p for p in passes if p.probes is None)
+    return passes + again * (int(scope["renders"]) - 1)
 
 
 def gpupro(method_id: str, name: str, section: str, summary: str, switch: Param, plain: str, packed: str,

@@ -22,26 +22,28 @@ class DeclarationError(Exception):
     """A mistake in a family's file, as the line that a user reads."""
 
 
-def family(name: str) -> ModuleType | None:
+def family(name: str, file: Path | None = None) -> ModuleType | None:
     """The module of a family; None for a module that declares no methods and uses nothing of a declaration.
 
-    Raises DeclarationError with the file and line of a mistake, what is allowed, and the nearest allowed name.
+    file: of a family outside this package. Raises DeclarationError with the file and line of a mistake, what is
+    allowed, and the nearest allowed name.
     """
     try:
         module = importlib.import_module(name)
     except Exception as error:
-        raise DeclarationError(_explained(name, error)) from error
+        at = file or Path(__file__).with_name(f"{name.rpartition('.')[2]}.py")
+        raise DeclarationError(_explained(at, error)) from error
     if not hasattr(module, "METHODS"):
         if hasattr(module, "ORDER") or any(isinstance(value, Method) for value in vars(module).values()):
             raise DeclarationError(f"{module.__file__}:1: no METHODS; allowed: METHODS = [Method(...), ...]")
         return None
     methods = module.METHODS
     if not isinstance(methods, Sequence) or not all(isinstance(method, Method) for method in methods):
-        raise DeclarationError(f"{_line_of(module, 'METHODS')}: METHODS holds what is no Method; "
+        raise DeclarationError(f"{line_of(module, 'METHODS')}: METHODS holds what is no Method; "
                                "allowed: a list of Method(...)")
     for method in methods:
         for mistake in mistakes_of(method):
-            where = _line_of(module, f'"{mistake.text}"', mistake.text)
+            where = line_of(module, f'"{mistake.text}"', mistake.text)
             raise DeclarationError(f"{where}: {method.id}: {mistake.what}")
     return module
 
@@ -53,21 +55,20 @@ def order_of(module: ModuleType) -> float:
 
 def twice(module: ModuleType, method: Method, other: ModuleType) -> str:
     """The line for an id that another family, or the same one, has declared before."""
-    where = _line_of(module, f'id="{method.id}"', f'"{method.id}"')
+    where = line_of(module, f'id="{method.id}"', f'"{method.id}"')
     return (f"{where}: the id {method.id!r} is declared twice, "
             f"first in {Path(other.__file__).name}; allowed: an id of its own")
 
 
-def _line_of(module: ModuleType, *texts: str) -> str:
+def line_of(module: ModuleType, *texts: str) -> str:
     """File and line where one of the texts stands first; line 1 where none does."""
     lines = Path(module.__file__).read_text().splitlines()
     found = next((i for i, line in enumerate(lines, 1) if any(text in line for text in texts)), 1)
     return f"{module.__file__}:{found}"
 
 
-def _explained(name: str, error: Exception) -> str:
+def _explained(file: Path, error: Exception) -> str:
     """The line for an exception that a family's file raised: where, what, and the arguments or names allowed."""
-    file = Path(__file__).with_name(f"{name.rpartition('.')[2]}.py")
     if isinstance(error, SyntaxError):
         return f"{error.filename}:{error.lineno}: {error.msg}"
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]

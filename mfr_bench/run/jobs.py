@@ -21,23 +21,27 @@ class Job:
     cell: Cell
     key: str
     glsl_hash: str
+    package: Mapping[str, str | None] | None = None  # name, version and hash of what brings the method from outside
 
 
 def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[str, str], timer: str,
          codes: dict[Shaders, str] | None = None) -> list[Job]:
     """The cells with their keys, which cover the method with its GLSL and parameters, scene, settings and device.
 
-    Labels are no part: cells that differ in nothing else are one measurement. `codes` keeps the hashes from call
+    Labels are no part: cells that differ in nothing else are one measurement. The code of a package from outside is a
+    part, its version is none. `codes` keeps the hashes from call
     to call.
     """
     codes = {} if codes is None else codes
     found = []
     for cell in cells:
-        shaders = catalog[cell.method].variant(cell.params), expected_stats(cell.scene).geometry
+        method = catalog[cell.method]
+        shaders = method.variant(cell.params), expected_stats(cell.scene).geometry
         code = codes.get(shaders) or codes.setdefault(shaders, glsl_hash(*shaders))
         settings = {name: value for name, value in cell.measure.as_dict().items() if name not in GUARDS}
-        name = key({"method": cell.method, "params": dict(cell.params), "glsl": code,
+        outside = {"package": [method.package["name"], method.package["hash"]]} if method.package else {}
+        name = key({**outside, "method": cell.method, "params": dict(cell.params), "glsl": code,
                     "scene": cell.scene.as_dict(), "measure": settings,
                     "renderer": device["renderer"], "version": device["version"], "timer": timer})
-        found.append(Job(cell, name, code))
+        found.append(Job(cell, name, code, method.package))
     return found

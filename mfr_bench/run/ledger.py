@@ -132,6 +132,7 @@ class Ledger:
             "reason": finished.reason, "values": values, "glsl_hash": job.glsl_hash,
             "device": {name: self.device.get(name) for name in ("slug", "renderer", "version", "uuid", "pci")},
             "measured": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), **finished.details,
+            **({"package": dict(job.package)} if job.package else {}),
         }
         for sheet in self.sheets:
             if job.key in sheet.jobs and job.key not in sheet.statuses:

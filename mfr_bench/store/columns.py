@@ -128,6 +128,8 @@ COLUMNS = (
     Column("glsl_hash", "str", "", "hash of the shaders that ran", "cell", producer="run.ledger"),
     Column("key", "str", "", "name of the cell file", "cell", producer="run.ledger"),
     Column("device", "str", "", "short name of the device", "joined", producer="store.rows"),
+    Column("package", "str", "", "name, version and hash of the code that brings the method from outside; empty for "
+           "mfr-bench's own", "joined", producer="store.rows"),
 )
 
 PASS_COLUMNS = (

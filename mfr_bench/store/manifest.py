@@ -54,7 +54,8 @@ MANIFEST = {
     "sweep": mapping_of(list_of(flat)), "zip": mapping_of(list_of(flat)), "measure": mapping_of(flat),
     "cells": list_of(text), "methods": list_of(record_of({"id": text, "label": text, "params": mapping_of(scalar)})),
     "device": lambda value: text(value) or DEVICE(value), "versions": mapping_of(scalar),
-    "environment": mapping_of(lambda value: True), "split_s": mapping_of(is_number),
+    "packages": list_of(mapping_of(scalar)), "environment": mapping_of(lambda value: True),
+    "split_s": mapping_of(is_number),
     "calibration": mapping_of(lambda value: True), "calibration_end": mapping_of(lambda value: True),
     "noise_floor_rel": lambda value: is_number(value) and value >= 0,
 }

@@ -23,6 +23,14 @@ def device_name(cell: Mapping[str, Any]) -> str | None:
     return device.get("slug") or device.get("renderer") if isinstance(device, dict) else device
 
 
+def package_name(cell: Mapping[str, Any]) -> str | None:
+    """Name, version and hash of the package that brings the cell's method from outside; None for this program's own."""
+    package = cell.get("package")
+    if not isinstance(package, Mapping):
+        return None
+    return " ".join(str(package[part]) for part in ("name", "version", "hash") if package.get(part))
+
+
 def _floor_key(cell: Mapping[str, Any]) -> str:
     return json.dumps([device_name(cell), cell["values"].get("timer"), cell["scene"]], sort_keys=True)
 
@@ -48,7 +56,7 @@ def result_rows(cells: Iterable[Cell]) -> list[Row]:
 def _result_row(cell: Cell, floor: Cell | None) -> Row:
     width, height = cell["scene"]["size"]
     joined = {"width": width, "height": height, "k": cell["params"].get("k", cell["values"].get("chosen_k")),
-              "device": device_name(cell),
+              "device": device_name(cell), "package": package_name(cell),
               "floor_ms": floor["values"]["time_ms"] if floor else None}
     origins = {"cell": cell, "scene": cell["scene"], "values": cell["values"], "joined": joined}
     return {c.name: origins[c.origin].get(c.name) for c in COLUMNS}

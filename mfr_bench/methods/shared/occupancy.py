@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from ..spec import MAX, Buffer, Params, Pass, State, Target, when
 from .counting import SHADED
@@ -55,9 +57,13 @@ def culled(store: Pass) -> Pass:
     the depth test, so that a fragment discarded by early z would still change the stencil.
     """
     own = store.state.depth_test or store.state.stencil
-    restrict = _from_shader if own else _before_kth
-    return replace(store, expand=lambda step, scope: (
-        (restrict if scope.get("occupancy") else replace)(replace(step, expand=None)),))
+    return replace(store, expand=partial(_culled, restrict=_from_shader if own else _before_kth))
+
+
+def _culled(step: Pass, scope: Params, restrict: Callable[[Pass], Pass]) -> tuple[Pass, ...]:
+    """The pass, restricted where OCCUPANCY is on."""
+    plain = replace(step, expand=None)
+    return (restrict(plain) if scope.get("occupancy") else plain,)
 
 
 def _from_shader(step: Pass) -> Pass:

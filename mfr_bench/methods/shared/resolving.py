@@ -40,11 +40,12 @@ def resolve_sorted(*reads: str, resolver: str = "common/resolve_sorted.glsl", ha
     Its parameters are STAGE and STOP_OPACITY. `hazards`: as for `count_stored`. With `mixes` a slot may stand for
     several fragments, so that stored fragments cannot be counted.
     """
-    def expand(step: Pass, scope: Params) -> tuple[Pass, ...]:
-        return (*(() if mixes else (count_stored(step, hazards),)), *_staged(step, scope))
-
     return Pass("resolve", "fullscreen", "common/resolve.frag", reads=reads, into=(IMAGE,), resolver=resolver,
-                defines={"LISTS": 1}, expand=expand, **more)
+                defines={"LISTS": 1}, expand=partial(_sorted_passes, hazards=hazards, mixes=mixes), **more)
+
+
+def _sorted_passes(step: Pass, scope: Params, hazards: bool, mixes: bool) -> tuple[Pass, ...]:
+    return (*(() if mixes else (count_stored(step, hazards),)), *_staged(step, scope))
 
 
 def peeling(step: Pass, scope: Params) -> tuple[Pass, ...]:

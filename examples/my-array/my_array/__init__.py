@@ -1,0 +1,1 @@
+"""A method for mfr-bench, declared in method.py; its GLSL is below shaders/."""

@@ -1,0 +1,12 @@
+"""The contract that every method is held to: what its declaration says, and what its shaders draw.
+
+    variants     the variants of a method that are checked; no GL
+    preprocess   the lines of a shader that its compiler sees
+    declaration  what a declaration says, and what its shaders look like; no GL
+    cases        small scenes that differ in what can go wrong, and frames drawn of them
+    images       every image against the oracle
+    guards       no write outside a buffer
+    suite        all of it for one method, as `mfr-bench check` runs it
+
+A check gives a line for each thing that is not as it should be. The tests of this project call the same checks.
+"""

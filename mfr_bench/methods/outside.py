@@ -1,0 +1,112 @@
+"""Methods of packages and folders outside this one: found, and declared without their code running in this process.
+
+A package names itself by an entry point of the group `mfr_bench.methods`; a folder is named by `--methods` or the
+environment variable MFR_BENCH_METHODS. A process of its own imports the declarations (`mfr_bench.outside.loader`) and
+sends them here as data, so that one which crashes or hangs costs itself alone. A config names neither.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import pickle
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+from .spec import Method
+
+GROUP = "mfr_bench.methods"
+VARIABLE = "MFR_BENCH_METHODS"  # folders, with the system's separator of paths between
+PROGRAM = "import sys; sys.path[:] = sys.argv.pop().split(':'); from mfr_bench.outside.loader import main; main()"
+LONGEST_S = 60.0  # for a package to declare its methods
+PLAIN = {"builtins": {"set", "frozenset", "slice", "complex", "bytearray"}, "functools": {"partial"}}
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where methods come from: an entry point's module, or a folder. `name` is that of its package."""
+
+    name: str
+    version: str | None
+    module: str = ""
+    folder: str = ""
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """What a source declares: its methods in order, its folder of GLSL, and a line for each mistake."""
+
+    source: Source
+    methods: tuple[Method, ...] = ()
+    shaders: Path | None = None
+    mistakes: tuple[str, ...] = ()
+
+
+def use(folders: Sequence[str]) -> None:
+    """Let this process and those that it starts find methods in these folders too."""
+    given = [*filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)), *(str(Path(f).resolve()) for f in folders)]
+    os.environ[VARIABLE] = os.pathsep.join(dict.fromkeys(given))
+    loaded.cache_clear()
+
+
+@cache
+def loaded() -> tuple[Loaded, ...]:
+    """What every source declares, the installed packages first."""
+    return tuple(_loaded(source) for source in sources())
+
+
+def shader_folders() -> list[Path]:
+    """The folders of GLSL that the sources bring."""
+    return [each.shaders for each in loaded() if each.shaders]
+
+
+def sources() -> list[Source]:
+    """The entry points of all installed packages, and the folders that the user names."""
+    found = {(point.dist.name, point.value): Source(point.dist.name, point.dist.version, module=point.module)
+             for point in entry_points(group=GROUP)}
+    folders = filter(None, os.environ.get(VARIABLE, "").split(os.pathsep))
+    return [*(found[key] for key in sorted(found)),
+            *(Source(Path(folder).name, None, folder=folder) for folder in dict.fromkeys(folders))]
+
+
+def _loaded(source: Source) -> Loaded:
+    """Ask a process of its own what the source declares; whatever becomes of that process is one line."""
+    told = source.folder or source.module
+    with tempfile.TemporaryFile() as answer:
+        arguments = [str(answer.fileno()), "folder" if source.folder else "module", told, ":".join(sys.path)]
+        try:
+            ended = subprocess.run([sys.executable, "-c", PROGRAM, *arguments], stdin=subprocess.DEVNULL,
+                                   capture_output=True, pass_fds=[answer.fileno()], timeout=LONGEST_S, check=False)
+        except subprocess.TimeoutExpired:
+            return Loaded(source, mistakes=(f"{told}:1: does not end within {LONGEST_S:g} s when it is imported",))
+        answer.seek(0)
+        content = answer.read()
+    try:
+        return _checked(source, Reader(io.BytesIO(content)).load())
+    except Exception:  # noqa: BLE001 - half an answer, or none
+        said = ended.stderr.decode(errors="replace").strip().splitlines()
+        last = f": {said[-1]}" if said else ""
+        return Loaded(source, mistakes=(f"{told}:1: its import ends the process (status {ended.returncode}){last}",))
+
+
+def _checked(source: Source, told: Any) -> Loaded:
+    package = {"name": source.name, "version": source.version, "hash": str(told["hash"])}
+    methods = tuple(replace(method, package=package) for method in told["methods"] if isinstance(method, Method))
+    shaders = Path(told["shaders"]) if told["shaders"] else None
+    return Loaded(source, methods, shaders, tuple(map(str, told["mistakes"])))
+
+
+class Reader(pickle.Unpickler):
+    """Reads declarations: data of this package's vocabulary, and its own functions by name."""
+
+    def find_class(self, module: str, name: str):
+        if module.startswith("mfr_bench.methods.") or name in PLAIN.get(module, ()):
+            return super().find_class(module, name)
+        raise pickle.UnpicklingError(f"{module}.{name} is no part of a declaration")
