@@ -75,7 +75,8 @@ CHECKS = {
     "newcomer": Check("make bench && make test", 2400, "llvmpipe"),  # the root's own default
     "doctor": Check(".venv/bin/mfr-bench doctor --device $DEVICE", 120),
     "smoke": Check(f"{MEASURE.format('run smoke --force', '$DEVICE')}", 300),
-    "conformance": Check(MEASURE.format("run conformance determinism --profile smoke", "$DEVICE"), 1200),
+    "conformance": Check(MEASURE.format("run conformance determinism device-features --profile smoke", "$DEVICE"),
+                         1200),
     "stress": Check(MEASURE.format("stress --profile smoke", "$DEVICE"), 1200),
     "features": Check(".venv/bin/python -m pytest -q tests/gpu/test_trials.py tests/contract/test_images.py "
                       "-k 'trial or fault or native or interlock or 128'", 600),
