@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from .mesh_scene import MESH, MESH_CONFIG, mesh_overrides
+from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
 from .options import DEVICE, JSON, OUTSIDE, OutPath
 from .output import note, say, width
 
@@ -23,6 +23,7 @@ NOTHING = 6  # exit status: no method keeps the bounds
 @click.option("--covered", type=click.FloatRange(0, 1, min_open=True), default=1.0, show_default=True,
               help="Share of the pixels with fragments.")
 @MESH
+@FRAGMENTS
 @click.option("--config", metavar="CONFIG", help="Take the scene of this config's first cell instead.")
 @click.option("--memory-mb", type=click.FloatRange(0, 2**24, min_open=True), help="Most memory of the method, in MiB.")
 @click.option("--max-error", metavar="E", default="0", show_default=True,
@@ -33,9 +34,9 @@ NOTHING = 6  # exit status: no method keeps the bounds
 @DEVICE
 @JSON
 @OUTSIDE
-def decide(size: str | None, layers: int | None, covered: float, mesh: str | None, config: str | None,
-           memory_mb: float | None, max_error: str, time_budget: str, out: str | None, device: str,
-           as_json: bool) -> int:
+def decide(size: str | None, layers: int | None, covered: float, mesh: str | None, fragments: str | None,
+           config: str | None, memory_mb: float | None, max_error: str, time_budget: str, out: str | None,
+           device: str, as_json: bool) -> int:
     """Name the fastest method that keeps an error and a memory, and say how sure that is.
 
     Methods that cannot keep the bounds are excluded by what they declare. The others draw frames in turns; the clearly
@@ -46,33 +47,37 @@ def decide(size: str | None, layers: int | None, covered: float, mesh: str | Non
     Examples:
       mfr-bench decide --size 1280x720 --layers 24 --covered 0.3 --memory-mb 64
       mfr-bench decide --mesh model.glb --size 1280x720 --max-error 0.01
+      mfr-bench decide --fragments recorded.npz
       mfr-bench decide --config smoke --time-budget 1m --json
     """
     from ..decide.question import parsed_duration
 
     deadline = time.monotonic() + parsed_duration(time_budget)
-    question, scene = _asked(size, layers, covered, mesh, config, memory_mb, max_error)
+    question, scene = _asked(size, layers, covered, overrides_of(mesh, fragments), config, memory_mb, max_error)
     answer = _raced(question, scene, deadline, out, device)
     say(json.dumps(answer.record(), indent=2, ensure_ascii=False) if as_json else answer.text(width()))
     return 0 if answer.best else NOTHING
 
 
-def _asked(size: str | None, layers: int | None, covered: float, mesh: str | None, config: str | None,
+def _asked(size: str | None, layers: int | None, covered: float, own: list[str], config: str | None,
            memory_mb: float | None, max_error: str):
-    """The question, and the scene as a config has it. Raises UsageError where the options say no scene or two."""
+    """The question, and the scene as a config has it. Raises UsageError where the options say no scene or two.
+
+    own: the settings of a scene of one's own, from a file; none without one.
+    """
     from ..decide.experiment import scene_of
     from ..decide.question import EXACT_ERROR, Question, parsed_error, parsed_size
     from ..errors import UsageError
 
     error = max(parsed_error(max_error), EXACT_ERROR)
-    if mesh is not None:
+    if own:
         if config is not None or layers is not None:
-            raise UsageError("decide: --mesh with --config or --layers; allowed: one way to give the scene")
+            raise UsageError("decide: a file with --config or --layers; allowed: one way to give the scene")
         more = () if size is None else (f"scene.size={list(parsed_size(size))}",)
-        return _of_config(MESH_CONFIG, memory_mb, error, (*mesh_overrides(mesh), *more))
+        return _of_config(MESH_CONFIG, memory_mb, error, (*own, *more))
     if config is None:
         if size is None or layers is None:
-            raise UsageError("decide: no scene; allowed: --size with --layers, --mesh, or --config; "
+            raise UsageError("decide: no scene; allowed: --size with --layers, --mesh, --fragments, or --config; "
                              "mfr-bench decide --help has examples")
         question = Question(parsed_size(size), layers, covered, memory_mb, error)
         return question, scene_of(question)

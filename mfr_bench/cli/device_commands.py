@@ -1,4 +1,4 @@
-"""`methods`, `doctor`, `scene`, `render`, `shader`: one look at a device, a method, a scene or an image."""
+"""`methods`, `doctor`, `render`, `shader`: one look at a device, a method or an image."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from .options import (
     first_experiment,
     method,
 )
-from .output import note, say, width
+from .output import ending, note, say, width
 
 WRONG = 3
 
@@ -195,40 +195,6 @@ def _said_ms(tick_ms: float | None) -> str:
 
 @click.command()
 @click.argument("config", type=ConfigName())
-@click.option("--out", required=True, type=OutPath(dir_okay=False), help="The .npz file to write.")
-@PROFILE
-@SET
-@OUTSIDE
-def scene(config: str, out: str, profile: str | None, overrides: tuple[str, ...]) -> None:
-    """Write the scene of CONFIG's first cell as NumPy arrays.
-
-    viewport (W, H); and per quad, in submission order, rect, depth and rgba; of slanted primitives the four corners
-    of each in clip space, position, in the order of a triangle strip, and rgba.
-
-    \b
-    Example: mfr-bench scene smoke --set scene.layout=tiles --out scene.npz
-    """
-    import io
-
-    import numpy as np
-
-    from ..methods import catalog
-    from ..plan import expand
-    from ..scene import generate
-    from ..store import write_file
-
-    _ending(out, ".npz")
-    made = generate(expand(first_experiment(config, profile, overrides), catalog())[0].scene)
-    data = io.BytesIO()
-    np.savez(data, viewport=np.array(made.viewport, dtype=np.int32), **made.arrays(),
-             fragment_probability=np.float64(made.fragment_probability), seed=np.uint32(made.seed),
-             **({"least": np.uint32(made.least)} if made.least else {}))
-    write_file(Path(out), data.getvalue())
-    say(f"{out}: {len(made)} {made.geometry}s for {made.viewport[0]} x {made.viewport[1]} pixels")
-
-
-@click.command()
-@click.argument("config", type=ConfigName())
 @click.option("--method", "method_id", required=True, type=MethodName(), help="The method that renders.")
 @click.option("--out", required=True, type=OutPath(dir_okay=False),
               help="F.npy: float32 (H, W, 4), premultiplied, row 0 at the bottom. F.png: upright, over a checkerboard.")
@@ -250,7 +216,7 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
     from ..scene import generate
     from ..store import write_file
 
-    ending = _ending(out, ".npy", ".png")
+    kind = ending(out, ".npy", ".png")
     cell, variant = _first_cell(config, method(method_id, "--method"), profile, overrides)
     made = generate(cell.scene)
 
@@ -266,23 +232,13 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
                 raise DeviceError(f"{method_id}: {decision[0]}: {decision[1]}")
             image = on.render(variant)
             errors = on.errors(variant, image)
-    write_file(Path(out), _npy(image) if ending == ".npy" else _png(image))
+    write_file(Path(out), _npy(image) if kind == ".npy" else _png(image))
     said = (f"max_abs_error {errors['max_abs_error']:.3g}, {errors['wrong_pixels']} wrong pixels" if errors
             else "no image to compare")
     tied = f", {errors['tied_pixels']} of equal depths left out" if errors and errors["tied_pixels"] else ""
     say(f"{out}: {stats.W} x {stats.H}, {stats.F} fragments, {said}{tied}")
     if errors and verdict(variant, errors, lost=0)[0] == "wrong":
         click.get_current_context().exit(WRONG)
-
-
-def _ending(out: str, *endings: str) -> str:
-    """The ending of a file's name, whatever its case. Raises UsageError where it is none of these."""
-    from ..errors import UsageError
-
-    found = Path(out).suffix.lower()
-    if found not in endings:
-        raise UsageError(f"--out: {out!r} ends in none of them; allowed: a file that ends in {' or '.join(endings)}")
-    return found
 
 
 def _first_cell(config: str, declared, profile: str | None, overrides: tuple[str, ...]):

@@ -20,6 +20,7 @@ from . import (
     race_command,
     report_commands,
     run_command,
+    scene_command,
     stress_command,
 )
 from .output import let_go_of_stdout, note, prepare_streams, say
@@ -49,7 +50,7 @@ SECTIONS = {
     "Read what was measured": (report_commands.table, report_commands.plot, advise_command.advise,
                                compare_command.compare, claims_command.claims, report_commands.conformance,
                                page_command.report, pack_commands.pack, pack_commands.unpack),
-    "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, device_commands.scene,
+    "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, scene_command.scene,
                     device_commands.render, device_commands.shader, race_command.race),
     "Add a method": (method_commands.new_method, method_commands.check),
 }

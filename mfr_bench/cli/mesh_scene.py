@@ -1,4 +1,4 @@
-"""`--mesh FILE`: the settings that put a mesh of one's own into a config."""
+"""`--mesh FILE` and `--fragments FILE`: the settings that put a scene of one's own into a config."""
 
 from __future__ import annotations
 
@@ -9,15 +9,38 @@ from typing import Any
 
 import click
 
+from ..errors import UsageError
 from ..scene.spec.kind import LOCAL
 from ..scene.spec.values import plain
 from .output import note
 
-MESH_CONFIG = "meshes"  # the config that --mesh takes where none is named
+MESH_CONFIG = "meshes"  # the config that --mesh and --fragments take where none is named
 OPACITIES = [0.1, 0.6]  # of a mesh without a translucent triangle
 
 MESH = click.option("--mesh", metavar="FILE", help="Take this mesh as the scene: OBJ, PLY, STL, GLB or glTF. Without a "
                     "CONFIG every method draws it.")
+
+FRAGMENTS = click.option("--fragments", metavar="FILE", help="Take these recorded fragments as the scene: an .npz as "
+                         "mfr-bench scene --fragments writes it. Without a CONFIG every method draws it.")
+
+
+def overrides_of(mesh: str | None, fragments: str | None) -> list[str]:
+    """Settings KEY=VALUE for the one of the files that is given, if any. Raises UsageError where both are."""
+    if mesh is not None and fragments is not None:
+        raise UsageError("--mesh with --fragments; allowed: one way to give the scene")
+    if mesh is not None:
+        return mesh_overrides(mesh)
+    return fragment_overrides(fragments) if fragments is not None else []
+
+
+def fragment_overrides(file: str) -> list[str]:
+    """Settings KEY=VALUE for recorded fragments, as they were submitted. Raises UsageError for a bad file."""
+    from ..scene.recording import viewport_of
+
+    path = Path(file).absolute()
+    scene = {"kind": "fragments", "file": str(path), "size": viewport_of(path), "order": "file"}
+    return [f"name=fragments-{_word(path.stem)}", f"title={json.dumps(f'Methods on {path.name}')}",
+            f"scene={json.dumps(scene)}"]
 
 
 def mesh_overrides(file: str) -> list[str]:

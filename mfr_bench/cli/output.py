@@ -6,6 +6,7 @@ import os
 import shutil
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import click
@@ -17,6 +18,16 @@ NARROWEST = 40
 def width() -> int:
     """Columns to lay text out for: the terminal's, within bounds."""
     return max(NARROWEST, min(WIDEST, shutil.get_terminal_size((WIDEST, 24)).columns))
+
+
+def ending(out: str, *endings: str, option: str = "--out") -> str:
+    """The ending of a file's name, whatever its case. Raises UsageError where it is none of these."""
+    from ..errors import UsageError
+
+    found = Path(out).suffix.lower()
+    if found not in endings:
+        raise UsageError(f"{option}: {out!r} ends in none of them; allowed: a file that ends in {' or '.join(endings)}")
+    return found
 
 
 def place(point: Mapping[str, Any]) -> str:

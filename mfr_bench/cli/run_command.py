@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from .interruption import Interruption
-from .mesh_scene import MESH, MESH_CONFIG, mesh_overrides
+from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
 from .options import ConfigName, measuring
 from .plan_text import print_plans
 from .session import Choices, Session
@@ -20,12 +20,13 @@ from .session import Choices, Session
 @click.command()
 @click.argument("configs", nargs=-1, metavar="CONFIG...", type=ConfigName())
 @MESH
+@FRAGMENTS
 @click.option("--size", metavar="WxH", help="Viewport of the scene in pixels, such as 1280x720.")
 @click.option("--memory-mb", metavar="M", type=click.FloatRange(0, 2**24, min_open=True),
               help="Most memory of a method, in MiB; methods that need more are left out, and said to be.")
 @measuring("configs", "<config name>")
-def run(configs: tuple[str, ...], mesh: str | None, size: str | None, memory_mb: float | None,
-        out: str | None, profile: str | None, only: str | None,
+def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size: str | None,
+        memory_mb: float | None, out: str | None, profile: str | None, only: str | None,
         overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
         budget_s: float | None, dry_run: bool, quiet: bool) -> int:
     """Measure what the results lack, then write tables and figures.
@@ -41,29 +42,33 @@ def run(configs: tuple[str, ...], mesh: str | None, size: str | None, memory_mb:
       mfr-bench run smoke --only kplus-array,kplus-heap --set k=32
       mfr-bench run smoke --set scene.order=back_to_front --force
       mfr-bench run --mesh model.glb --size 1280x720 --memory-mb 64
+      mfr-bench run --fragments recorded.npz
     """
-    configs, overrides = with_scene(configs, overrides, mesh, size, memory_mb)
+    configs, overrides = with_scene(configs, overrides, overrides_of(mesh, fragments), size, memory_mb)
     statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
                          Choices(out, force, keep_failed, try_hopeless, budget_s, quiet), dry_run)
     return exit_status(statuses)
 
 
-def with_scene(configs: Sequence[str], overrides: Sequence[str], mesh: str | None, size: str | None,
+def with_scene(configs: Sequence[str], overrides: Sequence[str], scene: Sequence[str], size: str | None,
                memory_mb: float | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The configs and overrides that --mesh, --size and --memory-mb come to. Raises UsageError without any config."""
+    """The configs and overrides that a scene of one's own, --size and --memory-mb come to.
+
+    scene: the overrides of the scene, if any. Raises UsageError without any config.
+    """
     from ..decide.question import parsed_size
     from ..errors import UsageError
 
-    given: list[str] = []
-    if mesh is not None:
-        given += mesh_overrides(mesh)
+    given = [*scene]
+    if scene:
         configs = configs or (MESH_CONFIG,)
     if size is not None:
         given.append(f"scene.size={list(parsed_size(size))}")
     if memory_mb is not None:
         given.append(f"measure.memory_budget_mb={memory_mb}")
     if not configs:
-        raise UsageError("mfr-bench run: Missing argument 'CONFIG...', or --mesh FILE; see mfr-bench run --help")
+        raise UsageError("mfr-bench run: Missing argument 'CONFIG...', --mesh FILE or --fragments FILE; "
+                         "see mfr-bench run --help")
     return tuple(configs), (*given, *overrides)
 
 

@@ -9,6 +9,8 @@ import numpy as np
 from ..methods.spec import Promise, SceneStats
 from ..oracle import twochannel
 from ..oracle.composite import Fragments, composite, fragment_counts, scene_stats, stats_of
+from ..oracle.listed import counts_of, listed
+from ..scene.pieces import Pieces
 from ..scene.quads import Quads
 from .capture import capture, count
 from .context import Device
@@ -19,6 +21,8 @@ from .targets import Canvas
 def true_stats(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> SceneStats:
     """The statistics of the scene on the device: of flat quads by the oracle, else as the device counts."""
     scene = scene_buffer.scene
+    if isinstance(scene, Pieces):
+        return scene_stats(scene, counts_of(scene))
     return stats_of(scene) if isinstance(scene, Quads) else scene_stats(scene, count(device, scene_buffer, canvas))
 
 
@@ -30,7 +34,9 @@ class Truth:
 
     @cached_property
     def _fragments(self) -> Fragments | None:
-        """None for flat quads, whose oracle needs no device."""
+        """None for flat quads that are composited by patches."""
+        if isinstance(self.scene, Pieces):
+            return listed(self.scene)
         if isinstance(self.scene, Quads):
             return None
         if self._quads.scene is not self.scene:
@@ -40,7 +46,8 @@ class Truth:
     @property
     def tied(self) -> np.ndarray | None:
         """bool (H, W): pixels where fragments chance to share a depth; None for flat quads, which do so by wish."""
-        return self._fragments.tied if self._fragments else None
+        by_wish = isinstance(self.scene, Quads) and getattr(self.scene, "ordered", True)
+        return None if by_wish else self._fragments.tied
 
     @property
     def counts(self) -> np.ndarray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 from dataclasses import dataclass
 from functools import lru_cache
@@ -12,6 +11,7 @@ import numpy as np
 
 from ..errors import UsageError
 from ..hashing import hash3
+from . import files
 from .colours import alphas
 from .kinds.mesh import Transform, paths
 from .meshes.faces import OPAQUE, Faces, joined
@@ -21,6 +21,7 @@ from .parameters import Scene
 from .streams import ALPHA, ORDER
 from .triangles import Triangles
 
+WANTED = "a mesh file"
 FRAMES = 8  # of an animation: once around
 GRID = 32  # cells along the longer side of the viewport, by which fragments are estimated
 
@@ -45,7 +46,7 @@ def mesh(config: Scene, frame: int = 0) -> Triangles:
 def faces_of(config: Scene) -> Faces:
     """The triangles of all files in the world, before any view."""
     parts = config.files or (Transform(file=config.file),)
-    return joined([_read(str(path), _stamp(path)).moved(matrix_of(part))
+    return joined([_read(str(path), files.stamp(path, WANTED)).moved(matrix_of(part))
                    for path, part in zip(paths(config), parts, strict=True)])
 
 
@@ -54,24 +55,9 @@ def _read(path: str, stamp: tuple) -> Faces:
     return read_mesh(Path(path))
 
 
-def _stamp(path: Path) -> tuple:
-    """What distinguishes a file from a later one of the same name."""
-    try:
-        found = path.stat()
-    except OSError as error:
-        raise UsageError(f"{path}: {error.strerror}; allowed: a mesh file") from None
-    return found.st_mtime_ns, found.st_size
-
-
-@lru_cache(maxsize=64)
-def _digest(path: str, stamp: tuple) -> str:
-    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
-
-
 def digest(config: Scene) -> str:
-    """Hash of the contents of all files of a scene, 16 hexadecimal digits."""
-    parts = [_digest(str(path), _stamp(path)) for path in paths(config)]
-    return hashlib.sha256(" ".join(parts).encode()).hexdigest()[:16]
+    """Hash of the contents of all files of a scene."""
+    return files.digest(paths(config), WANTED)
 
 
 def matrix_of(part: Transform) -> np.ndarray:

@@ -9,7 +9,8 @@ from .kinds import FIRST, KINDS, own_keys, owners
 from .spec.kind import LATE, LOCAL, CommonKeys
 from .spec.values import STRICT, plain
 
-KEY_CLASSES = tuple(dict.fromkeys(kind.Keys for kind in KINDS.values()))
+# A class stands before the one that it is made from, as Python's inheritance asks.
+KEY_CLASSES = tuple(sorted(dict.fromkeys(kind.Keys for kind in KINDS.values()), key=lambda keys: -len(keys.__mro__)))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -85,10 +85,14 @@ class Quads(Primitives):
         """bool (y1-y0, x1-x0): which pixels of the rectangle receive the quad's fragment."""
         width = self.viewport[0]
         pixel = np.arange(y0, y1, dtype=np.uint64)[:, None] * width + np.arange(x0, x1, dtype=np.uint64)
-        kept = hash3(pixel, int(quad), self.seed) < min(self.keep_threshold, 2**32 - 1)  # a uniform's largest
+        return self.kept_at(pixel, int(quad))
+
+    def kept_at(self, pixel: np.ndarray, quad: np.ndarray | int) -> np.ndarray:
+        """bool, as `pixel`: whether these pixels (uint64) receive the fragments of these quads, which cover them."""
+        kept = hash3(pixel, quad, self.seed) < min(self.keep_threshold, 2**32 - 1)  # a uniform's largest
         return kept & self._drawn(pixel, quad) if self.least else kept
 
-    def _drawn(self, pixel: np.ndarray, quad: int) -> np.ndarray:
+    def _drawn(self, pixel: np.ndarray, quad: np.ndarray | int) -> np.ndarray:
         """bool, as `pixel`: whether the quad is among those that the pixel draws, a run of the order of submission."""
         count = len(self)
         layers = self.least + hash3(pixel, LAYERS_DRAWN, self.seed) % (count - self.least + 1)

@@ -144,6 +144,17 @@ def test_a_scene_as_arrays(mfr, odd, here):
             np.testing.assert_array_equal(found[name], getattr(scene, name))
 
 
+@pytest.mark.parametrize("config", ["odd", "object.yaml"])
+def test_fragments_of_a_scene_are_a_scene(mfr, odd, here, config):
+    """Flat quads need no device; a device draws slanted ones. The plan of a run counts what was written."""
+    (here / "object.yaml").write_text(OBJECT)
+    ended = mfr("scene", odd if config == "odd" else config, "--fragments", "f.npz", "--device", "cpu")
+    with np.load(here / "f.npz") as found:
+        assert ended.out.startswith(f"f.npz: {len(found['depth'])} fragments for ")
+    planned = mfr("run", "--fragments", "f.npz", "--dry-run", "--only", "ab-array", "--device", "cpu")
+    assert planned.status == 0 and "fragments-f" in planned.out
+
+
 OBJECT = ("name: object\nscene: {kind: needles, size: [48, 40], depth_complexity: 12}\n"
           "methods: [ab-array, kplus-array]\n")
 

@@ -6,7 +6,11 @@ from .conftest import TINY
 
 MISTAKES = [
     (["rnu", "smoke"], "mfr-bench: no command 'rnu'; allowed: ", "; nearest: 'run'; see mfr-bench --help"),
-    (["run"], "mfr-bench run: Missing argument 'CONFIG...', or --mesh FILE; see mfr-bench run --help", ""),
+    (["run"], "mfr-bench run: Missing argument 'CONFIG...', --mesh FILE or --fragments FILE; ",
+     "see mfr-bench run --help"),
+    (["run", "--mesh", "a.obj", "--fragments", "a.npz"], "--mesh with --fragments; allowed: one way to give the ", ""),
+    (["scene", "tiny.yaml"], "scene: nothing to write; allowed: --out FILE.npz, --fragments FILE.npz, or both", ""),
+    (["scene", "tiny.yaml", "--fragments", "a.npy"], "--fragments: 'a.npy' ends in none of them; allowed: ", ""),
     (["run", ""], "mfr-bench run: Invalid value for 'CONFIG...': '' is no config; allowed: a file, ", "run --help"),
     (["run", "smok"], "smok: no such file, folder or shipped config; nearest: 'smoke'; allowed: ", ""),
     (["run", "smoke.yaml"], "smoke.yaml: no such file or folder; nearest: 'smoke'", ""),
@@ -31,7 +35,6 @@ MISTAKES = [
     (["shader", "kplus-aray"], "METHOD: unknown method 'kplus-aray'; nearest: 'kplus-array'; allowed: ", ""),
     (["shader", "kplus-array", "--pass", "stor"], "--pass: kplus-array has no pass 'stor'; allowed: clear, ",
      "; nearest: 'store'"),
-    (["scene", "tiny.yaml"], "mfr-bench scene: Missing option '--out'; see mfr-bench scene --help", ""),
     (["scene", "tiny.yaml", "--out", "."], "mfr-bench scene: Invalid value for '--out': File '.' is a directory", ""),
     (["render", "tiny.yaml", "--out", "a.png"], "mfr-bench render: Missing option '--method'; see ", ""),
     (["render", "tiny.yaml", "--method", "ab-array", "--out", "a.jpg"],

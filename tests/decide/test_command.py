@@ -50,7 +50,7 @@ def test_the_text_form_fits_a_narrow_terminal(mfr, on_device, few, monkeypatch):
 
 
 @pytest.mark.parametrize(("arguments", "said"), [
-    ((), "no scene; allowed: --size with --layers, --mesh, or --config"),
+    ((), "no scene; allowed: --size with --layers, --mesh, --fragments, or --config"),
     (("--config", "smoke", "--size", "8x8", "--layers", "2"), "allowed: one way to give the scene"),
     (("--size", "8", "--layers", "2"), "--size: '8' is no size; allowed: WIDTHxHEIGHT"),
     (("--size", "8x8", "--layers", "2", "--time-budget", "soon"), "--time-budget: 'soon' is no duration"),

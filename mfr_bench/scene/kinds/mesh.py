@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
 
-from ..spec.kind import CommonKeys, Described, Fault, Kind, local
+from ..spec.kind import CommonKeys, Described, Fault, FileKeys, Kind
 from ..spec.values import STRICT, Allowed, Text
 
 DIRECTIONS = ("-z", "+z", "-x", "+x", "-y", "+y")  # where the eye looks
@@ -61,20 +61,18 @@ class Transform:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MeshKeys:
+class MeshKeys(FileKeys):
     """The keys of meshes.
 
     file: OBJ, PLY, STL, GLB or glTF, relative to the config. files: several, each with a transform, instead. faces:
     the sides that are drawn. opaque: whether opaque triangles are drawn into a depth buffer first, where they hide
-    what is behind them, or are stored like all others. folder: where relative files are looked for.
+    what is behind them, or are stored like all others.
     """
 
-    file: Text | None = None
     files: Annotated[tuple[Transform, ...], Allowed("a list of mappings with file, scale, rotate, translate")] = ()
     view: View = View()
     faces: Literal["both", "front", "back"] = "both"
     opaque: Literal["depth", "store"] = "depth"
-    folder: Text | None = local(None)
 
 
 def _one_source(scene: CommonKeys) -> Fault | None:

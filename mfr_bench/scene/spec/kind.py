@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
 
-from .values import Allowed, Alpha, Colours, Seed, Share, Size
+from .values import Allowed, Alpha, Colours, Seed, Share, Size, Text
 
 MAX_PRIMITIVES = 2**22  # distinct depths on the grid of 2**-23, with a free point between any two
 LATE = "late"  # metadata of a key that was added later
@@ -50,6 +50,14 @@ class CommonKeys:
     fragment_probability: Share = 1.0
     seed: Seed = 1
     animate: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileKeys:
+    """The keys of kinds that read a file: its name, and the folder where a relative one is looked for."""
+
+    file: Text | None = None
+    folder: Text | None = local(None)
 
 
 @dataclass(frozen=True, kw_only=True)

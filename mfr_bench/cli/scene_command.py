@@ -1,0 +1,90 @@
+"""`scene`: the primitives of a scene as arrays, or its fragments, as a renderer of one's own might record them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .interruption import Interruption
+from .options import DEVICE, OUTSIDE, PROFILE, SET, ConfigName, OutPath, first_experiment
+from .output import ending, say
+
+
+@click.command()
+@click.argument("config", type=ConfigName())
+@click.option("--out", type=OutPath(dir_okay=False), help="The .npz file of the primitives to write.")
+@click.option("--fragments", type=OutPath(dir_okay=False), help="The .npz file of the fragments to write.")
+@PROFILE
+@SET
+@DEVICE
+@OUTSIDE
+def scene(config: str, out: str | None, fragments: str | None, profile: str | None, overrides: tuple[str, ...],
+          device: str) -> None:
+    """Write the scene of CONFIG's first cell as NumPy arrays.
+
+    With --out: viewport (W, H); and per quad, in submission order, rect, depth and rgba; of slanted primitives the
+    four corners of each in clip space, position, in the order of a triangle strip, and rgba; of meshes position in
+    pixels and window depth, rgba and object.
+
+    With --fragments: viewport; and per fragment, in submission order, pixel, depth and rgba; of meshes object and
+    front as well. A config of kind fragments draws the file. Only slanted primitives and meshes need a device.
+
+    \b
+    Examples: mfr-bench scene smoke --set scene.layout=tiles --out scene.npz
+              mfr-bench scene meshes --fragments recorded.npz
+              mfr-bench run --fragments recorded.npz
+    """
+    from ..errors import UsageError
+    from ..methods import catalog
+    from ..plan import expand
+    from ..scene import generate
+
+    if not (out or fragments):
+        raise UsageError("scene: nothing to write; allowed: --out FILE.npz, --fragments FILE.npz, or both")
+    for option, name in (("--out", out), ("--fragments", fragments)):
+        if name:
+            ending(name, ".npz", option=option)
+    made = generate(expand(first_experiment(config, profile, overrides), catalog())[0].scene)
+    if out:
+        _write_primitives(made, out)
+    if fragments:
+        _write_fragments(made, fragments, device)
+
+
+def _write_primitives(made, out: str) -> None:
+    import io
+
+    import numpy as np
+
+    from ..store import write_file
+
+    data = io.BytesIO()
+    np.savez(data, viewport=np.array(made.viewport, dtype=np.int32), **made.arrays(),
+             fragment_probability=np.float64(made.fragment_probability), seed=np.uint32(made.seed),
+             **({"least": np.uint32(made.least)} if made.least else {}))
+    write_file(Path(out), data.getvalue())
+    say(f"{out}: {len(made)} {made.geometry}s for {made.viewport[0]} x {made.viewport[1]} pixels")
+
+
+def _write_fragments(made, out: str, device: str) -> None:
+    from ..oracle.listed import recorded_quads
+    from ..scene.quads import Quads
+    from ..store import write_file
+
+    found = recorded_quads(made) if isinstance(made, Quads) else _captured(made, device)
+    write_file(Path(out), found.packed())
+    say(f"{out}: {len(found)} fragments for {made.viewport[0]} x {made.viewport[1]} pixels")
+
+
+def _captured(made, device: str):
+    """The fragments that a device makes of the primitives."""
+    from ..gpu.capture import capture
+    from ..gpu.device import open_device
+    from ..gpu.single import shown
+    from ..oracle.listed import recorded
+
+    with Interruption(device_here=True):
+        opened = open_device(device)
+        with shown(opened, made) as on:
+            return recorded(capture(opened, on.scene_buffer, on.canvas))

@@ -1,0 +1,77 @@
+"""`kind: fragments`: fragments that were recorded before, in one's own renderer or from any scene."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from ...errors import UsageError
+from ..spec.kind import CommonKeys, Described, Fault, FileKeys, Kind
+
+UNUSED = ("pixel_density", "mean_depth", "colours", "alpha", "fragment_probability", "animate")
+
+
+def _has_a_file(scene: CommonKeys) -> Fault | None:
+    what = "no file; allowed: file, an .npz as mfr-bench scene --fragments writes it"
+    return None if scene.file else (("scene.file", "scene.kind"), what)
+
+
+def _file_agrees(scene: CommonKeys) -> Fault | None:
+    """The file can be read, and its viewport is the scene's."""
+    if not scene.file:
+        return None
+    try:
+        viewport = _reader().viewport_of(path_of(scene))
+    except UsageError as error:
+        return ("scene.file",), str(error)
+    what = f"{list(scene.size)} where {scene.file} has {list(viewport)} pixels; allowed: the viewport of the file"
+    return None if viewport == tuple(scene.size) else (("scene.size", "scene.file"), what)
+
+
+def path_of(scene: CommonKeys) -> Path:
+    """The file of a scene."""
+    return Path(scene.folder or ".", scene.file)
+
+
+class Fragments(Kind):
+    """Recorded fragments."""
+
+    name = "fragments"
+    noun = "fragments"
+    geometry = "quad"
+    Keys = FileKeys
+    generator = "recording.fragments"
+    measured = True
+    orders = ("random", "front_to_back", "back_to_front", "file")
+    unused = UNUSED
+    rules = (_has_a_file, _file_agrees)
+    rows = (Described("`fragments`", "fragments recorded elsewhere, each a quad of one pixel", "measured", "measured",
+                      "what one renders"),)
+    key_words = """\
+- `file`: an .npz of recorded fragments, relative to the config; [recording.md](recording.md) says what it holds and how
+  to make one. `size` is the viewport of the file.
+- `order`: `file` as recorded, `random`, or by depth either way.
+- Depths, colours and opacities are those of the file. Pixels in which two fragments share a depth are left out of the
+  errors, and counted in `tied_pixels`.
+"""
+
+    def primitives(self, scene: CommonKeys) -> int:
+        return sum(count * pixels for count, pixels in enumerate(self.expected_counts(scene)))
+
+    def covered_pixels(self, scene: CommonKeys) -> int:
+        return max(1, sum(self.expected_counts(scene)))
+
+    def expected_counts(self, scene: CommonKeys) -> list[int]:
+        return _reader().covered_counts(path_of(scene))
+
+    def record(self, scene: CommonKeys) -> dict[str, Any]:
+        return {"files": [path_of(scene).name], "digest": _reader().digest(path_of(scene))}
+
+
+def _reader():
+    """The module that reads the files: as the generator, it loads numpy and is loaded when a scene needs it."""
+    return import_module(f"{__package__.rpartition('.')[0]}.recording")
+
+
+KIND = Fragments()

@@ -1,0 +1,198 @@
+"""Recorded fragments: an .npz with pixel, depth and colour of each in the order of submission, and its checks."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+import zlib
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import UsageError
+from ..hashing import hash3
+from . import files
+from .kinds.fragments import path_of
+from .parameters import Scene
+from .pieces import Pieces
+from .spec.values import MAX_SIDE
+from .streams import ORDER
+
+WANTED = "an .npz of recorded fragments (docs/recording.md)"
+MEMORY_PER_BYTE = 8  # bytes of memory that a scene and its oracle take for each byte of the arrays
+MEMORY_MB = 4096.0  # most memory for recorded fragments
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Fragments in the order of submission.
+
+    viewport: width and height in pixels. pixel: int32 (F, 2), x y from the lower left. depth: float32 (F,), window
+    space, 0 nearest. rgba: uint8 (F, 4), straight alpha. object: int32 (F,) or None. front: bool (F,) or None.
+    """
+
+    viewport: tuple[int, int]
+    pixel: np.ndarray
+    depth: np.ndarray
+    rgba: np.ndarray
+    object: np.ndarray | None = None
+    front: np.ndarray | None = None
+
+    def __len__(self) -> int:
+        return len(self.depth)
+
+    @property
+    def counts(self) -> np.ndarray:
+        """int64 (W·H,): the fragments of each pixel, row by row from the bottom."""
+        width, height = self.viewport
+        return np.bincount(self.pixel[:, 1].astype(np.int64) * width + self.pixel[:, 0], minlength=width * height)
+
+    def packed(self) -> bytes:
+        """The recording as an .npz."""
+        optional = {name: values for name in ("object", "front") if (values := getattr(self, name)) is not None}
+        data = io.BytesIO()
+        np.savez_compressed(data, viewport=np.array(self.viewport, np.int32), pixel=self.pixel, depth=self.depth,
+                            rgba=self.rgba, **optional)
+        return data.getvalue()
+
+
+@dataclass(frozen=True)
+class Stored:
+    """An array of a recording: its types, the best first, its width, and what its values have to be."""
+
+    types: tuple[str, ...]
+    width: int | None = None
+    rule: Callable[[np.ndarray, tuple[int, int]], np.ndarray] | None = None  # which fragments are wrong
+    allowed: str = ""
+
+    def fault(self, values: np.ndarray, count: int, viewport: tuple[int, int]) -> str | None:
+        """What is wrong with the array, after its name; None: nothing."""
+        shape = (count, self.width) if self.width else (count,)
+        if values.dtype.name not in self.types or values.shape != shape:
+            return f"is {values.dtype} {values.shape}; allowed: {self.types[0]} {shape}"
+        wrong = self.rule(values, viewport) if self.rule else np.zeros(count, bool)
+        if not wrong.any():
+            return None
+        at = int(np.argmax(wrong))
+        return f"of fragment {at} is {values[at].tolist()}; allowed: {self.allowed}"
+
+
+def _outside(pixel: np.ndarray, viewport: tuple[int, int]) -> np.ndarray:
+    return ((pixel < 0) | (pixel >= np.array(viewport))).any(axis=1)
+
+
+def _no_depth(depth: np.ndarray, _viewport: tuple[int, int]) -> np.ndarray:
+    return ~((depth >= 0) & (depth <= 1))
+
+
+WHOLE = ("int32", "int64", "int16", "uint8", "uint16", "uint32")
+NEEDED: Mapping[str, Stored] = {
+    "pixel": Stored(WHOLE, 2, _outside, "x y from the lower left, within the viewport"),
+    "depth": Stored(("float32",), None, _no_depth, "a number from 0 to 1"),
+    "rgba": Stored(("uint8",), 4),
+}
+OPTIONAL: Mapping[str, Stored] = {"object": Stored(WHOLE), "front": Stored(("bool",))}
+
+
+def fragments(config: Scene, _frame: int = 0) -> Pieces:
+    """The recorded fragments of a config as quads of one pixel. Raises UsageError for a file that does not do."""
+    made = recording_of(path_of(config))
+    order = _order(config, made.depth)
+    pixel = made.pixel[order]
+    object_, front = (None if values is None else values[order] for values in (made.object, made.front))
+    return Pieces(made.viewport, np.hstack([pixel, pixel + 1]), made.depth[order], made.rgba[order], 1.0, config.seed,
+                  ordered=False, object=object_, front=front)
+
+
+def _order(config: Scene, depth: np.ndarray) -> np.ndarray:
+    """Indices of the fragments in the order of submission."""
+    index = np.arange(len(depth))
+    if config.order == "random":
+        return np.argsort(hash3(index.astype(np.uint64), ORDER, config.seed), kind="stable")
+    if config.order == "file":
+        return index
+    return np.argsort(depth if config.order == "front_to_back" else -depth, kind="stable")
+
+
+def recording_of(path: Path) -> Recording:
+    """The recording in a file. Raises UsageError: one line that says what is wrong with it and what is allowed."""
+    return _recording(path, files.stamp(path, WANTED))
+
+
+def viewport_of(path: Path) -> tuple[int, int]:
+    """Width and height of a recording, without reading its fragments."""
+    files.stamp(path, WANTED)
+    with _opened(path) as found:
+        return _viewport(path, found)
+
+
+def digest(path: Path) -> str:
+    """Hash of the contents of a file."""
+    return files.digest([path], WANTED)
+
+
+def covered_counts(path: Path) -> list[int]:
+    """Pixels with 0, 1, 2, … fragments, the covered ones only."""
+    return list(_covered(path, files.stamp(path, WANTED)))
+
+
+@lru_cache(maxsize=16)
+def _covered(path: Path, stamped: tuple[int, int]) -> tuple[int, ...]:
+    found = np.bincount(_recording(path, stamped).counts).tolist()
+    return 0, *found[1:]
+
+
+@lru_cache(maxsize=1)
+def _recording(path: Path, _stamped: tuple[int, int]) -> Recording:
+    _hold_size(path)
+    with _opened(path) as found:
+        viewport = _viewport(path, found)
+        missing = [name for name in NEEDED if name not in found]
+        if missing:
+            raise UsageError(f"{path}: the array {missing[0]} is missing; allowed: viewport, {', '.join(NEEDED)}")
+        arrays = {name: found[name] for name in (*NEEDED, *OPTIONAL) if name in found}
+    count = len(arrays["depth"]) if arrays["depth"].ndim else 0
+    for name, values in arrays.items():
+        fault = (NEEDED | OPTIONAL)[name].fault(values, count, viewport)
+        if fault:
+            raise UsageError(f"{path}: {name} {fault}")
+    return Recording(viewport, arrays["pixel"].astype(np.int32), arrays["depth"] + np.float32(0), arrays["rgba"],
+                     arrays["object"].astype(np.int32) if "object" in arrays else None, arrays.get("front"))
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Mapping[str, np.ndarray]]:
+    """The arrays of an .npz; whatever numpy raises over a damaged one becomes a line."""
+    try:
+        with path.open("rb") as file, np.lib.npyio.NpzFile(file, allow_pickle=False) as found:
+            yield found
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        raise UsageError(f"{path}: cannot be read ({' '.join(str(error).split())}); allowed: {WANTED}; "
+                         "record it again") from None
+
+
+def _viewport(path: Path, found: Mapping[str, np.ndarray]) -> tuple[int, int]:
+    if "viewport" not in found:
+        raise UsageError(f"{path}: the array viewport is missing; allowed: viewport, {', '.join(NEEDED)}")
+    values = found["viewport"]
+    if values.dtype.kind not in "iu" or values.shape != (2,) or (values < 1).any() or (values > MAX_SIDE).any():
+        raise UsageError(f"{path}: viewport is {values.dtype} {values.tolist()}; allowed: int32 width and height, each "
+                         f"from 1 to {MAX_SIDE}")
+    return int(values[0]), int(values[1])
+
+
+def _hold_size(path: Path) -> None:
+    """Raise UsageError for a file whose arrays are too large for the memory, before any of them is read."""
+    try:
+        with zipfile.ZipFile(path) as file:
+            size = sum(entry.file_size for entry in file.infolist())
+    except (OSError, zipfile.BadZipFile):
+        return  # said when it is opened
+    needed_mb = size * MEMORY_PER_BYTE / 2**20
+    if needed_mb > MEMORY_MB:
+        raise UsageError(f"{path}: {size / 2**20:.0f} MiB of arrays need about {needed_mb:.0f} MiB of memory, above "
+                         f"the limit of {MEMORY_MB:.0f} MiB; allowed: fewer fragments; record a smaller viewport")
