@@ -7,13 +7,13 @@ from pathlib import Path
 import mfr_bench
 from mfr_bench import glsl
 from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.contract.preprocess import active
 from mfr_bench.gpu import trials
 from mfr_bench.gpu.trials import BLENDED
 from mfr_bench.methods.spec import IMAGE, Fitted, State
 from mfr_bench.plan import expected_stats
 
 from ..contract.cases import every_method, variants
-from ..contract.preprocess import active
 
 ATOMIC = re.compile(r"\b((?:image)?[aA]tomic[A-Z]\w*)\s*\(\s*(\w+)")
 SIZES = expected_stats(SceneConfig(size=(64, 48), depth_complexity=40, pixel_density=0.5))
