@@ -7,7 +7,7 @@ methods of which every one must be found there.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from ..report.data import Point, plain, short
@@ -19,7 +19,6 @@ from .evidence import (
     Bound,
     BoundByMaker,
     Comparison,
-    Outcome,
     at_least,
     at_most,
     bound_on,
@@ -312,30 +311,6 @@ class Counted(OfOnePick):
         value = column(self.column)
         return [compared(run, p.method, (p,), lambda p=p: (value(p),) * 3, self.bound, exact=True)
                 for p in run.points if self.cells.takes(p)]
-
-
-@dataclass(frozen=True)
-class Hindered:
-    """A rule that the setting here works against: where it holds, it holds all the more; else nothing is said."""
-
-    rule: Rule
-    why: str
-
-    @property
-    def text(self) -> str:
-        return f"{self.rule.text}; only told where it holds, since {self.why}"
-
-    @property
-    def needs(self) -> str:
-        return self.rule.needs
-
-    @property
-    def each(self) -> tuple[str, ...]:
-        return self.rule.each
-
-    def compare(self, run: Run) -> list[Comparison]:
-        return [replace(c, outcome=Outcome.UNCLEAR, reason=self.why) if c.outcome is Outcome.FAILS else c
-                for c in self.rule.compare(run)]
 
 
 def no_faster_than(others: Pick, best: Pick, slack: float, where: Where | None = None) -> Ratio:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..methods.spec import Method, Value, Variant, When
+from ..methods.spec import Above, Method, Value, Variant, When
 
 
 def variants(method: Method, numbers: Mapping[str, Value] | None = None) -> list[Variant]:
@@ -13,7 +13,7 @@ def variants(method: Method, numbers: Mapping[str, Value] | None = None) -> list
     The same again with emulated atomics where the default asks for 64-bit ones. `numbers`: values of numeric
     parameters that switch something on, by name.
     """
-    chosen = [{}] + [{**_acting(p.acts), p.name: c}
+    chosen = [{}] + [{**_acting(p.acts, c), p.name: c}
                      for p in method.params for c in (*p.choices, *p.of) if c != p.default]
     chosen += [{name: value} for name, value in (numbers or {}).items()]
     wide = method.param("atomic64")
@@ -22,9 +22,11 @@ def variants(method: Method, numbers: Mapping[str, Value] | None = None) -> list
     return [method.variant(params) for params in chosen]
 
 
-def _acting(condition: When | None) -> dict[str, Value]:
-    """Parameters for which the condition holds."""
-    return {condition.name: condition.values[0], **_acting(condition.also)} if condition else {}
+def _acting(condition: When | Above | None, value: Value) -> dict[str, Value]:
+    """Parameters for which the condition of a parameter with this value holds."""
+    if isinstance(condition, Above):
+        return {condition.name: 2 * int(value) + 1}
+    return {condition.name: condition.values[0], **_acting(condition.also, value)} if condition else {}
 
 
 def with_k(variant: Variant, k: int) -> Variant:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from .spec import ALPHA_STEPS, LEAF_ROUNDINGS, Buffer, Method, Target
+from .spec import ALPHA_STEPS, LEAF_ROUNDINGS, Buffer, Method, Param, Target
 
 HEAD = """# The methods
 
@@ -29,8 +29,14 @@ def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> list[str]:
 
 def _needs(method: Method) -> str:
     """Features of the method, and of single choices of its parameters."""
-    chosen = [f"{f} ({p.name}: {choice})" for p in method.params for choice, f in p.needs.items()]
+    chosen = [f"{f} ({p.name}: {choice}{_where(p)})" for p in method.params for choice, f in p.needs.items()]
     return ", ".join([*method.needs, *chosen]) or "nothing more than OpenGL 4.3"
+
+
+def _where(param: Param) -> str:
+    """The condition under which a parameter's values need features."""
+    where = param.needs_where
+    return f", with {where.name}: {' | '.join(map(str, where.values))}" if where else ""
 
 
 def _promise(method: Method) -> str:

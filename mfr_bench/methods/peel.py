@@ -19,17 +19,21 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .shared import (
+    ARRIVALS,
     CLEAR_IMAGE,
     CLEARED,
+    COLLECTED,
+    IN_ORDER,
     MULTISAMPLING,
     PEELED,
     RESOLVE_OPTIONS,
+    RESUME,
     STOP_OPACITY,
     STORED,
     clear,
+    collected,
     peeling,
-    resolve,
-    route,
+    resolve_collected,
     routed_targets,
 )
 from .shared.screen_region import TOUCHED, in_screen_region, without_tiles
@@ -154,19 +158,12 @@ METHODS = [
                "and for each pixel where the next pass resumes and how many fragments it has",
         cost="one geometry pass for every `samples` layers",
         params=(SAMPLES, MULTISAMPLING, *RESOLVE_OPTIONS, TOUCHED),
-        targets=(*routed_targets("samples"),
-                 Target("arrivals", "r32ui", samples="samples", doc="primitive whose fragment each sample took")),
-        buffers=(Buffer("counter", "P", clear="0u", doc="fragments collected in each pixel"),
-                 Buffer("resume", "P", clear="0u", doc="first primitive not captured yet; EMPTY if all are"),
-                 Buffer("nodes", "2*n*P", type="uvec2", doc="n fragments of each pixel, in order of arrival")),
+        targets=(*routed_targets("samples"), replace(ARRIVALS, samples="samples")),
+        buffers=(COLLECTED, RESUME, IN_ORDER),
         steps=in_screen_region(
             clear("counter", "resume"),
-            Loop((
-                *route("samples", "arrivals", reads=("resume",)),
-                Pass("collect", "fullscreen", "methods/routing/collect.frag", reads=("depths", "colours", "arrivals"),
-                     writes=("counter", "resume", "nodes"), counts=True),
-            ), times="ceil(n/samples)"),
-            resolve("counter", "nodes", fetch="methods/array/fetch.glsl", defines={"SLOTS": "n"}),
+            Loop(collected("samples", "n"), times="ceil(n/samples)"),
+            resolve_collected("n"),
         ),
     ),
 ]

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, product
 
 from ..errors import MfrError
-from ..methods.spec import Fitted, Method, Param, Value, Variant
+from ..methods.spec import Above, Fitted, Method, Param, Value, Variant
 from ..oracle.composite import stats_of
 from ..scene.quads import Quads
 from .adapter import frame_of
@@ -16,8 +16,8 @@ from .campaign import SMALL_K
 # Values of parameters that are numbers: the smallest, a few, and what a small scene makes tight.
 NUMBERS: Mapping[str, tuple[Value, ...]] = {
     "k": (1, 3), "occupancy": (32,), "buckets": (2,), "counters": (1, 2), "layers": (1, 2), "samples": (4,),
-    "passes": (1, 2), "load_factor": (0.3, 0.9), "max_error": (0.1,), "retries": (1,), "culling_opacity": (0.5,),
-    "moments": (6,), "hit_ratio": (0.5,), "stop_opacity": (0.9,),
+    "passes": (1, 2), "per_pass": (2, 4), "load_factor": (0.3, 0.9), "max_error": (0.1,), "retries": (1,),
+    "culling_opacity": (0.5,), "moments": (6,), "hit_ratio": (0.5,), "stop_opacity": (0.9,),
 }
 TOGETHER = 2  # parameters that differ from their defaults at once
 
@@ -31,7 +31,8 @@ def others(param: Param) -> tuple[Value, ...]:
     """Values of a parameter beside its default."""
     if param.choices:
         return tuple(choice for choice in param.choices if choice != param.default)
-    return tuple(value for value in NUMBERS.get(param.name, ()) if value != param.default)
+    return tuple(value for value in NUMBERS.get(param.name, ())
+                 if value != param.default and (not param.of or value in param.of))
 
 
 def configurations(method: Method, scene: Quads, together: int = TOGETHER) -> Iterator[Variant]:
@@ -60,7 +61,10 @@ def _variants(method: Method, scene: Quads, together: int) -> Iterator[Variant]:
 
 def _with(method: Method, params: Sequence[Param]) -> Iterator[Variant]:
     for values in product(*map(others, params)):
-        yield method.variant(base(method) | dict(zip((p.name for p in params), values, strict=True)))
+        chosen = base(method) | dict(zip((p.name for p in params), values, strict=True))
+        for above in (p.acts for p in params if isinstance(p.acts, Above)):
+            chosen[above.name] = max(chosen[above.name], chosen[above.other] + 1)
+        yield method.variant(chosen)
 
 
 def concurrent_key(variant: Variant, scene: Quads) -> str | None:

@@ -67,7 +67,7 @@ def referencing(good):
 def memory_2012(good, lists=12):
     fragments = P * 3 // 2
     needed = {  # method -> bytes per pixel, bytes per fragment, parameters
-        "ab-array": (8 * N + 4, 0, {}), "ab-precalc-fixed": (8 * N + 8, 0, {}), "kb": (64, 0, {"k": 8}),
+        "ab-array": (8 * N + 4, 0, {}), "ab-precalc-fixed": (8 * N + 8, 0, {}), "kb": (68, 0, {"k": N, "per_pass": 8}),
         "peel-srab": (288, 0, {"samples": 8}), "ab-precalc": (8, 8, {"scan": "compute"}),
         "ab-sb": (8 if good else 900, 8, {"counters": 30}), "ab-ll": (4, lists, {}),
     }
@@ -144,11 +144,13 @@ def synchronization(good):
     return [cell(m, ms, {"k": 8, "sync": sync, "culling": culls}) for (m, sync, culls), ms in times.items()]
 
 
-def presorted(good, ps=12.0):
-    times = {"kb": (9.0, {}), "kb-sr": (6.0, {}), "kplus-array": (5.0 if good else 5.8, LOCKED),
-             "kplus-heap": (5.5, LOCKED), "kb-ps": (ps, UNCULLED)}
-    return [cell(m, ms, {"k": 16, **params}, order="front_to_back", depth_complexity=128)
-            for m, (ms, params) in times.items()]
+def presorted(good, k=16, **times):
+    """KB takes two passes of 8 layers, KB-SR one; four samples a pass decide nothing."""
+    kept = {"kb": {"per_pass": 8 if k > 8 else 0}, "kb-sr": {"per_pass": 0}, "kplus-array": LOCKED,
+            "kplus-heap": LOCKED, "kb-ps": UNCULLED}
+    usual = {"kb": 9.0, "kb-sr": 6.0, "kplus-array": 5.0 if good else 5.8, "kplus-heap": 5.5, "kb-ps": 12.0} | times
+    cells = [cell(m, ms, {"k": k, **kept[m]}, order="front_to_back", depth_complexity=128) for m, ms in usual.items()]
+    return [*cells, cell("kb-sr", 20.0, {"k": k, "per_pass": 4}, order="front_to_back", depth_complexity=128)]
 
 
 def peeling(good, shallow=12.0):
@@ -280,7 +282,10 @@ ALSO_AGAINST = {  # what else contradicts a claim, in the way a reader means it:
     "k-culling": {"KB-PS with the test is faster": culling(True, rival=0.5)},
     "k-memory": {"other memory-aware methods are better when dense": cost(True, dense_ms=20.0),
                  "better than bounded methods when dense": cost(True, dense_ms=2.0)},
-    "k-sorted": {"KB-PS is faster than KB": presorted(True, ps=6.0)},
+    "k-sorted": {"KB-PS is faster than KB": presorted(True, **{"kb-ps": 6.0}),
+                 "several passes of KB are faster than K+B": presorted(True, kb=4.0),
+                 "KB-SR is faster than K+B": presorted(True, **{"kb-sr": 4.0}),
+                 "several passes of KB are faster than one of KB-SR": presorted(True, kb=5.9)},
     "gp-linear": {"more fragments take no more time": [cell(m, 5.0, params, size=[side, side], depth_complexity=5,
                                                             values={"fragments": 5 * side**2})
                                                        for m, params in FOUR.items() for side in (64, 128, 256)]},

@@ -68,13 +68,14 @@ def test_readings_that_agree_are_not_told_apart(tmp_path):
     assert verdict(tmp_path, "oc-gain", planted.occupancy(True, intervals=(32, 128))).decided_by == ""
 
 
-def test_what_the_setting_works_against_is_told_only_where_it_holds(tmp_path):
-    """KB in one pass beats K⁺B at k = 16, where the slide's KB takes two."""
-    quick = [c | {"samples_ms": [s / 9 for s in c["samples_ms"]]} if c["method"] == "kb" else c
-             for c in planted.presorted(True)]
+def test_the_readings_of_presorted_scenes_are_told_apart(tmp_path):
+    """KB is slower than KB-PS where it takes two passes only, and KB-SR of 4 samples slower than KB."""
+    quick = planted.presorted(True, **{"kb-ps": 8.5}) + planted.presorted(True, k=8)
     judged = verdict(tmp_path, "k-sorted", quick)
-    assert judged.verdict == NOT_TESTABLE
-    assert "take one pass here" in judged.reason
+    assert judged.verdict == FAILS
+    assert judged.decided_by == (
+        "the reading decides: 'KB faster than KB-PS at every k, and KB-SR by 32 samples a pass', but by 'KB faster "
+        "than KB-PS where one pass of 8 layers holds k': holds")
 
 
 @pytest.mark.parametrize("claim_id", IDS)

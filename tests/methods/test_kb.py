@@ -9,7 +9,7 @@ from mfr_bench.methods.spec import EMPTY, Fitted, Loop
 from mfr_bench.oracle.composite import composite
 from mfr_bench.store.status import EXACT_ERROR
 
-from .drawing import drawn, stack
+from .drawing import chosen, drawn, stack
 
 K = 6
 DEPTHS = np.random.default_rng(7).permutation(np.linspace(0.1, 0.9, 20))
@@ -121,3 +121,39 @@ def test_sixteen_slots_are_the_most(method):
 
 def test_a_reconstruction_says_so():
     assert "reconstruction" in catalog()["kb-mha"].name
+
+
+@pytest.mark.parametrize("per_pass", [2, 4, 8])
+@pytest.mark.parametrize("k", [1, K, 16, 20])
+def test_several_passes_keep_what_one_pass_has_no_slots_for(device, k, per_pass):
+    if device.kind != "cpu":
+        pytest.skip("this device may shade fragments of a pixel at once")
+    with drawn(device, "kb", stack(DEPTHS), k=k, per_pass=per_pass) as frame:
+        slots = min(k, per_pass)
+        whole = -(-k // slots) * slots
+        assert frame.fitted.promise().layers == whole
+        assert error(frame, whole) <= EXACT_ERROR
+        assert frame.geometry_passes == min(whole // slots, -(-len(DEPTHS) // slots))
+
+
+def test_several_passes_need_the_slots_of_one_and_a_word(device):
+    with drawn(device, "kb", stack(DEPTHS), k=64, per_pass=8) as frame:
+        assert sum(frame.memory_bytes.values()) == 4 * (2 * 8 + 1) * frame.stats.P
+        assert frame.variant.needs == ()
+
+
+def test_a_pass_begins_behind_the_last_even_at_the_nearest_depth(device):
+    """Depth 0 is before every boundary, and the end of one pass is not drawn again by the next."""
+    if device.kind != "cpu":
+        pytest.skip("this device may shade fragments of a pixel at once")
+    with drawn(device, "kb", stack([0.5, 0.0, 1.0, 0.25]), k=4, per_pass=2) as frame:
+        assert error(frame, 4) <= EXACT_ERROR
+
+
+def test_an_equal_depth_that_finds_no_slot_in_its_pass_is_lost(device):
+    if device.kind != "cpu":
+        pytest.skip("this device may shade fragments of a pixel at once")
+    scene = stack([0.5, 0.5, 0.5, 0.75])
+    with drawn(device, "kb", scene, k=4, per_pass=2) as frame:
+        kept = chosen(scene, [0, 1, 3])
+        assert np.abs(frame.image() - composite(kept)).max() <= EXACT_ERROR

@@ -92,3 +92,19 @@ def test_a_device_with_fewer_samples_is_told_apart(method, params, reason):
 def test_samples_are_powers_of_two():
     with pytest.raises(ValueError, match=r"5 is not allowed; allowed: 4 \| 8 \| 16 \| 32"):
         catalog()["peel-srab"].param("samples").parse(5)
+
+
+@pytest.mark.parametrize("multisampling", ["on", "off"])
+@pytest.mark.parametrize("per_pass", COUNTS)
+@pytest.mark.parametrize("k", [1, 4, 7, 40, 64])
+def test_several_passes_keep_the_first_k_to_arrive(device, k, per_pass, multisampling):
+    scene = stack(depths(40))
+    image, passes = draw(device, "kb-sr", scene, k=k, per_pass=per_pass, multisampling=multisampling)
+    assert np.abs(image - composite(chosen(scene, slice(k)))).max() <= EXACT_ERROR
+    assert passes == -(-min(k, 40) // per_pass)
+
+
+def test_several_passes_need_the_samples_of_one():
+    variant = catalog()["kb-sr"].variant({"k": 20, "per_pass": 8})
+    assert variant.needs == ("samples_8",)
+    assert sum(Fitted(variant, SIZES).memory_bytes().values()) == 4 * SIZES.P * (3 * 8 + 8 + 2 + 2 * 20)

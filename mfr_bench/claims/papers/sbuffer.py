@@ -16,7 +16,7 @@ COUNTED = if_any("atomic")  # fragments, where additive blending is a further se
 AT_30 = pick("ab-sb", counters=30, counting=COUNTED)
 INVERSE = pick("ab-sb", counters=30, mapping="inverse", counting=COUNTED)
 REFERENCING = pass_time("referencing", "scan")
-LAYERS = {"kb": {"k": 8}, "peel-srab": {"samples": 8}}  # fragments per pass of the paper's bounded methods
+LAYERS = {"kb": {"per_pass": 8}, "peel-srab": {"samples": 8}}  # fragments per pass of the paper's bounded methods
 OWN_RATIOS = Bound("4.45 to 7.5 (printed: 5 to 7, and times whose ratios are 4.49 to 6.98)", 4.45, 7.5)
 SIZES = ((640, 480), (1024, 768), (1600, 1200))
 

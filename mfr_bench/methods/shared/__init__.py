@@ -53,18 +53,21 @@ from .resolving import (
     resolve_sorted,
 )
 from .reuse import again, once
-from .routing import route, routed_targets
+from .routing import ARRIVALS, COLLECTED, IN_ORDER, RESUME, collected, resolve_collected, route, routed_targets
 
 __all__ = [
     "ACCUMULATE",
+    "ARRIVALS",
     "ATOMIC64",
     "BMA",
     "CLASS_BOUNDS",
     "CLEARED",
     "CLEAR_IMAGE",
+    "COLLECTED",
     "CULLING",
     "CULLING_OPACITY",
     "EARLY_CULLING",
+    "IN_ORDER",
     "KTH_DEPTH",
     "LOCAL_ARRAY",
     "LOCK",
@@ -81,6 +84,7 @@ __all__ = [
     "RESOLVER",
     "RESOLVERS",
     "RESOLVE_OPTIONS",
+    "RESUME",
     "REUSE_COUNT",
     "SEMAPHORE",
     "SHADED",
@@ -97,6 +101,7 @@ __all__ = [
     "again",
     "buffers_of_64_bits",
     "clear",
+    "collected",
     "count",
     "count_stored",
     "culled",
@@ -106,6 +111,7 @@ __all__ = [
     "once",
     "peeling",
     "resolve",
+    "resolve_collected",
     "resolve_sorted",
     "route",
     "routed_targets",

@@ -34,14 +34,15 @@ def resolve(*reads: str, select: bool = False, hazards: bool = False, defines: M
 
 
 def resolve_sorted(*reads: str, resolver: str = "common/resolve_sorted.glsl", hazards: bool = False,
-                   mixes: bool = False, **more) -> Pass:
+                   mixes: bool = False, defines: Mapping[str, Any] | None = None, **more) -> Pass:
     """The pass that composites fragments which its `fetch` already reads nearest first.
 
     Its parameters are STAGE and STOP_OPACITY. `hazards`: as for `count_stored`. With `mixes` a slot may stand for
     several fragments, so that stored fragments cannot be counted.
     """
     return Pass("resolve", "fullscreen", "common/resolve.frag", reads=reads, into=(IMAGE,), resolver=resolver,
-                defines={"LISTS": 1}, expand=partial(_sorted_passes, hazards=hazards, mixes=mixes), **more)
+                defines={"LISTS": 1, **(defines or {})},
+                expand=partial(_sorted_passes, hazards=hazards, mixes=mixes), **more)
 
 
 def _sorted_passes(step: Pass, scope: Params, hazards: bool, mixes: bool) -> tuple[Pass, ...]:

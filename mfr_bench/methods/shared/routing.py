@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..spec import EMPTY, Pass, State, Stencil, Target, when
+from ..spec import EMPTY, Buffer, Pass, State, Stencil, Target, when
 from .options import MULTISAMPLING
+from .resolving import resolve
+
+# What several passes of routing need: where each sample's fragment came from, and the fragments of all passes.
+ARRIVALS = Target("arrivals", "r32ui", doc="primitive whose fragment each sample took")
+COLLECTED = Buffer("counter", "P", clear="0u", doc="fragments collected in each pixel")
+RESUME = Buffer("resume", "P", clear="0u", doc="first primitive not captured yet; EMPTY if all are")
+IN_ORDER = Buffer("nodes", "2*n*P", type="uvec2", doc="fragments of each pixel, in order of arrival")
 
 
 def routed_targets(samples: str) -> tuple[Target, ...]:
@@ -25,3 +32,15 @@ def route(samples: str, *more_targets: str, reads: tuple[str, ...] = ()) -> tupl
                  instances=samples),
             *(replace(store, state=State(stencil=Stencil("equal", "decrement", 2), multisample=choice == "on"),
                       when=when("multisampling", choice)) for choice in MULTISAMPLING.choices))
+
+
+def collected(samples: str, most: str) -> tuple[Pass, ...]:
+    """One pass of several: the next fragments of a pixel, appended to its array of at most `most`."""
+    return (*route(samples, "arrivals", reads=("resume",)),
+            Pass("collect", "fullscreen", "methods/routing/collect.frag", reads=("depths", "colours", "arrivals"),
+                 writes=("counter", "resume", "nodes"), defines={"SAMPLES": samples, "SLOTS": most}, counts=True))
+
+
+def resolve_collected(most: str) -> Pass:
+    """The resolve of the array that the passes have filled."""
+    return resolve("counter", "nodes", fetch="methods/array/fetch.glsl", defines={"SLOTS": most})

@@ -19,7 +19,7 @@ from .conditions import REASONS, FrameState, left_out
 from .fitted import ALPHA_STEPS, LEAF_ROUNDINGS, UNIT_ROUNDOFF, Fitted
 from .formulas import doubled, evaluate
 from .method import ONE, Guarantee, Method, Promise, Variant
-from .params import ON_OFF, Param, Params, Value, When, when
+from .params import ON_OFF, Above, Param, Params, Value, When, when
 from .passes import (
     ADD,
     BEHIND,
@@ -85,6 +85,7 @@ __all__ = [
     "TILE_POINTS",
     "UNDER",
     "UNIT_ROUNDOFF",
+    "Above",
     "Blend",
     "Buffer",
     "Choice",

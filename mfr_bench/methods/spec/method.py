@@ -75,7 +75,10 @@ class Method:
     def complete(self, given: Mapping[str, Any]) -> dict[str, Value]:
         """All parameters of the method: `given` ones parsed, others and those without effect at their defaults."""
         chosen = {p.name: p.parse(given[p.name]) if p.name in given else p.default for p in self.params}
-        return {p.name: chosen[p.name] if p.acts is None or p.acts.holds(chosen) else p.default for p in self.params}
+        for p in self.params:
+            if p.acts and not p.acts.holds(chosen):
+                chosen[p.name] = p.default
+        return chosen
 
     def variant(self, params: Params) -> Variant:
         return Variant(self, self.complete(params))
@@ -132,7 +135,8 @@ class Variant:
         found: list[Pass | Loop] = []
         for step in self.method.steps:
             if isinstance(step, Loop):
-                found.append(replace(step, passes=self._expanded(step.passes)))
+                inside = self._expanded(step.passes)
+                found += [replace(step, passes=inside)] if inside else []
             else:
                 found += self._expanded((step,))
         return tuple(found)
@@ -163,7 +167,7 @@ class Variant:
     @property
     def needs(self) -> tuple[str, ...]:
         """Device features that these parameters need."""
-        chosen = (p.need(self.params[p.name]) for p in self.acting)
+        chosen = (p.need(self.params) for p in self.acting)
         return self.method.needs + tuple(f for f in chosen if f)
 
     @property

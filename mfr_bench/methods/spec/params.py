@@ -32,9 +32,10 @@ class Param:
     off: float | None = None
     of: tuple[int, ...] = ()
     needs: Mapping[str, str] = field(default_factory=dict)  # choice, or a range "5-8" -> feature the device must have
+    needs_where: When | None = None  # where `needs` holds; elsewhere every value can be had. None: everywhere
     asks: Mapping[str, str] = field(default_factory=dict)  # choice -> what it asks of a scene, a key of SCENE_FACTS
     weakens: Mapping[str, str] = field(default_factory=dict)  # choice or range -> the known failure that it brings
-    acts: When | None = None  # where it has an effect; elsewhere it stands at its default
+    acts: When | Above | None = None  # where it has an effect; elsewhere it stands at its default
 
     @property
     def allowed(self) -> str:
@@ -46,9 +47,10 @@ class Param:
             return " | ".join(map(str, self.choices or self.of))
         return f"a whole number from {self.low} to {self.high}"
 
-    def need(self, value: Value) -> str | None:
-        """The feature that a device must have for the value."""
-        return self._said(self.needs, value)
+    def need(self, chosen: Params) -> str | None:
+        """The feature that a device must have for the value that is chosen beside those of other parameters."""
+        holds = self.needs_where is None or self.needs_where.holds(chosen)
+        return self._said(self.needs, chosen[self.name]) if holds else None
 
     def weakness(self, value: Value) -> str | None:
         """The known failure that the value brings."""
@@ -95,6 +97,17 @@ class When:
 
     def __and__(self, other: When) -> When:
         return replace(self, also=self.also & other if self.also else other)
+
+
+@dataclass(frozen=True)
+class Above:
+    """Holds where the parameter `name` is greater than the parameter `other`."""
+
+    name: str
+    other: str
+
+    def holds(self, params: Params) -> bool:
+        return params[self.name] > params[self.other]
 
 
 def when(name: str, *values: Value) -> When:
