@@ -67,8 +67,12 @@ def _lines(path: str, counted: bool) -> list[str]:
     return [line for line in read(path).splitlines() if counted or not is_counter(line)]
 
 
-def expand(entry: str, slots: Mapping[str, str], counted: bool = False) -> tuple[str, tuple[str, ...]]:
-    """Text of `entry` with every include in place, each file once; `#include <slot>` is the method's choice."""
+def expand(entry: str, slots: Mapping[str, str], counted: bool = False,
+           behind: Mapping[str, str] | None = None) -> tuple[str, tuple[str, ...]]:
+    """Text of `entry` with every include in place, each file once; `#include <slot>` is the method's choice.
+
+    `behind`: files that stand behind others, wherever those are included.
+    """
     files: list[str] = ["prelude"]
     lines: list[str] = []
 
@@ -91,6 +95,8 @@ def expand(entry: str, slots: Mapping[str, str], counted: bool = False) -> tuple
             except ShaderError as error:
                 raise ShaderError(f"{path}:{at}: {error}") from None
             lines.append(f"#line {number * LINE_STRIDE + at + 1}")
+        if behind and path in behind:
+            add(behind[path])
 
     add(entry)
     return "\n".join(lines) + "\n", tuple(files)

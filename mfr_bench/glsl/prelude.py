@@ -54,6 +54,7 @@ FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
     "shader_atomic_int64": ("GL_NV_shader_atomic_int64",),
 }
 
+PAYLOAD_FILE, SHADING_FILE = "common/payload.glsl", "scene/shading.glsl"  # the second stands behind the first
 _INTEGER = {"r32ui": "u"}  # the letter before GLSL's type for texels that are whole numbers
 # Fragment and payload as GLSL types, by the words of the payload. A struct of three words has no padding in std430.
 TYPES: Mapping[int, tuple[str, ...]] = {
@@ -67,7 +68,7 @@ def define_values(fitted: Fitted, step: Pass) -> dict[str, int]:
     variant, stats = fitted.variant, fitted.stats
     values: dict[str, int] = {
         "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
-        "N": stats.n, "KEEP": fitted.value("keep"), "LOCAL": fitted.value("keep"),
+        "N": stats.n, "SHADING": stats.shading, "KEEP": fitted.value("keep"), "LOCAL": fitted.value("keep"),
         "REJECTS": int(stats.rejects), "OCCLUDED": int(stats.occluded), "LEAST": stats.least, "QUADS": stats.primitives,
         "COMPUTE": int(step.kind == "compute"),
         "PAYLOAD_RGBA16F": 0, "CULLS": 0, "BY_TILE": int(step.by_tile), "REGION": int(step.region),
@@ -166,7 +167,8 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     entry = entry or step.shader
     slots = {name: path for name, path in (("fetch", step.fetch), ("resolver", step.resolver)) if path}
     counted = (counted or mapped is not None) and not entry.endswith(".vert")
-    body, files = expand(entry, slots, counted)
+    shades = fitted.stats.shading and step.kind == "geometry" and not entry.endswith(".vert")
+    body, files = expand(entry, slots, counted, {PAYLOAD_FILE: SHADING_FILE} if shades else None)
     macro = _clear_macro(variant, step)
     words = set(re.findall(r"[A-Za-z_]\w*", code_of(body)))
     words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()

@@ -24,7 +24,8 @@ def expected_stats(scene: Scene) -> SceneStats:
     fragments = sum(f * pixels for f, pixels in enumerate(histogram))
     return SceneStats(
         *scene.size, n=max(1, len(histogram) - 1), F=fragments, primitives=kind.primitives(scene), histogram=histogram,
-        rejects=kind.rejects(scene), geometry=kind.geometry_of(scene), least=kind.least_layers(scene))
+        rejects=kind.rejects(scene), geometry=kind.geometry_of(scene), least=kind.least_layers(scene),
+        shading=scene.shading)
 
 
 def _whole_pixels(counts: Sequence[float], total: int) -> list[int]:

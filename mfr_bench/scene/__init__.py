@@ -5,6 +5,7 @@ Importing this package loads no numpy: a generator is loaded when a scene of its
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
 def generate(scene: Scene, frame: int = 0) -> Geometry:
     """The primitives of a scene. In an animation's `frame` quads have another seed; an object is seen from nearer."""
     module, _, name = kind_of(scene).generator.rpartition(".")
-    return getattr(import_module(f"{__name__}.{module}"), name)(scene, frame)
+    made = getattr(import_module(f"{__name__}.{module}"), name)(scene, frame)
+    return replace(made, shading=scene.shading) if scene.shading else made
 
 
 __all__ = ["Scene", "generate"]

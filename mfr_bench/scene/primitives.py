@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
@@ -16,6 +16,7 @@ class Primitives:
 
     geometry: ClassVar[str]  # how primitives reach the device: shaders/scene/<geometry>.vert
     fragment_probability: float
+    shading: int
 
     @property
     def keep_threshold(self) -> int:
@@ -33,7 +34,7 @@ class Cornered(Primitives):
     """Primitives in submission order, given by corners in clip space, each with one colour.
 
     position: float32 (n, corners, 4), x y z w. rgba: uint8 (n, 4), straight alpha. seed decides which fragments are
-    rejected.
+    rejected. shading: steps of each fragment that is shaded.
     """
 
     triangles_each: ClassVar[int]  # that a primitive is drawn as
@@ -44,6 +45,7 @@ class Cornered(Primitives):
     rgba: np.ndarray
     fragment_probability: float
     seed: int
+    shading: int = field(default=0, kw_only=True)
 
     def __len__(self) -> int:
         return len(self.position)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import ClassVar
 
@@ -21,7 +21,8 @@ class Quads(Primitives):
     rect: int32 (n, 4), x0 y0 x1 y1, half-open pixels, origin lower left; it may reach beyond the viewport.
     depth: float32 (n,); outside [0, 1] there is nothing to see.
     rgba: uint8 (n, 4), straight alpha. seed decides which fragments are rejected.
-    least: where above 0, each pixel draws how many of all quads it receives, at least this many.
+    least: where above 0, each pixel draws how many of all quads it receives, at least this many. shading: steps of
+    each fragment that is shaded.
     """
 
     geometry: ClassVar[str] = "quad"
@@ -33,6 +34,7 @@ class Quads(Primitives):
     fragment_probability: float
     seed: int
     least: int = 0
+    shading: int = field(default=0, kw_only=True)
 
     def __len__(self) -> int:
         return len(self.depth)

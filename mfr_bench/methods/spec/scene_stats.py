@@ -23,6 +23,7 @@ class SceneStats:
     layers: int | None = None  # most fragments that a pixel can have by the geometry; None: those of every primitive
     reach: int | None = None  # most fragments that the geometry can have; None: every layer in every pixel
     occluded: bool = False  # opaque triangles in a depth buffer of their own may hide fragments
+    shading: int = 0  # arithmetic steps of each fragment that is shaded
     least: int = 0  # fewest fragments that a pixel draws of those of all primitives; 0: every pixel has all
 
     @property

@@ -3,6 +3,7 @@
     grid     a table of text
     fields   what a field says of a point
     blocks   tables of measures, methods by the values of an axis
+    places   whose place among the methods changes along an axis
     checks   tables of images, of what breaks, of the paper's numbers
     pages    all tables as text, and as results.md
     files    the files in tables/

@@ -11,6 +11,7 @@ from annotated_types import Interval
 from .values import Allowed, Alpha, Colours, Seed, Share, Size, Text
 
 MAX_PRIMITIVES = 2**22  # distinct depths on the grid of 2**-23, with a free point between any two
+MAX_SHADING = 16384  # steps, well below the 65,535 iterations at which llvmpipe ends a loop silently
 LATE = "late"  # metadata of a key that was added later
 LOCAL = "local"  # metadata of a key that is no part of any record, and that no config may give
 
@@ -34,7 +35,7 @@ class CommonKeys:
     size: viewport, pixels. pixel_density: share of the pixels that the block or the tiles cover, or the block around
     an object. depth_complexity: fragments over every covered pixel, or the maximum over the pixels where the kind has
     a mean_depth (None: two fifths of the maximum); 0 where a kind measures it. alpha: lowest and highest opacity, or a
-    word that a kind knows.
+    word that a kind knows. shading: arithmetic steps of each fragment that is shaded, which change no colour.
     """
 
     kind: str
@@ -50,6 +51,8 @@ class CommonKeys:
     fragment_probability: Share = 1.0
     seed: Seed = 1
     animate: bool = False
+    shading: Annotated[int, Interval(ge=0, le=MAX_SHADING),
+                       Allowed(f"a whole number from 0 to {MAX_SHADING}")] = late(0)
 
 
 @dataclass(frozen=True, kw_only=True)

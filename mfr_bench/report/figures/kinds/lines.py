@@ -29,6 +29,7 @@ KIND = Kind(
     "x against y, one line per method with its interval; kplus_2015 Fig. 9, gpupro5 Figs. 1.4 to 1.7",
     keys=(LOG, LOG_BASE, X_LABEL, Y_LABEL, PANELS, FLOOR, PASSES, GAIN_OF, PRINTED,
           Key("bound", "the error that rounding explains, as a dotted line", "flag", default=False),
+          Key("places", "a table of the methods whose place changes along x", "flag", default=False),
           Key("fit", "a polynomial through each line", tuple(DEGREES))))
 
 
