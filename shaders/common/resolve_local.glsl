@@ -1,7 +1,6 @@
 // Resolves a pixel in one local array: gathers its fragments, sorts them and composites them front to back. A driver
 // that limits the iterations of a shader (llvmpipe: 65,535) ends the loops of a quadratic sort early from about 360
 // fragments on; the fragments that are then not composited are counted as lost.
-#define BATCHES 0
 #include "common/accumulate.glsl"
 #include "common/gather.glsl"
 #include "common/sort.glsl"

@@ -2,7 +2,6 @@
 // registers; several blocks are written back to the local array and merged while they are composited.
 // Invariant: block b is at fragments[b * NETWORK], sorted and padded with empty fragments, which have no colour.
 // Source: Knowles, Leach and Zambetta 2014 (kplus_2015 [34]).
-#define BATCHES 0
 #include "common/accumulate.glsl"
 #include "common/network.glsl"
 #include "common/enough.glsl"

@@ -27,7 +27,7 @@ FAULTS = [
     ("ab-ll-bucket", "methods/list/choose.glsl", "share * float", "(1.0 - share) * float"),
     ("lin-pre", "methods/list/insert_cas32.frag", "<= fragment.x", ">= fragment.x"),
     ("kb-mdt32", "methods/mdt/store_depth.frag", "max(depth, ", "min(depth, "),
-    ("kb-ab-ll", "common/local.glsl", "beyond(fragments[0], fragment)", "beyond(fragment, fragments[0])"),
+    ("kb-ab-ll", "common/local.glsl", "fragment.x >= furthest", "fragment.x < furthest"),
     ("kplus-array", "methods/kplus/array.glsl", "worse(node, worst)", "worse(worst, node)"),
     ("kplus-array-r", "methods/kplus/store_revised.frag", "NODE(p, slot) = fragment", "NODE(p, 1u) = fragment"),
     ("kplus-heap", "methods/kplus/heap.glsl", "worse(right, node)", "worse(node, right)"),
