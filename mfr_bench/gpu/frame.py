@@ -46,7 +46,7 @@ class Frame:
         self.variant, self.stats = fitted.variant, fitted.stats
         self.scene_buffer, self.canvas = scene_buffer, canvas
         self.geometry_passes = 0  # of the last frame
-        self.chosen_k = 0  # of a method whose k the host decides
+        self.chosen_k = int(self.variant.scope.get("k", 0))  # what the host decides, where it does
         self.band: Rectangle | None = None  # of the loop over bands that is running
         self.plan: Plan | None = None  # of the latest frame, of a planned method
         self._capacity = fitted.start_capacity()  # elements in use, never more than there is room for

@@ -21,7 +21,7 @@ class Uniforms:
         self._box = device.ctx.buffer(reserve=4 * len(BOX_FIELDS))
 
     def write(self, scene: Geometry, capacity: int, chosen_k: int) -> None:
-        """Give every field its value. `chosen_k`: of a method whose k the host decides, else 0."""
+        """Give every field its value. `chosen_k`: the fragments that a pixel keeps; 0 where all are kept."""
         stats, (left, bottom, columns, rows) = self._stats, scene.bounds
         values = {
             "width": stats.W, "height": stats.H, "pixels": stats.P, "capacity": capacity, "seed": scene.seed,

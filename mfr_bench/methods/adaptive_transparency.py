@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import LOCK, SEMAPHORE, SYNC, K, clear
+from .shared import BOUND, LOCK, SEMAPHORE, SYNC, K, clear
 from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import ADD, IMAGE, Buffer, Method, Pass, State
 
@@ -24,7 +24,7 @@ METHODS = [
         failure="a step that was moved hides what lies before its true place, so that colours come out darker; opacity "
                 "is right",
         beside=LOCK, mixes=True, exact_where="n <= k",
-        params=(replace(K, doc="nodes of a pixel's visibility function"), SYNC, TOUCHED), local="k",
+        params=(replace(K, doc="nodes of a pixel's visibility function"), BOUND, SYNC, TOUCHED), local="k",
         buffers=(SEMAPHORE,
                  Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True,
                         doc="k nodes of the visibility function, sorted: depth, and factor of the transmittance")),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import LOCK, SEMAPHORE, STAGE, SYNC, K, clear, resolve_sorted
+from .shared import BOUND, LOCK, SEMAPHORE, STAGE, SYNC, K, clear, resolve_sorted
 from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Method, Pass
 
@@ -24,7 +24,7 @@ METHODS = [
         failure="the tail knows no order; its opacity is right where its alphas are equal, its colour where its "
                 "colours are",
         beside=LOCK, mixes=True, exact_where="n <= k + 1",
-        params=(replace(K, doc="fragments of the core"), SYNC, STAGE, TOUCHED), local="k",
+        params=(replace(K, doc="fragments of the core"), BOUND, SYNC, STAGE, TOUCHED), local="k",
         buffers=(SEMAPHORE,
                  Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True,
                         doc="k fragments of the core, sorted"),

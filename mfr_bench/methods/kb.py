@@ -18,10 +18,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .shared import (
+<<<<<<< HEAD
     ARRIVALS,
     CLEAR_IMAGE,
     COLLECTED,
     IN_ORDER,
+=======
+    BOUND,
+>>>>>>> e18c453 (The bound of loops over k slots is a parameter, a uniform under a lock and a constant elsewhere, as measured; KB-MDT_32 halves its way to a colour's slot and clears no colours)
     MULTISAMPLING,
     OCCUPANCY,
     RESOLVE_OPTIONS,
@@ -87,11 +91,16 @@ METHODS = [
         guarantee="approximate", words="2*k",
         ties="kept, in order of arrival; with several passes, those that find no slot beside their equals are lost",
         failure=f"{HAZARD}; right where a device shades the fragments of a pixel one by one",
+<<<<<<< HEAD
         params=(replace(K16, needs_where=AT_ONCE), PER_PASS,
                 *(replace(option, acts=AT_ONCE) for option in (OCCUPANCY, STAGE, STOP_OPACITY)), TOUCHED),
         local=SLOTS, most_layers=f"ceil(k / {SLOTS}) * {SLOTS}",
         beside="with per_pass the slots of one pass, and a word per pixel for the depth at which the next one begins",
         buffers=(replace(NODES, words=f"2*{SLOTS}*P"), FIRST_DEPTH),
+=======
+        params=(K16, BOUND, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
+        buffers=(NODES,),
+>>>>>>> e18c453 (The bound of loops over k slots is a parameter, a uniform under a lock and a constant elsewhere, as measured; KB-MDT_32 halves its way to a colour's slot and clears no colours)
         steps=in_screen_region(
             *only(AT_ONCE, clear("nodes"),
                   *occupied(Pass("store", "geometry", "methods/kb/store.frag", writes=("nodes",))), kept_sorted()),
@@ -115,7 +124,7 @@ METHODS = [
         failure="with fewer passes than k, fragments that hazards lost may still be missing behind the nearest "
                 "`passes`; right with k passes, and wherever a pass finds nothing missing",
         exact_where="passes >= min(k, n)",
-        params=(K16, PASSES, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
+        params=(K16, BOUND, PASSES, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         beside="2 words per pixel: depth and colour of the nearest fragment that was missing, which the hardware finds "
                "for certain",
         buffers=(NODES,),
@@ -168,7 +177,7 @@ METHODS = [
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure=f"{HAZARD}, and one torn slot in four passes for whole; right where a device shades the fragments of "
                 "a pixel one by one",
-        params=(K16, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED), local="k",
+        params=(K16, BOUND, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED), local="k",
         buffers=(Buffer("depths", "k*P", clear="EMPTY", coherent=True,
                         doc="depths of the k slots, with a code of depth and colour in two bits"),
                  Buffer("colours", "k*P", coherent=True, doc="colours of the k slots")),

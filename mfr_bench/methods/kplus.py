@@ -16,6 +16,7 @@ from math import inf
 
 from .sbuffer import ADDRESS, COUNTERS, GROUP_TOTAL, HASH, MAPPING, SHARED_COUNTERS, referencing
 from .shared import (
+    BOUND,
     CLEAR_IMAGE,
     CULLING,
     OCCUPANCY,
@@ -76,7 +77,7 @@ def kplus(method_id: str, name: str, section: str, summary: str, *params: Param,
     return Method(
         id=method_id, name=name, family="kplus", source=f"kplus_2015 {section}", summary=summary,
         words="2*k + 2", local="k", fixed=fixed,
-        params=(K, *params, SYNC, CULLING, occupancy, OCCUPANCY_BOUNDS, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
+        params=(K, BOUND, *params, SYNC, CULLING, occupancy, OCCUPANCY_BOUNDS, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
         buffers=(COUNTER, SEMAPHORE, NODES),
         steps=in_screen_region(
             clear("counter", "semaphore", "nodes"),
@@ -160,7 +161,7 @@ MULTI_PASS = Method(
            "composited",
     cost="one geometry pass for every k layers, and all k+ insertions in each",
     ties="kept; across two iterations in order of payload, within one in order of the slots",
-    params=(replace(K, doc="fragments peeled per pixel and iteration"), SYNC, SORT, PEELED, TOUCHED),
+    params=(replace(K, doc="fragments peeled per pixel and iteration"), BOUND, SYNC, SORT, PEELED, TOUCHED),
     most_layers="ceil(layers / k) * k",
     fixed=(STRUCTURE, CRITERION, CULLING), local="k",
     buffers=(COUNTER, SEMAPHORE, NODES,

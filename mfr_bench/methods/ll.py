@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from .shared import OCCUPANCY, STAGE, STOP_OPACITY, K, occupied, resolve_sorted, zeroed_apart
+from .shared import BOUND, OCCUPANCY, STAGE, STOP_OPACITY, K, occupied, resolve_sorted, zeroed_apart
 from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import SPARE_CELLS, Buffer, Grown, Method, Param, Pass
 
@@ -25,7 +25,7 @@ METHODS = [
         failure="a fragment whose swap fails `retries` times is lost, and counted; exact where none is",
         words="3*f + 6", beside=SPARE_CELLS,
         ties="kept, in order of arrival; the first to arrive has the k-th place",
-        params=(K, RETRIES, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
+        params=(K, BOUND, RETRIES, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         capacity=Grown(start="P", counter="cell_counter"),
         buffers=(Buffer("cell_counter", "1", doc="cells given out"),
                  Buffer("next", "2*P + capacity", coherent=True, doc="link of each node: heads, tails, then cells"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from .shared import (
             ATOMIC64,
+            BOUND,
             CULLING,
             OCCUPANCY,
             STAGE,
@@ -31,11 +32,11 @@ METHODS = [
         source="Liu et al. 2010; Maule et al. 2013; kplus_2015 §2",
         summary="32-bit atomic minima sort the k nearest depths, a second geometry pass brings their colours",
         guarantee="exact k nearest", words="2*k", ties="collide: one colour is kept, further slots show none",
-        params=(K, KEY, DEPTH_BITS, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
+        params=(K, BOUND, KEY, DEPTH_BITS, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         buffers=(Buffer("depths", "k*P", clear="EMPTY", coherent=True, doc="keys of the k nearest depths, sorted"),
-                 Buffer("colours", "k*P", clear="0u", doc="colours of the same fragments")),
+                 Buffer("colours", "k*P", doc="colours of the same fragments")),
         steps=in_screen_region(
-            clear("depths", "colours"),
+            clear("depths"),
             *occupied(
                 Pass("store_depth", "geometry", "methods/mdt/store_depth.frag", writes=("depths",)),
                 Pass("store", "geometry", "methods/mdt/store_colour.frag", reads=("depths",), writes=("colours",)),
@@ -50,7 +51,7 @@ METHODS = [
         guarantee="exact k nearest", words="2*k",
         beside="with atomic64: emulated a lock, one word per pixel",
         ties="kept, in order of payload, the k-th place included",
-        params=(K, ATOMIC64, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
+        params=(K, BOUND, ATOMIC64, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         buffers=buffers_of_64_bits("nodes", "k*P", word="EMPTY", doc="k nearest fragments, sorted: depth above colour"),
         steps=in_screen_region(
             clear("nodes", "lock64"),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import LOCK, PAYLOAD, SEMAPHORE, STAGE, SYNC, K, clear, resolve_sorted
+from .shared import BOUND, LOCK, PAYLOAD, SEMAPHORE, STAGE, SYNC, K, clear, resolve_sorted
 from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Method, Pass
 
@@ -25,7 +25,7 @@ METHODS = [
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure="a fragment that comes late may belong in front of what was merged; each merge rounds to the payload",
         beside=LOCK, mixes=True, exact_where="n <= k",
-        params=(replace(K, doc="layers per pixel"), SYNC, STAGE, TOUCHED, ANY_COLOUR), local="k",
+        params=(replace(K, doc="layers per pixel"), BOUND, SYNC, STAGE, TOUCHED, ANY_COLOUR), local="k",
         buffers=(SEMAPHORE,
                  Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", coherent=True, doc="k layers, sorted")),
         steps=in_screen_region(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .shared import (
+    BOUND,
     CULLING,
     OCCUPANCY,
     SEMAPHORE,
@@ -28,7 +29,7 @@ METHODS = [
         beside="with sync: spin a semaphore, one word per pixel: the authors ran it with theirs (kplus_2015 §5), Table "
                "1 counts what sync: interlock takes",
         ties="kept, in order of arrival; the first to arrive has the k-th place",
-        params=(K, SYNC, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
+        params=(K, BOUND, SYNC, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         buffers=(SEMAPHORE,
                  Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True,
                         doc="k nearest fragments of each pixel, sorted")),

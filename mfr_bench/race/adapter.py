@@ -107,9 +107,9 @@ def frame_of(fitted: Fitted, region: tuple[int, int, int, int] | None = None) ->
     maker = _Maker(fitted)
     capacity, decision = fitted.capacity(), fitted.decision()
     words = {b.name: fitted.block_bytes(b, capacity) // 4 for b in variant.buffers}
+    kept = decision.k if decision else int(fitted.scope.get("k", 0))
     return Frame(variant, stats, tuple(maker.passes), tuple(maker.steps),
-                 words | {DIAGNOSTICS_BUFFER: len(DIAGNOSTICS)}, capacity, decision.k if decision else 0,
-                 region or (0, 0, stats.W, stats.H))
+                 words | {DIAGNOSTICS_BUFFER: len(DIAGNOSTICS)}, capacity, kept, region or (0, 0, stats.W, stats.H))
 
 
 class _Maker:

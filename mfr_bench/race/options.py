@@ -19,6 +19,7 @@ NUMBERS: Mapping[str, tuple[Value, ...]] = {
     "passes": (1, 2), "per_pass": (2, 4), "load_factor": (0.3, 0.9), "max_error": (0.1,), "retries": (1,),
     "culling_opacity": (0.5,), "moments": (6,), "hit_ratio": (0.5,), "stop_opacity": (0.9,),
 }
+SAME_ACCESSES = ("bound",)  # parameters that change the text of a shader, and nothing that it reads or writes
 TOGETHER = 2  # parameters that differ from their defaults at once
 
 
@@ -28,7 +29,9 @@ def base(method: Method) -> dict[str, Value]:
 
 
 def others(param: Param) -> tuple[Value, ...]:
-    """Values of a parameter beside its default."""
+    """Values of a parameter beside its default, by which invocations may meet in other ways."""
+    if param.name in SAME_ACCESSES:
+        return ()
     if param.choices:
         return tuple(choice for choice in param.choices if choice != param.default)
     return tuple(value for value in NUMBERS.get(param.name, ())

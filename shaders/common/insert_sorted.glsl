@@ -3,7 +3,7 @@
 // if there was room. The including file defines read_slot and write_slot; an empty slot reads as EMPTY. Without mutual
 // exclusion, concurrent fragments overwrite each other's moves (read-modify-write hazard).
 FRAGMENT insert_sorted(uint p, FRAGMENT fragment) {
-    for (uint slot = 0u; slot < uint(K) && fragment.x != EMPTY; ++slot) {
+    for (uint slot = 0u; slot < BOUND && fragment.x != EMPTY; ++slot) {
         FRAGMENT held = read_slot(p, slot);
         if (fragment.x < held.x) {
             write_slot(p, slot, fragment);

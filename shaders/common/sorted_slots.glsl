@@ -4,7 +4,7 @@ uint fetch_at, fetch_end;
 
 void fetch_begin(uint p) {
     fetch_at = p;
-    fetch_end = p + uint(K) * pixels;
+    fetch_end = p + BOUND * pixels;
 }
 
 bool fetch_next(out FRAGMENT fragment) {

@@ -40,6 +40,17 @@ def test_32_bits_lose_all_but_one_colour_of_equal_depths(device, k):
     assert all(min(np.abs(pixel - one).max() for one in shown) < 1e-5 for pixel in image.reshape(-1, 4))
 
 
+@pytest.mark.parametrize("resolve", ["fragment", "compute"])
+def test_32_bits_show_no_colour_of_an_earlier_frame(device, resolve):
+    """Colours are not cleared: slots that share a depth show that of the first alone."""
+    with drawn(device, "kb-mdt32", stack([0.25, 0.5, 0.5, 0.5], COLOURS), k=4, resolve=resolve) as frame:
+        frame.fill("colours", np.full(4 * 7 * 5, 0xFFFFFFFF, dtype=np.uint32))
+        frame.draw()
+        image = frame.image()
+    shown = [over([COLOURS[0], colour]) for colour in COLOURS[1:]]
+    assert all(min(np.abs(pixel - one).max() for one in shown) < 1e-5 for pixel in image.reshape(-1, 4))
+
+
 @pytest.mark.parametrize(("depth_bits", "collide"), [(8, True), (11, True), (13, False), (24, False), (32, False)])
 def test_scaled_conversion_loses_what_is_finer(device, depth_bits, collide):
     """Depths 2**-12 apart need more than 12 bits."""

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from mfr_bench import glsl
 from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
 from mfr_bench.methods.shared import BMA, CLASS_BOUNDS, LPLUS, SORT
@@ -11,7 +12,7 @@ from mfr_bench.oracle.composite import composite, stats_of
 from mfr_bench.scene import generate
 from mfr_bench.scene.quads import Quads
 
-from .drawing import SIZE, drawn, stack
+from .drawing import SIZE, assert_shows, drawn, stack
 
 RANDOM = np.random.default_rng(4)
 MIXED = generate(SceneConfig(size=(33, 21), depth_complexity=70, fragment_probability=0.6, pixel_density=0.8, seed=2))
@@ -53,8 +54,9 @@ def test_every_sort_gives_the_k_nearest_of_a_full_list(device, sort, k):
 
 
 @pytest.mark.parametrize("sort", SORTS)
-@pytest.mark.parametrize("depths", [[0.5] * 66, [0.25] * 20 + [0.5] * 26 + [0.75] * 20, [0.0] * 33 + [1.0] * 33],
-                         ids=["one depth", "three depths", "both ends"])
+@pytest.mark.parametrize("depths", [[0.5] * 66, [0.25] * 20 + [0.5] * 26 + [0.75] * 20, [0.0] * 33 + [1.0] * 33,
+                                    [0.25] * 5 + [0.5] * 70 + [0.75] * 21],
+                         ids=["one depth", "three depths", "both ends", "more than a batch between others"])
 def test_no_sort_loses_fragments_of_equal_depth(device, sort, depths):
     """The alpha of a pixel does not depend on the order of its fragments: equal payloads among the ties too."""
     rgba = RANDOM.integers(2, 12, (len(depths), 4))
@@ -233,3 +235,34 @@ def test_a_culled_count_makes_room_for_no_more_than_is_stored(device, f_p):
         arrived = frame.probe()["shaded_fragments"]
         assert frame.memory_bytes["nodes"] == 8 * arrived < 8 * stats_of(scene).F
         np.testing.assert_allclose(frame.image(), composite(scene, 4), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("k", [3, 32, 40, 75, 90])
+def test_lplus_keeps_k_fragments_where_depths_are_equal(device, k):
+    """Fragments of one depth have one colour here, so that it does not matter which of them stay."""
+    depths = [0.25] * 5 + [0.5] * 70 + [0.75] * 21
+    rgba = [{0.25: (200, 10, 30, 9), 0.5: (10, 200, 30, 5), 0.75: (20, 10, 200, 12)}[depth] for depth in depths]
+    order = np.random.default_rng(2).permutation(len(depths))
+    scene = stack([depths[i] for i in order], [rgba[i] for i in order])
+    with drawn(device, "kb-ab-array", scene, k=k, sort="lplus") as frame:
+        assert_shows(frame, rgba[:k])  # nearest first
+
+
+BOUNDED = [m.id for m in catalog().values() if m.param("bound")]
+
+
+@pytest.mark.parametrize("method", BOUNDED)
+@pytest.mark.parametrize("bound", ["uniform", "constant"])
+def test_a_bound_is_the_same_as_a_uniform_and_as_a_constant(device, method, bound):
+    more = {"atomic64": "emulated"} if catalog()[method].param("atomic64") else {}
+    scene = staircase([0, 1, 2, 3, 4])
+    image = image_of(device, method, scene, k=4, bound=bound, **more)
+    np.testing.assert_allclose(image, composite(scene), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize(("bound", "texts"), [("uniform", 1), ("constant", 2)])
+def test_a_store_that_knows_k_as_a_uniform_is_the_same_for_each_k(bound, texts):
+    stats = SceneStats(W=8, H=6, n=9, F=432, primitives=9)
+    variants = [catalog()["kb-ps"].variant({"k": k, "bound": bound}) for k in (4, 8)]
+    stores = {glsl.source(Fitted(v, stats), step).code for v in variants for step in v.passes if step.name == "store"}
+    assert len(stores) == texts

@@ -133,7 +133,7 @@ FAULTS = [
           "    NODE(p, slot) = fragment;\n    memoryBarrierBuffer();\n    atomicAdd(counter[p], ONE_TAKEN);",
           "    atomicAdd(counter[p], ONE_TAKEN);\n    NODE(p, slot) = fragment;", ("k=3",), False, (4,)),
     Fault("fills are not waited for", "kplus-array-r", "methods/kplus/store_revised.frag",
-          "if ((atomicAdd(counter[p], 0u) >> COUNTED_BITS) + 1u >= uint(K)) return true;", "return true;", ("k=3",),
+          "if ((atomicAdd(counter[p], 0u) >> COUNTED_BITS) + 1u >= BOUND) return true;", "return true;", ("k=3",),
           False,
           (4,)),
     Fault("no barrier behind the fills", "kplus-array-r", "methods/kplus/store_revised.frag",

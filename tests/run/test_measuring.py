@@ -245,7 +245,7 @@ def test_hit_ratio_is_what_the_method_holds(run, monkeypatch):
     """Not what it should hold: a shader that forgets the last of its slots is seen."""
     read = glsl.read
     monkeypatch.setattr(glsl.includes, "read",
-                        lambda path: read(path).replace("uint(K) * pixels", "uint(K - 1) * pixels"))
+                        lambda path: read(path).replace("BOUND * pixels", "(BOUND - 1u) * pixels"))
     rows, _ = run([cell("kb-mdt32", k=4), cell("kb", k=4)])
     assert rows["kb-mdt32", 4]["values"]["hit_ratio"] == pytest.approx(3 / 5)
     assert rows["kb", 4]["values"]["hit_ratio"] == pytest.approx(3 / 5)

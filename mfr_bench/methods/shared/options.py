@@ -5,6 +5,9 @@ from __future__ import annotations
 from ..spec import ON_OFF, SAMPLE_STENCIL, Param, when
 
 K = Param("k", 8, "fragments kept per pixel, the nearest", low=1, high=1024)
+BOUND = Param("bound", "auto", "how shaders know k as the bound of loops over the slots of a pixel: as a uniform, or "
+              "as a constant, by which a compiler may unroll them; auto: a uniform under a lock, else a constant",
+              choices=("auto", "uniform", "constant"))
 SYNC = Param("sync", "spin", "mutual exclusion per pixel: spin lock with a semaphore; fragment shader interlock in any "
              "order, or in that of submission, as GL_INTEL_fragment_shader_ordering always has it; or none, to see "
              "what it is there for", choices=("spin", "interlock", "ordered", "none"),

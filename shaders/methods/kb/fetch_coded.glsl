@@ -9,7 +9,7 @@ void fetch_begin(uint p) {
 }
 
 bool fetch_next(out FRAGMENT fragment) {
-    for (; fetch_slot < uint(K); ++fetch_slot) {
+    for (; fetch_slot < BOUND; ++fetch_slot) {
         fragment = read_slot(fetch_pixel, fetch_slot);
         if (fragment.x != EMPTY) {
             ++fetch_slot;

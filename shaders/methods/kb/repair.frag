@@ -9,7 +9,7 @@
 
 // A slot with the fragment's depth but another colour is torn, or belongs to another fragment of equal depth.
 bool missing(uint p, FRAGMENT fragment) {
-    for (uint slot = 0u; slot < uint(K); ++slot) {
+    for (uint slot = 0u; slot < BOUND; ++slot) {
         FRAGMENT held = read_slot(p, slot);
         if (held.x == fragment.x) return held.y != fragment.y;
         if (held.x > fragment.x) return true;

@@ -8,13 +8,13 @@
 
 uint equal_to(uint p, uvec2 fragment) {
     uint found = 0u;
-    for (uint slot = 0u; slot < uint(K); ++slot) found += uint(NODE(p, slot) == fragment);
+    for (uint slot = 0u; slot < BOUND; ++slot) found += uint(NODE(p, slot) == fragment);
     return found;
 }
 
 void main() {
     uint p = pixel_index();
-    bool full = taken(p) == uint(K);
+    bool full = taken(p) == BOUND;
     uvec2 furthest = full ? NODE(p, 0u) : uvec2(EMPTY);
     if (full) repeats[p] = (furthest == last[p] ? repeats[p] : 0u) + equal_to(p, furthest);
     last[p] = furthest;

@@ -12,7 +12,7 @@ const uint COUNTED = ONE_TAKEN - 1u;
 #define ROOM(p) (counter[p] & COUNTED)
 #else
 #define NODE(p, slot) nodes[(slot) * pixels + (p)]
-#define ROOM(p) uint(K)
+#define ROOM(p) BOUND
 #endif
 
 uint taken(uint p) {

@@ -13,7 +13,7 @@
 
 bool filled(uint p, FRAGMENT fragment) {
     uint slot = (atomicAdd(counter[p], 1u) & COUNTED) + 1u;
-    if (slot >= uint(K)) return false;
+    if (slot >= BOUND) return false;
     NODE(p, slot) = fragment;
     memoryBarrierBuffer();
     atomicAdd(counter[p], ONE_TAKEN);
@@ -24,7 +24,7 @@ bool filled(uint p, FRAGMENT fragment) {
 // Terminates, because `filled` never blocks: every slot that was given out is filled after finitely many steps.
 bool fills_seen(uint p) {
     for (uint tries = 0u; tries < uint(LOCK_TRIES); ++tries)
-        if ((atomicAdd(counter[p], 0u) >> COUNTED_BITS) + 1u >= uint(K)) return true;
+        if ((atomicAdd(counter[p], 0u) >> COUNTED_BITS) + 1u >= BOUND) return true;
     return false;
 }
 

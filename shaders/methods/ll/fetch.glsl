@@ -6,7 +6,7 @@ uint fetch_node, fetch_left;
 
 void fetch_begin(uint p) {
     fetch_node = IS_HELPER ? pixels + p : next[p];
-    fetch_left = uint(K);
+    fetch_left = BOUND;
 }
 
 bool fetch_next(out uvec2 fragment) {

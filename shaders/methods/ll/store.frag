@@ -19,7 +19,7 @@ void main() {
     uint node = 2u * pixels + cell, at = p, nearer = 0u, failed = 0u;
     cells[node] = fragment;
     bool linked = IS_HELPER;
-    while (!linked && nearer < uint(K) && failed < uint(RETRIES)) {
+    while (!linked && nearer < BOUND && failed < uint(RETRIES)) {
         uint following = next[at];
         if (cells[following].x <= fragment.x) {
             at = following;

@@ -1,7 +1,9 @@
-// Reads the sorted depths of a pixel together with their colours.
+// Reads the sorted depths of a pixel together with their colours. Of slots with one depth only the first has a colour.
 // Buffers: reads depths, colours.
 uvec2 slot_fragment(uint at) {
-    return uvec2(depths[at], colours[at]);
+    uint depth = depths[at];
+    bool repeated = at >= pixels && depths[at - pixels] == depth;
+    return uvec2(depth, repeated ? 0u : colours[at]);
 }
 
 #include "common/sorted_slots.glsl"

@@ -13,7 +13,7 @@ void main() {
     uint p = pixel_index();
     uvec2 moving = incoming().yx, held;
     bool going = !IS_HELPER;
-    for (uint slot = 0u; going && slot < uint(K) && moving.y != EMPTY; ++slot) {
+    for (uint slot = 0u; going && slot < BOUND && moving.y != EMPTY; ++slot) {
         going = atomic_min64(slot * pixels + p, moving, held);
         if (less64(moving, held)) moving = held;
     }

@@ -6,18 +6,26 @@
 #include "scene/fragment.glsl"
 #include "methods/mdt/key.glsl"
 
+// The first of the K slots whose depth is at least `depth`, by halving the slots between which it lies; K if there is
+// none.
+uint first_slot(uint p, uint depth) {
+    uint from = 0u, to = BOUND;
+    while (from < to) {
+        uint middle = (from + to) / 2u;
+        if (depths[middle * pixels + p] < depth) from = middle + 1u;
+        else to = middle;
+    }
+    return from;
+}
+
 void main() {
     if (rejected()) discard;
     uint p = pixel_index();
     uvec2 fragment = incoming();
     uint depth = depth_key(fragment.x);
 #if CULLING_ON
-    if (depth > depths[uint(K - 1) * pixels + p]) return;
+    if (depth > depths[(BOUND - 1u) * pixels + p]) return;
 #endif
-    for (uint slot = 0u; slot < uint(K); ++slot) {
-        if (depths[slot * pixels + p] == depth) {
-            colours[slot * pixels + p] = fragment.y;
-            break;
-        }
-    }
+    uint slot = first_slot(p, depth);
+    if (slot < BOUND && depths[slot * pixels + p] == depth) colours[slot * pixels + p] = fragment.y;
 }

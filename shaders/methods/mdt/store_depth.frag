@@ -11,8 +11,8 @@ void main() {
     uint p = pixel_index();
     uint depth = depth_key(incoming().x);
 #if CULLING_ON
-    if (depth >= depths[uint(K - 1) * pixels + p]) return;
+    if (depth >= depths[(BOUND - 1u) * pixels + p]) return;
 #endif
-    for (uint slot = 0u; slot < uint(K) && depth != EMPTY; ++slot)
+    for (uint slot = 0u; slot < BOUND && depth != EMPTY; ++slot)
         depth = max(depth, atomicMin(depths[slot * pixels + p], depth));
 }

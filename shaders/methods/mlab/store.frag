@@ -12,7 +12,7 @@
 void insert(uint p, FRAGMENT fragment) {
     FRAGMENT furthest = insert_sorted(p, fragment);
     if (furthest.x == EMPTY) return;
-    uint last = uint(K) - 1u;
+    uint last = BOUND - 1u;
     write_slot(p, last, merged(read_slot(p, last), furthest));
 }
 

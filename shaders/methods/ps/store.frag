@@ -13,7 +13,7 @@ void main() {
     uvec2 fragment = incoming();
     bool wanted = !rejected();
 #if CULLING_ON
-    wanted = wanted && fragment.x < SLOT(p, uint(K) - 1u).x;
+    wanted = wanted && fragment.x < SLOT(p, BOUND - 1u).x;
 #endif
     CRITICAL_BEGIN(p, wanted)
     insert_sorted(p, fragment);

@@ -5,14 +5,14 @@
 
 // The last of the K + 1 nodes is `beyond`, which is not in a slot.
 FRAGMENT node_at(uint p, uint slot, FRAGMENT beyond) {
-    return slot < uint(K) ? read_slot(p, slot) : beyond;
+    return slot < BOUND ? read_slot(p, slot) : beyond;
 }
 
 uint least_step(uint p, FRAGMENT beyond) {
     FRAGMENT before = read_slot(p, 0u);
     float through = node_factor(before), least = 2.0;
     uint chosen = 1u;
-    for (uint slot = 1u; slot <= uint(K); ++slot) {
+    for (uint slot = 1u; slot <= BOUND; ++slot) {
         FRAGMENT node = node_at(p, slot, beyond);
         float area = (node_depth(node) - node_depth(before)) * through * (1.0 - node_factor(node));
         if (area < least) {
@@ -30,5 +30,5 @@ void compress(uint p, FRAGMENT beyond) {
     FRAGMENT kept = read_slot(p, gone - 1u);
     kept.y = floatBitsToUint(node_factor(kept) * node_factor(node_at(p, gone, beyond)));
     write_slot(p, gone - 1u, kept);
-    for (uint slot = gone; slot < uint(K); ++slot) write_slot(p, slot, node_at(p, slot + 1u, beyond));
+    for (uint slot = gone; slot < BOUND; ++slot) write_slot(p, slot, node_at(p, slot + 1u, beyond));
 }

@@ -14,7 +14,7 @@ float node_factor(FRAGMENT node) {
 // The transmittance in front of `depth`; nodes at that depth do not contribute.
 float visibility(uint p, uint depth) {
     float through = 1.0;
-    for (uint slot = 0u; slot < uint(K); ++slot) {
+    for (uint slot = 0u; slot < BOUND; ++slot) {
         FRAGMENT node = NODE(p, slot);
         if (node.x >= depth) break;
         through *= node_factor(node);
