@@ -25,8 +25,9 @@ ORDER = 5
 
 SCAN = Param("scan", "compute", "prefix sum by full-screen steps (Peeper), or work-efficient in compute shaders",
              choices=("fullscreen", "compute"))
-SCAN_BLOCK = 1024  # pixels that one work group scans, two per invocation
-BLOCK = {"SCAN_BLOCK": SCAN_BLOCK, "SCAN_LANES": SCAN_BLOCK // 2}
+SCAN_LANES, SCAN_RUN = 64, 16  # invocations of a work group, and pixels that each scans by itself
+SCAN_BLOCK = SCAN_LANES * SCAN_RUN  # pixels that one work group scans
+BLOCK = {"SCAN_BLOCK": SCAN_BLOCK, "SCAN_LANES": SCAN_LANES, "SCAN_RUN": SCAN_RUN}
 FULLSCREEN, COMPUTE = when("scan", "fullscreen"), when("scan", "compute")
 
 SCANS = (
@@ -34,12 +35,12 @@ SCANS = (
          when=FULLSCREEN),
     Loop((Pass("scan", "fullscreen", "methods/precalc/scan.frag", reads=("address.previous",),
                writes=("address.current",), when=FULLSCREEN),), times="ceil(log2(P))", until_empty=False),
-    Pass("scan", "compute", "methods/precalc/scan_blocks.comp", reads=("counter",), writes=("address", "block_sum"),
+    Pass("scan", "compute", "methods/precalc/sum_blocks.comp", reads=("counter",), writes=("block_sum",),
          groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK, when=COMPUTE),
     Pass("scan", "compute", "methods/precalc/scan_sums.comp", writes=("block_sum",), groups="1", defines=BLOCK,
          when=COMPUTE),
-    Pass("scan", "compute", "methods/precalc/add_sums.comp", reads=("block_sum",), writes=("address",),
-         groups=f"min(65535, ceil(P/{SCAN_BLOCK // 2}))", defines=BLOCK, when=COMPUTE),
+    Pass("scan", "compute", "methods/precalc/scan_pixels.comp", reads=("counter", "block_sum"), writes=("address",),
+         groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK, when=COMPUTE),
 )
 
 METHODS = [

@@ -20,7 +20,7 @@ FAULTS = [
     ("ab-ll", "methods/list/store.frag", "incoming()", "incoming().yx"),
     ("ab-sb", "methods/sbuffer/offset.frag", "group + 1u", "group"),
     ("ab-lbuffer", "methods/sbuffer/address.frag", "[pixel_group(p)], count", "[pixel_group(p)], 1u"),
-    ("ab-precalc", "methods/precalc/add_sums.comp", "+=", "="),
+    ("ab-precalc", "methods/precalc/scan_pixels.comp", "block_sum[b] + ", ""),
     ("ab-precalc-fixed", "methods/precalc/address_fixed.frag", "p * uint(N)", "p"),
     ("ab-dfb", "methods/dfb/sum_down.frag", "before += counter[child]", "before += 1u"),
     ("ab-ll-paged", "methods/list/store_paged.frag", "= page_before", "= 0u"),

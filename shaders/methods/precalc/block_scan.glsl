@@ -1,29 +1,22 @@
-// Replaces one block in shared memory by its exclusive prefix sum and returns the total of the block.
-// Source: Blelloch 1990, as in the parallel prefix sum that sbuffer_2012 §4 takes from OpenCL.
+// Scans one block of SCAN_LANES runs of SCAN_RUN elements, a run for each invocation: the sums of runs by an invocation
+// alone, the sums before each run in shared memory.
+// Source: Blelloch 1990, as in the parallel prefix sum that sbuffer_2012 §4 takes from OpenCL; the sums of runs are
+// scanned as in Hillis and Steele 1986.
 layout(local_size_x = SCAN_LANES) in;
 
-shared uint block[SCAN_BLOCK];
+shared uint sums[2 * SCAN_LANES];
 
-uint exclusive_scan() {
-    uint lane = gl_LocalInvocationIndex;
-    for (uint reach = 1u; reach < uint(SCAN_BLOCK); reach *= 2u) {
+// Returns the sum of `own` over the invocations before this one; `total` is the sum over all of them.
+uint sum_before(uint own, out uint total) {
+    uint lane = gl_LocalInvocationIndex, from = 0u, sum = own;
+    sums[lane] = sum;
+    for (uint reach = 1u; reach < uint(SCAN_LANES); reach *= 2u) {
         barrier();
-        uint at = (lane + 1u) * 2u * reach - 1u;
-        if (at < uint(SCAN_BLOCK)) block[at] += block[at - reach];
+        if (lane >= reach) sum += sums[from + lane - reach];
+        from = uint(SCAN_LANES) - from;
+        sums[from + lane] = sum;
     }
     barrier();
-    uint total = block[SCAN_BLOCK - 1];
-    barrier();
-    if (lane == 0u) block[SCAN_BLOCK - 1] = 0u;
-    for (uint reach = uint(SCAN_BLOCK) / 2u; reach > 0u; reach /= 2u) {
-        barrier();
-        uint at = (lane + 1u) * 2u * reach - 1u;
-        if (at < uint(SCAN_BLOCK)) {
-            uint left = block[at - reach];
-            block[at - reach] = block[at];
-            block[at] += left;
-        }
-    }
-    barrier();
-    return total;
+    total = sums[from + uint(SCAN_LANES) - 1u];
+    return sum - own;
 }

@@ -8,13 +8,15 @@ void main() {
     uint blocks = (pixels + uint(SCAN_BLOCK) - 1u) / uint(SCAN_BLOCK);
     uint before = 0u;
     for (uint start = 0u; start < blocks; start += uint(SCAN_BLOCK)) {
-        uint lane = 2u * gl_LocalInvocationIndex;
-        uint b = start + lane;
-        block[lane] = b < blocks ? block_sum[b] : 0u;
-        block[lane + 1u] = b + 1u < blocks ? block_sum[b + 1u] : 0u;
-        uint total = exclusive_scan();
-        if (b < blocks) block_sum[b] = before + block[lane];
-        if (b + 1u < blocks) block_sum[b + 1u] = before + block[lane + 1u];
+        uint first = start + gl_LocalInvocationIndex * uint(SCAN_RUN), own = 0u, total;
+        uint end = min(first + uint(SCAN_RUN), blocks);
+        for (uint b = first; b < end; ++b) own += block_sum[b];
+        uint sum = before + sum_before(own, total);
+        for (uint b = first; b < end; ++b) {
+            uint next = sum + block_sum[b];
+            block_sum[b] = sum;
+            sum = next;
+        }
         before += total;
         barrier();
     }
