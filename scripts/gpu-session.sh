@@ -55,14 +55,15 @@ part() {
         echo "== $name: left out, no time"
         return
     fi
+    grace_s=0
     for word; do
         shift
-        [ "$word" != @ ] || word=${limit_s}s
+        [ "$word" != @ ] || { word=${limit_s}s grace_s=10; }  # it keeps to the time by itself
         set -- "$@" "$word"
     done
     status=0
     # shellcheck disable=SC2086 # $bound is three words or none
-    $bound timeout --kill-after=20 $((limit_s + 10)) "$@" >"$dir/$name.log" 2>&1 &
+    $bound timeout --kill-after=20 $((limit_s + grace_s)) "$@" >"$dir/$name.log" 2>&1 &
     running=$!
     wait "$running" || status=$?
     running=
@@ -70,7 +71,8 @@ part() {
         124 | 137) ended="cut off" ;;
         *) ended="status $status" ;;
     esac
-    echo "== $name: $ended, $(left_s) s left; $(tail -n 1 "$dir/$name.log")"
+    out=$(sed -n 's/^left out for the time budget: \([0-9]*\) cells.*/\1/p' "$dir/$name.log" | awk '{ n += $1 } END { print n }')
+    echo "== $name: $ended, $(left_s) s left; ${out:+$out cells left out; }$(tail -n 1 "$dir/$name.log")"
     [ "$ended" = "cut off" ] || [ "$status" -eq 0 ] || failed=1
 }
 

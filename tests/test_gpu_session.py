@@ -64,6 +64,12 @@ def test_what_finds_no_time_is_said_to_be_left_out(session):
     assert "== claims: status 0" in output
 
 
+def test_cells_without_time_are_counted(session):
+    output = session("100s", """case "$2" in kplus*) for n in 40 2; do
+        echo "left out for the time budget: $n cells (KB 40); the same command measures them"; done ;; esac""")
+    assert re.search(r"== kplus: status 0, \d+ s left; 42 cells left out; done", output.communicate()[0])
+
+
 def test_a_session_that_is_cut_off_ends_what_it_started(session, tmp_path):
     run = session("100s", f'case "$2" in conformance) echo $$ >{tmp_path}/pid; exec sleep 60 ;; esac')
     for _ in range(200):
