@@ -157,18 +157,20 @@ def _storage(variant: Variant) -> dict[str, counters.Stored]:
     return found | roles
 
 
-def _bound(fitted: Fitted) -> str:
+def _bound(fitted: Fitted, step: Pass) -> str:
     """The bound of loops over the k slots of a pixel: as a uniform, which the host may decide, or as a constant.
 
     Where nothing else is chosen, what was measured on llvmpipe decides (docs/fairness.md): loops that end early under a
-    lock are the faster for a uniform, others for being unrolled.
+    lock are the faster for a uniform, others for being unrolled. A pass with a K of its own has it as a constant.
     """
     variant = fitted.variant
     chosen = variant.scope.get("bound", "auto")
     if chosen == "auto":
         chosen = "uniform" if "sync" in variant.scope else "constant"
     decided = isinstance(variant.method.capacity, Decided)
-    return "chosen_k" if decided or chosen == "uniform" else f"{variant.scope['k']}u"
+    if "K" in step.defines or not (decided or chosen == "uniform"):
+        return f"{define_values(fitted, step)['K']}u"
+    return "chosen_k"
 
 
 def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool = False,
@@ -189,7 +191,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     prelude = _version(variant, words)
     values = define_values(fitted, step)
     prelude += [f"#define {name} {literal(name, value)}" for name, value in sorted(values.items()) if name in words]
-    prelude += [f"#define BOUND {_bound(fitted)}"] if "BOUND" in words else []
+    prelude += [f"#define BOUND {_bound(fitted, step)}"] if "BOUND" in words else []
     prelude += ["#define K chosen_k"] if "K" in words and isinstance(variant.method.capacity, Decided) else []
     prelude += TYPES[variant.payload_words]
     prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "

@@ -18,14 +18,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from .shared import (
-<<<<<<< HEAD
     ARRIVALS,
+    BOUND,
     CLEAR_IMAGE,
     COLLECTED,
     IN_ORDER,
-=======
-    BOUND,
->>>>>>> e18c453 (The bound of loops over k slots is a parameter, a uniform under a lock and a constant elsewhere, as measured; KB-MDT_32 halves its way to a colour's slot and clears no colours)
     MULTISAMPLING,
     OCCUPANCY,
     RESOLVE_OPTIONS,
@@ -72,7 +69,6 @@ FIRST_DEPTH = Buffer("first_depth", "P", clear="0u", when=IN_PASSES,
 HAZARD = "fragments of a pixel in flight at once lose each other's changes: fragments go missing or stand twice"
 
 
-
 def only(where: When, *steps: Pass) -> tuple[Pass, ...]:
     """The passes, which run where this condition holds as well."""
     return tuple(replace(step, when=where & step.when if step.when else where) for step in steps)
@@ -91,16 +87,11 @@ METHODS = [
         guarantee="approximate", words="2*k",
         ties="kept, in order of arrival; with several passes, those that find no slot beside their equals are lost",
         failure=f"{HAZARD}; right where a device shades the fragments of a pixel one by one",
-<<<<<<< HEAD
-        params=(replace(K16, needs_where=AT_ONCE), PER_PASS,
+        params=(replace(K16, needs_where=AT_ONCE), BOUND, PER_PASS,
                 *(replace(option, acts=AT_ONCE) for option in (OCCUPANCY, STAGE, STOP_OPACITY)), TOUCHED),
         local=SLOTS, most_layers=f"ceil(k / {SLOTS}) * {SLOTS}",
         beside="with per_pass the slots of one pass, and a word per pixel for the depth at which the next one begins",
         buffers=(replace(NODES, words=f"2*{SLOTS}*P"), FIRST_DEPTH),
-=======
-        params=(K16, BOUND, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
-        buffers=(NODES,),
->>>>>>> e18c453 (The bound of loops over k slots is a parameter, a uniform under a lock and a constant elsewhere, as measured; KB-MDT_32 halves its way to a colour's slot and clears no colours)
         steps=in_screen_region(
             *only(AT_ONCE, clear("nodes"),
                   *occupied(Pass("store", "geometry", "methods/kb/store.frag", writes=("nodes",))), kept_sorted()),
