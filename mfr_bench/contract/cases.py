@@ -50,7 +50,7 @@ class Stage(Shown):
 
     def __init__(self, device, config: SceneConfig):
         super().__init__(device, scene(config))
-        self.image = cache(self.truth.image)
+        self.answer = cache(self.truth.answer)
 
 
 STAGES: dict[SceneConfig, Stage] = {}  # kept: captures and images are the same for every method
@@ -83,8 +83,8 @@ class Drawn:
         self.probed = frame.probe() if probing else {}
         self.passes_probing, self.image_probing = frame.geometry_passes, frame.image()
         self.allocated, self.declared = frame.memory_bytes, Fitted(variant, on.stats).memory_bytes()
-        promised = on.image(Fitted(variant, on.stats).promise())
-        self.error = conformance(self.image, promised, on.truth.tied)["max_abs_error"]
+        promised = on.answer(Fitted(variant, on.stats).promise())
+        self.error = conformance(self.image, promised, variant.method.loses_ties)["max_abs_error"]
         self.fits = all(size <= self.declared[name] for name, size in self.allocated.items())
         frame.release()
         device.check(label(variant))

@@ -39,7 +39,8 @@ class Shown:
         """Against what the variant promises; None where nothing can be compared."""
         if variant.guarantee == "none":
             return None
-        return conformance(image, self.truth.image(Fitted(variant, self.stats).promise()), self.truth.tied)
+        promised = self.truth.answer(Fitted(variant, self.stats).promise())
+        return conformance(image, promised, variant.method.loses_ties)
 
 
 @contextmanager

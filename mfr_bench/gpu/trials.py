@@ -41,6 +41,7 @@ from ..methods.spec import (
 )
 from ..oracle.composite import composite
 from ..oracle.quality import conformance
+from ..oracle.ties import Answer
 from ..scene import generate
 from . import rawgl
 from .context import Device
@@ -276,7 +277,7 @@ def routed(device: Device, multisampling: str) -> Outcome:
     with ProbeBench(device, ROUTED_SCENE) as bench:
         frame = bench.frame(ROUTED, multisampling=multisampling)
         frame.draw()
-        wrong = conformance(frame.image(), composite(bench.scene))["wrong_pixels"]
+        wrong = conformance(frame.image(), Answer.only(composite(bench.scene)))["wrong_pixels"]
         frame.release()
     return wrong == 0, f"{bench.stats.P - wrong} of {bench.stats.P} pixels with every fragment in a sample of its own"
 
@@ -301,7 +302,7 @@ def _listed_points(device: Device, flush: bool) -> Outcome:
     try:
         scene = generate(TILES_SCENE)
         with _drawn(device, TILES_SCENE, kplus.METHODS[0], **TILED) as frame:
-            wrong = conformance(frame.image(), composite(scene))["wrong_pixels"]
+            wrong = conformance(frame.image(), Answer.only(composite(scene)))["wrong_pixels"]
     finally:
         del device.flushes_points
         if former is not None:

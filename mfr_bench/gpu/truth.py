@@ -8,8 +8,9 @@ import numpy as np
 
 from ..methods.spec import Promise, SceneStats
 from ..oracle import twochannel
-from ..oracle.composite import Fragments, composite, fragment_counts, scene_stats, stats_of
+from ..oracle.composite import Fragments, fragment_counts, scene_stats, stats_of
 from ..oracle.listed import counts_of, listed
+from ..oracle.ties import Answer, answer_of_fragments, answer_of_quads
 from ..scene.pieces import Pieces
 from ..scene.quads import Quads
 from .capture import capture, count
@@ -44,19 +45,17 @@ class Truth:
         return capture(self._device, self._quads, self._canvas)
 
     @property
-    def tied(self) -> np.ndarray | None:
-        """bool (H, W): pixels where fragments chance to share a depth; None for flat quads, which do so by wish."""
-        by_wish = isinstance(self.scene, Quads) and getattr(self.scene, "ordered", True)
-        return None if by_wish else self._fragments.tied
-
-    @property
     def counts(self) -> np.ndarray:
         """int64 (H, W): the fragments of each pixel."""
         return self._fragments.counts if self._fragments else fragment_counts(self.scene)
 
-    def image(self, promise: Promise) -> np.ndarray:
-        """float64 (H, W, 4), premultiplied: the promised fragments."""
+    def answer(self, promise: Promise) -> Answer:
+        """The images that are right, of the promised fragments."""
         payload = twochannel.straight(self.scene.rgba) if promise.two_channel else None
         if self._fragments:
-            return self._fragments.composite(promise.layers, promise.criterion, payload)
-        return composite(self.scene, promise.layers, promise.criterion, payload)
+            return answer_of_fragments(self._fragments, promise.layers, promise.criterion, payload)
+        return answer_of_quads(self.scene, promise.layers, promise.criterion, payload)
+
+    def image(self, promise: Promise) -> np.ndarray:
+        """float64 (H, W, 4), premultiplied: the promised fragments, those of one depth in order of submission."""
+        return self.answer(promise).image

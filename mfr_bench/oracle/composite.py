@@ -160,15 +160,15 @@ def in_chunks(counts: np.ndarray, room: int = CHUNK) -> Iterator[tuple[slice, sl
 class Fragments:
     """Every fragment of a scene, pixel by pixel, in a pixel from the nearest to the furthest.
 
-    counts: int64 (H, W). depth: uint32 (F,), bits of the window depth. primitive: uint32 (F,). tied: bool (H, W),
-    pixels in which two fragments have one depth: which of them is in front is nobody's to say.
+    counts: int64 (H, W). depth: uint32 (F,), bits of the window depth. primitive: uint32 (F,). coincident: bool (H, W),
+    pixels in which two fragments have one depth.
     """
 
     scene: Geometry
     counts: np.ndarray
     depth: np.ndarray
     primitive: np.ndarray
-    tied: np.ndarray
+    coincident: np.ndarray
 
     @classmethod
     def of(cls, scene: Geometry, counts: np.ndarray, depth: np.ndarray, primitive: np.ndarray) -> Fragments:
@@ -176,10 +176,10 @@ class Fragments:
 
         Sorts `depth` and `primitive` in place.
         """
-        flat, tied = counts.ravel(), np.zeros(counts.size, dtype=bool)
+        flat, found = counts.ravel(), np.zeros(counts.size, dtype=bool)
         for pixels, part in in_chunks(flat):
-            depth[part], primitive[part], tied[pixels] = _in_order(flat[pixels], depth[part], primitive[part])
-        return cls(scene, counts, depth, primitive, tied.reshape(counts.shape))
+            depth[part], primitive[part], found[pixels] = _in_order(flat[pixels], depth[part], primitive[part])
+        return cls(scene, counts, depth, primitive, found.reshape(counts.shape))
 
     def composite(self, layers: int | None = None, criterion: str = "nearest",
                   payload: np.ndarray | None = None) -> np.ndarray:
@@ -189,14 +189,14 @@ class Fragments:
         for pixels, part in in_chunks(flat):
             counts, primitive = flat[pixels], self.primitive[part]
             if layers is not None:
-                primitive = primitive[_taken(counts, self.scene.rgba[primitive, 3], layers, criterion)]
+                primitive = primitive[taken(counts, self.scene.rgba[primitive, 3], layers, criterion)]
                 counts = np.minimum(counts, layers)
-            image[pixels] = _over(payload, primitive, counts)
+            image[pixels] = over(payload, primitive, counts)
         return image.reshape(*self.counts.shape, 4)
 
 
 def _in_order(counts: np.ndarray, depth: np.ndarray, primitive: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Depths and primitives with those of each pixel sorted by depth, then by primitive; which pixels have a tie."""
+    """Depths and primitives, those of each pixel sorted by depth, then by primitive; which pixels are coincident."""
     pixel = np.repeat(np.arange(counts.size, dtype=np.uint64), counts)
     place = pixel << np.uint64(32) | depth
     order = np.argsort(place)
@@ -204,12 +204,12 @@ def _in_order(counts: np.ndarray, depth: np.ndarray, primitive: np.ndarray) -> t
     equal = np.flatnonzero(place[1:] == place[:-1])
     runs = np.union1d(equal, equal + 1)
     primitive[runs] = primitive[runs][np.lexsort((primitive[runs], place[runs]))]
-    tied = np.zeros(counts.size, dtype=bool)
-    tied[pixel[equal].astype(np.int64)] = True
-    return place.astype(np.uint32), primitive, tied
+    coincident = np.zeros(counts.size, dtype=bool)
+    coincident[pixel[equal].astype(np.int64)] = True
+    return place.astype(np.uint32), primitive, coincident
 
 
-def _taken(counts: np.ndarray, alpha: np.ndarray, layers: int, criterion: str) -> np.ndarray:
+def taken(counts: np.ndarray, alpha: np.ndarray, layers: int, criterion: str) -> np.ndarray:
     """bool (F,): the best `layers` fragments of each pixel, of fragments in order with these alphas of 8 bits."""
     starts = np.repeat(np.cumsum(counts) - counts, counts)
     rank = np.arange(len(alpha)) - starts  # in its pixel, from the nearest
@@ -221,7 +221,7 @@ def _taken(counts: np.ndarray, alpha: np.ndarray, layers: int, criterion: str) -
     return rank < layers
 
 
-def _over(payload: np.ndarray, primitive: np.ndarray, counts: np.ndarray) -> np.ndarray:
+def over(payload: np.ndarray, primitive: np.ndarray, counts: np.ndarray) -> np.ndarray:
     """float64 (pixels, 4), premultiplied: the fragments of each pixel, nearest first, composited rank by rank."""
     deepest_first = np.argsort(-counts, kind="stable")
     starts, deep = (np.cumsum(counts) - counts)[deepest_first], -counts[deepest_first]

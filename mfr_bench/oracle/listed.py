@@ -40,7 +40,7 @@ def listed(scene: Quads) -> Fragments:
     by_pixel = np.argsort(pixel, kind="stable")
     counts = np.bincount(pixel, minlength=width * height).reshape(height, width)
     primitive = quad[by_pixel].astype(np.uint32)
-    return Fragments.of(scene, counts, scene.depth[primitive].view(np.uint32), primitive)
+    return Fragments.of(scene, counts, (scene.depth[primitive] + np.float32(0)).view(np.uint32), primitive)
 
 
 def recorded(fragments: Fragments) -> Recording:

@@ -6,27 +6,32 @@ import math
 
 import numpy as np
 
+from .ties import Answer
+
 WRONG_PIXEL = 1 / 512  # a channel error above half a step of 8 bits shows
 
 
-def conformance(image: np.ndarray, promised: np.ndarray, tied: np.ndarray | None = None) -> dict[str, float | int]:
+def conformance(image: np.ndarray, promised: Answer, loses_ties: bool = False) -> dict[str, float | int]:
     """Errors against what the method promises.
 
-    max_abs_error: of any channel, colours in [0, 1]. wrong_pixels: pixels with a channel error above 1/512. Pixels
-    that are `tied` (bool (H, W)) are left out of both, and counted.
+    max_abs_error: of any channel, colours in [0, 1]. wrong_pixels: pixels with a channel error above 1/512. Of a method
+    that `loses_ties` both leave tied pixels out where they are few enough to meet by chance. In any case
+    tied_pixels counts these pixels, tied_error is the error of the worst, and order_error is how far one is from the
+    order of submission.
     """
-    error = pixel_errors(image, promised, tied)
-    worst, wrong = _worst(error)
-    return {"max_abs_error": worst, "wrong_pixels": wrong,
-            "tied_pixels": 0 if tied is None else int(np.count_nonzero(tied))}
+    tied = promised.tied
+    error = pixel_errors(image, promised)
+    worst, wrong = _worst(np.where(tied, 0.0, error) if loses_ties and promised.tied_by_chance else error)
+    return {"max_abs_error": worst, "wrong_pixels": wrong, "tied_pixels": int(np.count_nonzero(tied)),
+            "tied_error": float(error[tied].max(initial=0.0)),
+            "order_error": float(_error(image[tied], promised.image[tied]).max(initial=0.0))}
 
 
-def pixel_errors(image: np.ndarray, oracle: np.ndarray, tied: np.ndarray | None = None) -> np.ndarray:
-    """float64 (H, W): the largest channel error of each pixel, 0 where it is `tied`."""
-    error = _error(image, oracle).max(axis=-1)
-    if tied is not None:
-        error[tied] = 0.0
-    return error
+def pixel_errors(image: np.ndarray, promised: Answer) -> np.ndarray:
+    """float64 (H, W): how far the worst channel of each pixel is from the values that are right."""
+    _require_same_shape(image, promised.image)
+    nearest = promised.image if promised.unique else np.clip(image, promised.low, promised.high)
+    return _error(image, nearest).max(axis=-1)
 
 
 def quality(image: np.ndarray, full: np.ndarray, with_flip: bool = True) -> dict[str, float | int | None]:
@@ -37,6 +42,7 @@ def quality(image: np.ndarray, full: np.ndarray, with_flip: bool = True) -> dict
     it, since it takes longer than all else.
     max_error_all, wrong_pixels_all: as `conformance` has them against the promise.
     """
+    _require_same_shape(image, full)
     error = _error(image, full)
     rmse = math.sqrt(float(np.mean(error ** 2)))
     worst, wrong = _worst(error.max(axis=-1))
@@ -51,11 +57,14 @@ def _worst(error: np.ndarray) -> tuple[float, int]:
 
 def _error(image: np.ndarray, oracle: np.ndarray) -> np.ndarray:
     """Absolute errors in float64; a value that is not finite counts as an error of 1."""
-    if image.shape != oracle.shape:
-        raise ValueError(f"image {image.shape} against oracle {oracle.shape}")
     error = np.abs(image.astype(np.float64) - oracle)
     error[~np.isfinite(error)] = 1.0
     return error
+
+
+def _require_same_shape(image: np.ndarray, oracle: np.ndarray) -> None:
+    if image.shape != oracle.shape:
+        raise ValueError(f"image {image.shape} against oracle {oracle.shape}")
 
 
 def _flip(image: np.ndarray, oracle: np.ndarray) -> float:

@@ -14,10 +14,11 @@ from ..errors import MfrError
 from ..methods.spec import Fitted, Variant
 from ..oracle import twochannel
 from ..oracle.composite import stats_of
+from ..oracle.quality import pixel_errors
 from ..scene.quads import Quads
 from .adapter import Frame, frame_of
 from .build import Built, build
-from .promise import Kind, Promised, expected, promised, tied_pixels
+from .promise import Kind, Promised, expected, promised
 
 ROUNDING = 1e-5  # of a channel: what float32 may make of the few fragments of a scene
 
@@ -126,11 +127,12 @@ class Checker:
         return images
 
     def _compare(self, images: np.ndarray) -> None:
-        """The oracle's image is that of every order, where the promise is exact and no depths are equal."""
+        """Raise MfrError where the promise is exact and an image is not right by the oracle."""
         if self.promised.kind is not Kind.EXACT:
             return
         right = expected(self.variant, self.stats, self.scene)
-        error = float(np.abs(images - right)[:, ~tied_pixels(self.scene)].max(initial=0.0))
+        judged = ~right.tied if self.variant.method.loses_ties else np.s_[:]
+        error = max(float(pixel_errors(image, right)[judged].max(initial=0.0)) for image in images)
         if error > ROUNDING:
             raise MfrError(f"{self.variant.method.id}: an error of {error:.3g} without any race")
 
@@ -161,7 +163,7 @@ class Checker:
         if self.promised.kind is not Kind.WITHIN:
             return self.images[:0]
         right = expected(self.variant, self.stats, self.scene)
-        return np.stack([right - self.promised.error - ROUNDING, right + self.promised.error + ROUNDING])
+        return np.stack([right.low - self.promised.error - ROUNDING, right.high + self.promised.error + ROUNDING])
 
     def _run(self, words: list[str], images: Iterable[np.ndarray], bounds: Iterable[np.ndarray] = (),
              deviations: Sequence[Deviation] = ()) -> dict:

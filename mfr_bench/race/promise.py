@@ -6,11 +6,9 @@ import re
 from dataclasses import dataclass
 from enum import Enum
 
-import numpy as np
-
 from ..methods.spec import Fitted, SceneStats, Variant
 from ..oracle import twochannel
-from ..oracle.composite import composite
+from ..oracle.ties import Answer, answer_of_quads
 from ..scene.quads import Quads
 
 _WITHIN = re.compile(r"up\s+to 1 - `?(\w+)`?")
@@ -51,20 +49,8 @@ def promised(variant: Variant, stats: SceneStats) -> Promised:
     return Promised(Kind.NONE)
 
 
-def expected(variant: Variant, stats: SceneStats, scene: Quads, everything: bool = False) -> np.ndarray:
-    """float64 (H, W, 4): the image that the variant aims at; `everything`: of all fragments."""
+def expected(variant: Variant, stats: SceneStats, scene: Quads) -> Answer:
+    """The images that the variant aims at."""
     aim = Fitted(variant, stats).promise()
     payload = twochannel.straight(scene.rgba) if variant.two_channel else None
-    return composite(scene, None if everything else aim.layers, aim.criterion, payload)
-
-
-def tied_pixels(scene: Quads) -> np.ndarray:
-    """bool (H, W): pixels in which two fragments have one depth."""
-    width, height = scene.viewport
-    tied = np.zeros((height, width), dtype=bool)
-    for y in range(height):
-        for x in range(width):
-            inside = (scene.rect[:, 0] <= x) & (x < scene.rect[:, 2]) & (scene.rect[:, 1] <= y) & (y < scene.rect[:, 3])
-            depths = scene.depth[inside]
-            tied[y, x] = len(np.unique(depths)) < len(depths)
-    return tied
+    return answer_of_quads(scene, aim.layers, aim.criterion, payload)

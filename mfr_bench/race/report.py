@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import MfrError
 from ..glsl import read
+from ..oracle.quality import pixel_errors
 from .adapter import FramePass, locator
 from .campaign import Found, settings, written
 from .check import Checker, Event, Failure, _payloads
@@ -45,10 +46,10 @@ class Step:
 
 def selections(checker: Checker, failure: Failure) -> Iterator[tuple[int, tuple[int, ...], tuple[int, ...] | None]]:
     """For each pixel that is wrong: its fragments, and those by which its colour comes about; None for none found."""
-    right = expected(checker.variant, checker.stats, checker.scene)
-    for x in range(right.shape[1]):
+    errors = pixel_errors(failure.image, expected(checker.variant, checker.stats, checker.scene))[0]
+    for x, error in enumerate(errors):
         inside = tuple(int(i) for i in np.flatnonzero(checker.scene.rect[:, 0] == x))
-        if np.abs(right[0, x] - failure.image[0, x]).max() > MATCH and len(inside) <= MOST_EXPLAINED:
+        if error > MATCH and len(inside) <= MOST_EXPLAINED:
             yield x, inside, _selection(checker, inside, failure.image[0, x])
 
 

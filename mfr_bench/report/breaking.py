@@ -16,7 +16,7 @@ FAULTS = {  # in the order in which they are looked for
     "hung": "the cell ran out of time",
     "refused": "the method, the device or the budget forbids the cell",
     "lost": "fragments are lost, by the method's own count",
-    "ties": "equal depths of different colours: all are stored, and show otherwise than in the order of submission",
+    "ties": "the image is right, and fragments of equal depth show in another order than that of submission",
     "image": "an exact method's image is wrong, or differs from frame to frame",
     "bound": "an exact method's error exceeds what rounding explains",
     "differs": "an approximate method's image differs from the one that it aims at",
@@ -28,21 +28,17 @@ def state(point: Point) -> str:
     """A key of FAULTS: what the point says of its level."""
     if point.ending.breaks:
         return point.ending.breaks
-    error, bound = point.row["max_abs_error"], point.row["error_bound"]
-    if point.row["lost_fragments"]:
+    row, bound = point.row, point.row["error_bound"]
+    if row["lost_fragments"]:
         return "lost"
     if point.ending.image == "wrong":
-        return "ties" if _only_reordered(point) else "image"
+        return "image"
+    error = row["max_abs_error"]
     if bound is not None and error is not None and error > bound:
         return "bound"
-    return "differs" if error is not None and error > EXACT_ERROR else HOLDS
-
-
-def _only_reordered(point: Point) -> bool:
-    """Whether the scene has equal depths of different colours, and the method holds as many as it promises."""
-    scene, row = point.cell["scene"], point.row
-    tied = scene.get("depth_copies", 1) > 1 and scene.get("copies") == "different"
-    return tied and row["hit_ratio"] is not None and row["hit_ratio"] == row["promised_ratio"]
+    if error is not None and error > EXACT_ERROR:
+        return "differs"
+    return "ties" if (row["order_error"] or 0) > EXACT_ERROR else HOLDS
 
 
 def detail(point: Point) -> str:
@@ -52,6 +48,8 @@ def detail(point: Point) -> str:
         return str(point.cell.get("reason") or point.sign)
     if found == "lost":
         return f"{row['lost_fragments']} fragments"
+    if found == "ties":
+        return f"{number(row['order_error'], 2)} from the order of submission"
     repeated = f", {row['distinct_images']} images" if (row["distinct_images"] or 1) > 1 else ""
     return f"error {number(row['max_abs_error'], 2)}{repeated}"
 
@@ -72,8 +70,8 @@ class Ladder:
 
     @property
     def worst(self) -> Point | None:
-        """The point nearest to its bound, of the exact points that hold."""
-        bounded = [p for p in self.points.values() if state(p) == HOLDS and p.row["error_bound"]]
+        """The point nearest to its bound, of the exact points with a right image."""
+        bounded = [p for p in self.points.values() if state(p) in (HOLDS, "ties") and p.row["error_bound"]]
         return max(bounded, key=lambda p: p.row["max_abs_error"] / p.row["error_bound"], default=None)
 
 

@@ -149,8 +149,8 @@ class CellWork:
         self._phases.begin("last frames")
         self.images.check_again()
         distinct = self.images.distinct()
-        status, reason = verdict(self.variant, self.images.conformance, self.images.lost, distinct or 1)
         values = self._values() | {"distinct_images": distinct}
+        status, reason = verdict(self.fitted, values, self.images.lost, distinct or 1)
         arrays = self.images.to_keep()
         if "discarded" in arrays and self.scene.shown.F:
             values["culled_share"] = float(arrays["discarded"].sum() / self.scene.shown.F)

@@ -10,6 +10,7 @@ from ..gpu.frame import Frame
 from ..gpu.work import admitted_map
 from ..methods.spec import Variant
 from ..oracle import quality
+from ..oracle.ties import Answer
 from .bench import Bench, Phases
 from .jobs import Job
 from .scene_work import ALL, SceneWork
@@ -44,23 +45,25 @@ class Images:
     def distinct(self) -> int | None:
         """Different images of the scene on the device, where more than one frame is asked for and images compare.
 
-        Each of them is held against the promise.
+        Each of them is held against the promise. Images that differ in tied pixels alone count as one.
         """
         wanted = self._measure.repeat_images
         if wanted == 1 or not self.conformance:
             return None
         images: set[bytes] = set()
+        untied: set[bytes] = set()
         for _ in range(wanted):
             self._bench.stop_if_asked()
             self._frame.draw()
             image = self._frame.image()
             seen = len(images)
             with self._phases.checking():
-                images.add(hashlib.sha256(self._scene.untied(image)).digest())
+                images.add(hashlib.sha256(image).digest())
             if len(images) > seen:
                 self._hold_against_promise(image)
+                untied.add(hashlib.sha256(self._scene.untied(self._variant, image)).digest())
         self._count_lost()
-        return len(images)
+        return len(untied)
 
     def to_keep(self) -> dict[str, np.ndarray]:
         """What `measure.keep` asks for and the method has, of the last image and the scene on the device."""
@@ -74,8 +77,8 @@ class Images:
             image = self._frame.image()
             with self._phases.checking():
                 made = {"image": np.rint(255 * np.clip(image, 0, 1)),
-                        "error": quality.pixel_errors(image, self._scene.promised(self._variant), truth.tied),
-                        "loss": quality.pixel_errors(image, self._scene.oracle(ALL))}
+                        "error": quality.pixel_errors(image, self._scene.promised(self._variant)),
+                        "loss": quality.pixel_errors(image, Answer.only(self._scene.answer(ALL).image))}
             found |= {name: made[name] for name in made if name in wanted}
         return found
 

@@ -8,22 +8,28 @@ from typing import Any
 from ..errors import CapacityError, MfrError
 from ..gpu.frame import Frame
 from ..methods.spec import Fitted, SceneStats, Variant
+from ..oracle.ties import TIED_BY_CHANCE
 from ..store.status import EXACT_ERROR
 
 
-def verdict(variant: Variant, conformance: Mapping[str, float | int], lost: int,
-            distinct_images: int = 1) -> tuple[str, str | None]:
-    """Status and reason of a measured cell.
+def verdict(fitted: Fitted, found: Mapping[str, Any], lost: int, distinct_images: int = 1) -> tuple[str, str | None]:
+    """Status and reason of a measured cell. `found`: its conformance and, where they are known, its shares.
 
-    An exact method is wrong above 1e-4, where it lost a fragment, or where its frames differ.
+    An exact method is wrong above 1e-4, where it lost a fragment, or where its frames differ. Where colours are open in
+    many pixels (docs/scenes.md, "Equal depths"), it must also have stored as many fragments as it promises.
     """
-    if not variant.guarantee.startswith("exact"):
+    if not fitted.variant.guarantee.startswith("exact"):
         return "ok", None
     if lost:
         return "wrong", f"{lost} fragments lost"
-    if conformance["max_abs_error"] > EXACT_ERROR:
-        return "wrong", (f"max_abs_error {conformance['max_abs_error']:.3g} above {EXACT_ERROR:g}, "
-                         f"{conformance['wrong_pixels']} wrong pixels")
+    tied = f", {found['tied_pixels']} pixels tied" if found["tied_pixels"] else ""
+    if found["max_abs_error"] > EXACT_ERROR:
+        return "wrong", (f"max_abs_error {found['max_abs_error']:.3g} above {EXACT_ERROR:g}, "
+                         f"{found['wrong_pixels']} wrong pixels{tied}")
+    stored, promised = found.get("hit_ratio"), found.get("promised_ratio")
+    open_colours = found["tied_pixels"] > TIED_BY_CHANCE * sum(fitted.stats.histogram[1:])
+    if open_colours and stored is not None and stored < promised:
+        return "wrong", f"stores {stored:.4g} of the fragments instead of {promised:.4g}{tied}"
     if distinct_images > 1:
         return "wrong", f"{distinct_images} different images of one scene"
     return "ok", None

@@ -15,6 +15,7 @@ from ..gpu.truth import Truth, true_stats
 from ..measure.split import Split
 from ..methods.spec import Fitted, Promise, SceneStats, Variant
 from ..oracle import quality
+from ..oracle.ties import Answer
 from ..scene import generate
 from ..scene.geometry import Geometry
 
@@ -27,7 +28,7 @@ class SceneWork:
 
     def __init__(self, device: Device, config, split: Split):
         self.split = split
-        self._device, self._oracles, self._qualities, self._truths = device, {}, {}, {}
+        self._device, self._answers, self._qualities, self._truths = device, {}, {}, {}
         with split.work("scene"):
             frames = ANIMATION_FRAMES if config.animate else 1
             self.scenes = [generate(config, frame) for frame in range(frames)]
@@ -67,32 +68,32 @@ class SceneWork:
 
     def conformance(self, variant: Variant, image: np.ndarray) -> dict[str, float | int]:
         """Errors of an image of the scene on the device against what the variant aims at."""
-        return quality.conformance(image, self.promised(variant), self.truth.tied)
+        return quality.conformance(image, self.promised(variant), variant.method.loses_ties)
 
-    def promised(self, variant: Variant) -> np.ndarray:
-        """The float64 image that the variant aims at in the scene on the device now."""
-        return self.oracle(Fitted(variant, self.shown).promise())
+    def promised(self, variant: Variant) -> Answer:
+        """The images that are right of what the variant aims at in the scene on the device now."""
+        return self.answer(Fitted(variant, self.shown).promise())
 
-    def oracle(self, promise: Promise) -> np.ndarray:
-        """The float64 image of the promised fragments of the scene on the device now; computed once."""
+    def answer(self, promise: Promise) -> Answer:
+        """The images that are right of the promised fragments of the scene on the device now; computed once."""
         if promise.layers is not None and promise.layers >= self.stats.n:
             promise = replace(ALL, two_channel=promise.two_channel)
         which = id(self.scene_buffer.scene), promise
-        if which not in self._oracles:
+        if which not in self._answers:
             with self.split.work("oracle"):
-                self._oracles[which] = self.truth.image(promise)
-        return self._oracles[which]
+                self._answers[which] = self.truth.answer(promise)
+        return self._answers[which]
 
-    def untied(self, image: np.ndarray) -> np.ndarray:
-        """The image without the pixels in which the order of fragments is nobody's to say."""
-        tied = self.truth.tied
-        return image if tied is None else np.where(tied[..., None], np.float32(0), image)
+    def untied(self, variant: Variant, image: np.ndarray) -> np.ndarray:
+        """The image without the pixels that equal depths leave open."""
+        answer = self.promised(variant)
+        return image if answer.unique else np.where(answer.tied[..., None], np.float32(0), image)
 
     def quality(self, image: np.ndarray, with_flip: bool = True) -> dict[str, float | None]:
         """Errors against all fragments; equal images, as exact methods give them, are compared once."""
         which = id(self.scene_buffer.scene), hashlib.sha256(image).digest()
         if which not in self._qualities:
-            self._qualities[which] = quality.quality(image, self.oracle(ALL), with_flip)
+            self._qualities[which] = quality.quality(image, self.answer(ALL).image, with_flip)
         return self._qualities[which]
 
     def release(self) -> None:

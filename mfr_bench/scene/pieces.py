@@ -13,11 +13,9 @@ from .quads import Quads
 class Pieces(Quads):
     """Small quads in submission order.
 
-    ordered: whether fragments of one depth in a pixel have to be shown in the order of submission; else such pixels
-    are left out of the errors. object: int32 (n,) or None, the part of a recorded scene that a quad belongs to. front:
+    object: int32 (n,) or None, the part of a recorded scene that a quad belongs to. front:
     bool (n,) or None, whether its front was seen.
     """
 
-    ordered: bool = True
     object: np.ndarray | None = None
     front: np.ndarray | None = None

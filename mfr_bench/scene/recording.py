@@ -105,7 +105,7 @@ def fragments(config: Scene, _frame: int = 0) -> Pieces:
     pixel = made.pixel[order]
     object_, front = (None if values is None else values[order] for values in (made.object, made.front))
     return Pieces(made.viewport, np.hstack([pixel, pixel + 1]), made.depth[order], made.rgba[order], 1.0, config.seed,
-                  ordered=False, object=object_, front=front)
+                  object=object_, front=front)
 
 
 def _order(config: Scene, depth: np.ndarray) -> np.ndarray:

@@ -84,8 +84,12 @@ COLUMNS = (
            "frame (as promised, by a method that holds no fragments)", drawn="measure", producer="run.outcome"),
     Column("wrong_pixels", "int", "pixels", "pixels with a channel error above 1/512", drawn="measure",
            producer="oracle.quality"),
-    Column("tied_pixels", "int", "pixels", "pixels with fragments of equal depth, left out of the errors against the "
-           "promised image", drawn="measure", producer="oracle.quality"),
+    Column("tied_pixels", "int", "pixels", "pixels that fragments of equal depth and different colours leave open",
+           drawn="measure", producer="oracle.quality"),
+    Column("tied_error", "float", "", "largest channel error of a tied pixel: how far it is from every order of equal "
+           "depths", drawn="measure", producer="oracle.quality"),
+    Column("order_error", "float", "", "largest channel error of a tied pixel against the order of submission",
+           drawn="measure", producer="oracle.quality"),
     Column("max_error_all", "float", "", "largest channel error against the full list's image", drawn="error",
            producer="oracle.quality"),
     Column("wrong_pixels_all", "int", "pixels",
@@ -163,6 +167,7 @@ DERIVED = (
     _derived("ms_times_mib", "ms·MiB", "time_ms · memory_mib", "time × memory (ms · MiB)"),
     _derived("fps_per_mib", "1/(s·MiB)", "fps / memory_mib", "frames per second per MiB"),
     _derived("words_per_pixel", "", "memory_bytes / 4 / (width · height)", "32-bit words per pixel"),
+    _derived("tied_share", "", "tied_pixels / covered_pixels", "share of the covered pixels that is tied"),
     _derived("culled_of_unkept", "", "culled_share / (1 - hit_ratio)",
              "share of the fragments not kept that is discarded"),
 )

@@ -19,7 +19,8 @@ HISTORY = {  # of the format: a new schema is one that programs of the one befor
     1: "the first layout. Added since, and missing in earlier folders: `cells.zip` (the packed form), `methods` in the "
        "manifest, `tables/summary.csv` (before: `tables/results.csv`). `also` of a cell: "
        "further places, each a label and a point, of entries of the config that meet in it. "
-       "`lost_fragments` was the sum of all frames.",
+       "`lost_fragments` was the sum of all frames. `tied_error` and `order_error`: before, `max_abs_error` left out "
+       "all pixels with equal depths in scenes that a device rasterizes, and none on flat quads.",
 }
 LARGEST = 1e18  # of a number in a cell or a manifest; what is larger overflows in sums and squares
 KEY_DIGITS = 20  # 80 bits: two of a billion cells share a key with a chance below 1e-6

@@ -61,7 +61,7 @@ def test_a_capture_of_flat_quads_is_the_analytic_lists_bit_for_bit(device, on, c
     expected = [fragment for pixel in lists(scene) for fragment in pixel]
     assert found.depth.tolist() == [depth for depth, _ in expected]
     assert found.primitive.tolist() == [primitive for _, primitive in expected]
-    assert not found.tied.any()
+    assert not found.coincident.any()
 
 
 @pytest.mark.parametrize("config", FLAT)
@@ -82,7 +82,7 @@ def test_a_capture_in_pieces_is_the_capture(device, on, monkeypatch):
     monkeypatch.setattr(oracle.in_chunks, "__defaults__", (700,))
     pieces = capture(device, stage.scene_buffer, stage.canvas)
     assert len(list(oracle.in_chunks(whole.counts.ravel(), 1000))) > 10
-    for name in ("counts", "depth", "primitive", "tied"):
+    for name in ("counts", "depth", "primitive", "coincident"):
         np.testing.assert_array_equal(getattr(pieces, name), getattr(whole, name))
     np.testing.assert_array_equal(pieces.composite(4), image)
 
@@ -101,18 +101,21 @@ def test_a_fragment_more_or_less_than_counted_is_an_error(device, on, monkeypatc
         capture(device, stage.scene_buffer, stage.canvas)
 
 
-def test_fragments_of_equal_depth_are_told(device):
-    """Two strips over the left half share their depth; a third, over all, does not."""
+@pytest.mark.parametrize(("colour", "tied"), [((100, 100, 100, 100), 0), ((50, 100, 100, 100), 16)])
+def test_fragments_of_equal_depth_are_told(device, colour, tied):
+    """Two strips over the left half share their depth; a third, over all, does not. Equal colours tie nothing."""
     corners = np.array([[-1, -1, 0.5, 1], [0, -1, 0.5, 1], [-1, 1, 0.5, 1], [0, 1, 0.5, 1]], dtype=np.float32)
     whole = corners * np.array([1, 1, 0.5, 1]) + np.array([0, 0, 0, 0]) + (corners[:, :1] == 0) * np.eye(4)[0]
     scene = Strips((8, 4), np.stack([corners, corners, whole]).astype(np.float32),
-                   np.full((3, 4), 100, dtype=np.uint8), 1.0, 1)
+                   np.array([[100, 100, 100, 100], colour, [9, 9, 9, 100]], dtype=np.uint8), 1.0, 1)
     with shown(device, scene) as stage:
         found = capture(device, stage.scene_buffer, stage.canvas)
         assert found.counts.tolist() == [[3] * 4 + [1] * 4] * 4
-        assert found.tied.tolist() == [[True] * 4 + [False] * 4] * 4
+        assert found.coincident.tolist() == [[True] * 4 + [False] * 4] * 4
         assert found.primitive[:3].tolist() == [2, 0, 1]  # equal depths in order of submission
-        assert stage.errors(catalog()["peel-f2b"].variant({}), stage.truth.image(Promise()))["tied_pixels"] == 16
+        submitted = stage.truth.image(Promise())
+        assert stage.errors(catalog()["peel-f2b"].variant({}), submitted) == {
+            "max_abs_error": 0, "wrong_pixels": 0, "tied_pixels": tied, "tied_error": 0, "order_error": 0}
 
 
 def test_a_truth_is_of_the_scene_that_it_was_made_for(on):

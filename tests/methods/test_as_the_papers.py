@@ -130,7 +130,7 @@ def test_bounds_by_a_box_save_a_geometry_pass_and_keep_the_k_nearest(device, kin
             variant = catalog()["kplus-array"].variant({"k": 4, "occupancy": 64, "occupancy_bounds": bounds})
             frame = Frame(device, Fitted(variant, on.stats), on.scene_buffer, on.canvas)
             frame.draw_fitting()
-            error = conformance(frame.image(), on.truth.image(frame.fitted.promise()), on.truth.tied)["max_abs_error"]
+            error = conformance(frame.image(), on.truth.answer(frame.fitted.promise()))["max_abs_error"]
             assert error < 1e-4
             found[bounds] = frame.geometry_passes, frame.probe()["shaded_fragments"]
             frame.release()

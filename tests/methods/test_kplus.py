@@ -204,7 +204,7 @@ def test_k_follows_the_frames_of_an_animation(device, memory_mb, hit_ratio):
             k = chosen_directly(truth.counts, memory_mb, hit_ratio)
             assert frame.chosen_k == k == Fitted(variant, stats).decision().k
             np.testing.assert_array_equal(frame.words("histogram")[:stats.n], np.bincount(truth.counts.ravel())[1:])
-            error = conformance(frame.image(), truth.image(Promise(k)), truth.tied)
+            error = conformance(frame.image(), truth.answer(Promise(k)))
             assert error["max_abs_error"] < 1e-4
             chosen.append(k)
         frame.release()

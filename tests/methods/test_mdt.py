@@ -7,6 +7,7 @@ from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.methods import catalog
 from mfr_bench.oracle.composite import composite
 from mfr_bench.oracle.quality import conformance
+from mfr_bench.oracle.ties import answer_of_quads
 from mfr_bench.scene import generate
 
 from .drawing import assert_shows, drawn, over, stack
@@ -56,7 +57,7 @@ def test_scaled_conversion_loses_what_is_finer(device, depth_bits, collide):
     """Depths 2**-12 apart need more than 12 bits."""
     scene = stack([0.5, 0.5 + 2**-12], COLOURS[:2])
     with drawn(device, "kb-mdt32", scene, k=2, key="fixed", depth_bits=depth_bits) as frame:
-        wrong = conformance(frame.image(), composite(scene))["wrong_pixels"]
+        wrong = conformance(frame.image(), answer_of_quads(scene))["wrong_pixels"]
     assert wrong == (scene.viewport[0] * scene.viewport[1] if collide else 0)
 
 

@@ -32,6 +32,7 @@ def test_equal_depths_become_what_the_method_says(device, method):
     every = alpha_of(range(len(RGBA)))
     single = [alpha_of((FRONT, tied, BACK)) for tied in TIED]
     told = method.ties.split(",")[0].split(";")[0].split(":")[0]
+    assert method.loses_ties == (told != "kept")
     expected = {"kept": [every], "one of them is kept": single, "collide": single,
                 "the maximum of each channel is kept": single}[told]
     assert min(abs(alpha[0, 0] - e) for e in expected) < (1e-5 if exact else 0.01)

@@ -64,13 +64,18 @@ def test_levels_keep_the_order_of_the_config(tmp_path):
     assert text.first[0] == "nan"
 
 
-@pytest.mark.parametrize(("held", "copies", "state"), [(1.0, "different", "ties"), (0.5, "different", "image"),
-                                                       (1.0, "alike", "image")])
-def test_another_order_of_equal_depths_is_no_loss(tmp_path, held, copies, state):
-    made = cell("ab-ll", status="wrong", reason="because", scene={"depth_copies": 2, "copies": copies},
-                values=GOOD | {"max_abs_error": 0.3, "hit_ratio": held, "promised_ratio": 1.0})
+@pytest.mark.parametrize(("status", "values", "state", "said"), [
+    ("ok", {"order_error": 0.3}, "ties", "0.30 from the order of submission"),
+    ("ok", {"order_error": 1e-6}, "holds", None),
+    ("wrong", {"order_error": 0.3, "max_abs_error": 0.2}, "image", "error 0.20"),
+    ("ok", {"order_error": 0.3, "max_abs_error": 2e-6}, "bound", "error 2e-06"),
+    ("ok", {"order_error": 0.3, "max_abs_error": 0.2, "error_bound": None}, "differs", "error 0.20"),
+])
+def test_another_order_of_equal_depths_is_no_loss(tmp_path, status, values, state, said):
+    made = cell("ab-ll", status=status, reason="because", values=GOOD | values)
     (point,) = data.load(folder(tmp_path, [made])).points
     assert breaking.state(point) == state
+    assert said is None or breaking.detail(point) == said
 
 
 def test_panels_are_told_apart(tmp_path):

@@ -38,8 +38,8 @@ class Method:
     `words` is the paper's memory formula in 32-bit words per pixel (f: the pixel's fragments), `beside` what stands
     beside them or in their place, and why. `cost` is the reason why it may take more than thrice the time of the
     fastest A-buffer.
-    `ties` says what becomes of fragments of equal depth. `needs` names device features without which
-    no choice of parameters runs.
+    `ties` says what becomes of fragments of equal depth, `loses_ties` whether some of them are lost by nature. `needs`
+    names device features without which no choice of parameters runs.
     """
 
     id: str
@@ -54,6 +54,7 @@ class Method:
     params: tuple[Param, ...] = ()
     buffers: tuple[Buffer, ...] = ()
     targets: tuple[Target, ...] = ()
+    loses_ties: bool = False
     needs: tuple[str, ...] = ()
     fixed: tuple[Param, ...] = ()  # parameters of shared shaders, at defaults that this method never varies
     local: str = "n"  # most fragments of a pixel that its resolve composites, a formula

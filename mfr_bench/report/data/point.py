@@ -131,6 +131,9 @@ class Point:
             value = self.row["memory_bytes"]
             pixels = self.row["width"] * self.row["height"]
             return None if value is None or not pixels else value / 4 / pixels
+        if name == "tied_share":
+            tied, covered = self.row["tied_pixels"], self.row["covered_pixels"]
+            return None if tied is None or not covered else tied / covered
         if name == "culled_of_unkept":
             return self._culled_of_unkept()
         if name == "share":
