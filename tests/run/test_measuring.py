@@ -153,7 +153,8 @@ def test_each_experiment_has_a_noise_floor_of_its_own(device, tmp_path):
 def test_scenes_and_their_oracles_are_made_once(run, monkeypatch):
     made, composited = [], []
     monkeypatch.setattr(scene_work, "generate", lambda *a, real=scene_work.generate: (made.append(a), real(*a))[1])
-    monkeypatch.setattr(truth, "composite", lambda *a, real=truth.composite: (composited.append(a[1:]), real(*a))[1])
+    monkeypatch.setattr(truth, "answer_of_quads",
+                        lambda *a, real=truth.answer_of_quads: (composited.append(a[1:]), real(*a))[1])
     run([cell("ab-array"), cell("ab-ll"), cell("kplus-array", k=2), cell("kplus-heap", k=2), cell("kplus-array", k=99)])
     assert len(made) == 1
     assert len(composited) == len(set(composited)) == 2
