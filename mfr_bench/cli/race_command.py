@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
+from pathlib import Path
 
 import click
 
-from .options import JSON, OUTSIDE, MethodName, method
+from ..errors import UsageError
+from .options import JSON, OUTSIDE, MethodName, OutPath, method
 from .output import say
 
 BROKEN = 3
+OF_MODES = {"--campaign": ("pairs", "jobs", "out")}  # options that only these ways to run have
+OF_ALL = ("fragments", "schedules", "scenes", "seed", "as_json", "method_folders")
 SCHEDULES = 20_000
 
 
 @click.command()
-@click.argument("method_id", metavar="METHOD", type=MethodName())
+@click.argument("method_id", metavar="METHOD", type=MethodName(), default="all")
 @click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Set a parameter of METHOD, e.g. k=3; may "
               "be repeated. Without one, k is 2.")
 @click.option("--fragments", default="3,2", show_default=True, metavar="N,...", help="The fragments of each pixel.")
@@ -34,13 +39,21 @@ SCHEDULES = 20_000
 @click.option("--exhaustive", type=click.IntRange(0, 8), metavar="BOUND",
               help="Try every schedule with at most so many preemptions, as far as --schedules allows.")
 @click.option("--campaign", is_flag=True, help="Run METHOD, or with METHOD `all` every method, with each option that "
-              "changes what runs concurrently, on strong and weak memory and in lockstep; a line for each.")
+              "changes what runs concurrently, on strong and weak memory and in lockstep, as many schedules each; a "
+              "line for each.")
+@click.option("--pairs", is_flag=True, help="With --campaign: also any two such options at once.")
+@click.option("--jobs", type=click.IntRange(1), metavar="N", help="With --campaign: how many run side by side; one for "
+              "each core unless given.")
+@click.option("--out", type=OutPath(), default="results/races", show_default=True, metavar="DIR",
+              help="With --campaign: the folder of races.csv; what it holds with as many schedules is not run again.")
 @click.option("--replay", metavar="WORD", help="Run the one schedule that an earlier run has printed.")
 @JSON
 @OUTSIDE
-def race(method_id: str, overrides: tuple[str, ...], fragments: str, schedules: int, scenes: int, seed: int, ties: bool,
-         weak: bool, no_dependencies: bool, warp: int | None, moved_returns: bool, ordered: bool, helpers: bool,
-         exhaustive: int | None, campaign: bool, replay: str | None, as_json: bool) -> None:
+@click.pass_context
+def race(context: click.Context, method_id: str, overrides: tuple[str, ...], fragments: str, schedules: int, scenes:
+         int, seed: int, ties: bool, weak: bool, no_dependencies: bool, warp: int | None, moved_returns: bool,
+         ordered: bool, helpers: bool, exhaustive: int | None, campaign: bool, pairs: bool, jobs: int | None, out:
+         str, replay: str | None, as_json: bool) -> None:
     """Run the GLSL of METHOD under an adversarial scheduler.
 
     Without a GPU: its shaders are translated to C++ and every load, store and atomic may be interrupted by any other
@@ -50,7 +63,7 @@ def race(method_id: str, overrides: tuple[str, ...], fragments: str, schedules: 
     \b
     Examples: mfr-bench race kplus-array --set k=2 --fragments 4
               mfr-bench race lin-pre --weak --json
-              mfr-bench race all --campaign --schedules 100000
+              mfr-bench race all --campaign --schedules 100000 --out results/races
     """
     from ..race.campaign import run, small_variant
     from ..race.check import How
@@ -58,16 +71,39 @@ def race(method_id: str, overrides: tuple[str, ...], fragments: str, schedules: 
     from ..race.scenes import parse_counts
 
     counts = parse_counts(fragments)
+    _held_to(context, "--campaign" if campaign else None)
     if campaign:
-        _campaign(method_id, counts, How(schedules, seed), scenes)
+        _campaign(context, _chosen(method_id), counts, How(schedules, seed), scenes, 1 + pairs, jobs, out, as_json)
         return
+    if method_id == "all":
+        raise UsageError("METHOD is missing; allowed: a method that 'mfr-bench methods' lists, or --campaign for all")
     variant = small_variant(method(method_id, "METHOD"), overrides)
     how = How(schedules, seed, weak, not no_dependencies, warp or 0, moved_returns, exhaustive is not None,
               exhaustive or 0, ordered, helpers)
     found = _replayed(variant, counts, how, ties, replay) if replay else run(variant, counts, how, scenes, ties)
     say(json.dumps(record(found), indent=2) if as_json else text(found))
     if found.broken and not found.checker.promises_nothing:
-        click.get_current_context().exit(BROKEN)
+        context.exit(BROKEN)
+
+
+def _held_to(context: click.Context, mode: str | None) -> None:
+    """Raises UsageError for options that say nothing where they stand."""
+    given = {p.name: p.opts[0] for p in context.command.params if isinstance(p, click.Option) and p.name is not None
+             and context.get_parameter_source(p.name) is click.core.ParameterSource.COMMANDLINE}
+    if mode is None:
+        stray = [option for name, option in given.items() if any(name in of for of in OF_MODES.values())]
+        if stray:
+            raise UsageError(f"{', '.join(stray)}: allowed only with {' or '.join(OF_MODES)}")
+        return
+    stray = [option for name, option in given.items() if name not in (*OF_MODES[mode], *OF_ALL, mode.strip("-"))]
+    if stray:
+        raise UsageError(f"{', '.join(stray)}: not allowed with {mode}, which chooses the machines and options itself")
+
+
+def _chosen(method_id: str):
+    from ..methods import catalog
+
+    return list(catalog().values()) if method_id == "all" else [method(method_id, "METHOD")]
 
 
 def _replayed(variant, counts, how, ties: bool, word: str):
@@ -82,20 +118,17 @@ def _replayed(variant, counts, how, ties: bool, word: str):
     return Found(1, 0.0, int(failure is not None), 0, 0, False, checker, failure)
 
 
-def _campaign(method_id: str, counts, how, scenes: int) -> None:
+def _campaign(context: click.Context, chosen, counts, how, scenes: int, together: int, at_once: int | None, out: str,
+              as_json: bool) -> None:
     """Prints a line for each configuration and machine, and ends with the status of a broken promise if one broke."""
-    from ..methods import catalog
-    from ..race.campaign import everything
-    from ..race.options import configurations
-    from ..race.report import headline
-    from ..race.scenes import row_of
+    from ..race.report import campaign_end, campaign_line
+    from ..race.sweep import jobs, sweep
 
-    chosen = catalog().values() if method_id == "all" else [method(method_id, "METHOD")]
-    broken = 0
-    for one in chosen:
-        for kept in everything(one, configurations(one, row_of(counts), together=1), counts, how, scenes):
-            say(f"{kept.machine:8} {headline(kept.found) if kept.found else kept.error}")
-            broken += kept.broken
-    say(f"{broken} broken")
-    if broken:
-        click.get_current_context().exit(BROKEN)
+    wanted, lines = jobs(chosen, counts, how, scenes, together), []
+    for line in sweep(wanted, Path(out), at_once):
+        lines.append(line)
+        say(json.dumps(asdict(line)) if as_json else campaign_line(line))
+    if not as_json:
+        say(campaign_end(lines))
+    if any(line.broken for line in lines):
+        context.exit(BROKEN if any(line.violations for line in lines) else 1)

@@ -1,9 +1,8 @@
-"""Compiles a frame with the machine, and keeps what it made by the hash of all that it was made from."""
+"""Compiles a frame with the machine, and keeps what it made by the hash of the generated code."""
 
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 import shutil
 import subprocess
@@ -13,12 +12,13 @@ from functools import cache
 from pathlib import Path
 
 from ..errors import MfrError, ShaderError
-from .adapter import Frame, record
+from .adapter import Frame
 from .tables import generate
 
 HERE = Path(__file__).parent
 MACHINE = HERE / "machine"
-FLAGS = ("-std=c++17", "-fno-exceptions", "-fno-rtti", "-w", f"-I{MACHINE}")
+FLAGS = ("-std=c++17", "-O2", "-fno-exceptions", "-fno-rtti", "-w")
+KEY_DIGITS = 32
 COMPILERS = ("c++", "g++", "clang++")
 
 
@@ -28,9 +28,10 @@ class NoCompilerError(MfrError):
 
 @dataclass(frozen=True)
 class Built:
-    """An executable, and what its site numbers mean: number of the pass and encoded line."""
+    """An executable, the hash of its code, and what its site numbers mean: number of the pass and encoded line."""
 
     program: Path
+    key: str
     sites: tuple[tuple[int, int], ...]
 
 
@@ -52,31 +53,29 @@ def cache_folder() -> Path:
 
 @cache
 def _own_hash() -> str:
-    """Hash of the translator, the machine and the compiler: what they make changes with them."""
-    texts = [path.read_bytes() for path in (*sorted(HERE.glob("*.py")), *sorted(MACHINE.iterdir()))]
+    """Hash of the machine and the compiler: what they make of a frame's code changes with them."""
+    texts = [path.read_bytes() for path in sorted(MACHINE.iterdir())]
     version = subprocess.run([compiler(), "--version"], capture_output=True, check=True).stdout
-    return hashlib.sha256(b"\0".join((*texts, version))).hexdigest()
+    return hashlib.sha256(b"\0".join((*texts, version, " ".join(FLAGS).encode()))).hexdigest()
 
 
 def build(frame: Frame) -> Built:
     """The executable of a frame, made now or kept. Raises ShaderError for GLSL that the machine does not know."""
-    parts = _own_hash(), json.dumps(record(frame)), repr((frame.steps, frame.stats, frame.region, frame.chosen_k))
-    key = hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
-    program, known = cache_folder() / key, cache_folder() / f"{key}.sites.json"
-    if not (program.exists() and known.exists()):
-        _make(frame, program, known)
-    return Built(program, tuple(map(tuple, json.loads(known.read_text(encoding="utf-8")))))
-
-
-def _make(frame: Frame, program: Path, known: Path) -> None:
     text, sites = generate(frame, compiler())
+    key = hashlib.sha256(f"{_own_hash()}\0{text}".encode()).hexdigest()[:KEY_DIGITS]
+    program = cache_folder() / key
+    if not program.exists():
+        _make(frame, text, program)
+    return Built(program, key, tuple(sites.found))
+
+
+def _make(frame: Frame, text: str, program: Path) -> None:
     program.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "frame.cpp"
         source.write_text(text, encoding="utf-8")
         made = Path(folder) / "frame"
-        _compile(["-O1", str(source), str(_machine()), "-o", str(made)], frame)
-        _keep(known, json.dumps(sites.found).encode())
+        _compile([str(source), str(_machine()), "-o", str(made)], frame)
         _keep(program, made.read_bytes(), mode=0o755)
 
 
@@ -91,17 +90,17 @@ def _keep(path: Path, data: bytes, mode: int = 0o644) -> None:
 
 def _machine() -> Path:
     """The machine's own object file."""
-    kept = cache_folder() / f"machine-{_own_hash()[:32]}.o"
+    kept = cache_folder() / f"machine-{_own_hash()[:KEY_DIGITS]}.o"
     if not kept.exists():
         with tempfile.TemporaryDirectory() as folder:
             made = Path(folder) / "machine.o"
-            _compile(["-O2", "-c", str(MACHINE / "machine.cpp"), "-o", str(made)], None)
+            _compile(["-c", str(MACHINE / "machine.cpp"), "-o", str(made)], None)
             _keep(kept, made.read_bytes())
     return kept
 
 
 def _compile(arguments: list[str], frame: Frame | None) -> None:
-    done = subprocess.run([compiler(), *FLAGS, *arguments], capture_output=True, text=True, check=False)
+    done = subprocess.run([compiler(), *FLAGS, f"-I{MACHINE}", *arguments], capture_output=True, text=True, check=False)
     if done.returncode:
         errors = [line for line in done.stderr.splitlines() if "error:" in line] or done.stderr.splitlines() or ["?"]
         what = f"{frame.variant.method.id}: " if frame else ""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ..errors import MfrError, UsageError, nearest
+from ..errors import UsageError, nearest
 from ..methods.spec import Method, Variant
 from .check import Checker, Deviation, Failure, How
 from .scenes import row_of
@@ -69,8 +69,11 @@ def _value(text: str) -> Any:
 def checkers(variant: Variant, counts: Sequence[int], scenes: int, ties: bool = False,
              helpers: bool = False) -> Iterator[Checker]:
     """The variant in scenes of as many fragments per pixel, with other colours and another order in each."""
+    first = None
     for seed in range(1, scenes + 1):
-        yield Checker(variant, row_of(counts, seed, ties), helpers)
+        made = Checker(variant, row_of(counts, seed, ties), helpers, first)
+        first = first or made
+        yield made
 
 
 def run(variant: Variant, counts: Sequence[int], how: How, scenes: int = SCENES, ties: bool = False) -> Found:
@@ -111,34 +114,3 @@ def settings(variant: Variant) -> Mapping[str, Any]:
     """The parameters that are not at their defaults."""
     defaults = variant.method.complete({})
     return {name: value for name, value in variant.params.items() if value != defaults[name]}
-
-
-@dataclass(frozen=True)
-class Kept:
-    """One configuration on one machine: what it was, and what came out; `error` where it could not be run."""
-
-    variant: Variant
-    machine: str
-    found: Found | None
-    error: str = ""
-
-    @property
-    def broken(self) -> bool:
-        """Whether a promise broke; what promises nothing has none to break."""
-        return self.found is None or (self.found.broken and not self.found.checker.promises_nothing)
-
-
-def machines(how: How) -> Mapping[str, How]:
-    """The machines of a campaign: strong memory with helpers, weak memory, and warps in lockstep."""
-    return {"strong": replace(how, helpers=True), "weak": replace(how, weak=True), "lockstep": replace(how, warp=4)}
-
-
-def everything(method: Method, variants: Iterable[Variant], counts: Sequence[int], how: How,
-               scenes: int) -> Iterator[Kept]:
-    """Every configuration on every machine."""
-    for variant in variants:
-        for name, machine in machines(how).items():
-            try:
-                yield Kept(variant, name, run(variant, counts, machine, scenes))
-            except MfrError as error:
-                yield Kept(variant, name, None, f"{method.id}: {error}")

@@ -29,7 +29,7 @@ class How:
 
     warp: lanes of a warp in lockstep, 0 for none. late: branches with a return end where the shader does.
     bound: with `exhaustive`, deviations from running on. dependencies: a load is no older than the load that its
-    address came from.
+    address came from. in_flight: fragments of a pass that run at once, 0 for all.
     """
 
     schedules: int = 2000
@@ -43,13 +43,15 @@ class How:
     ordered: bool = False
     helpers: bool = False
     count_all: bool = False
+    in_flight: int = 0
 
     @property
     def words(self) -> list[str]:
         flags = {"weak": self.weak, "no-dependencies": not self.dependencies, "late": self.late,
                  "ordered": self.ordered, "all": self.count_all}
         return ["exhaustive" if self.exhaustive else "random", *(name for name, on in flags.items() if on),
-                *(f"{name}={getattr(self, name)}" for name in ("schedules", "seed", "warp", "bound"))]
+                *(f"{name}={getattr(self, name)}" for name in ("schedules", "seed", "warp", "bound")),
+                f"in-flight={self.in_flight}"]
 
 
 Deviation = tuple[int, int, int, int]
@@ -97,16 +99,19 @@ class Outcome:
 
 
 class Checker:
-    """One variant in one scene, built, with the images that it may give."""
+    """One variant in one scene, built, with the images that it may give.
 
-    def __init__(self, variant: Variant, scene: Quads, helpers: bool = False):
-        self.variant, self.scene, self.helpers = variant, scene, helpers
+    like: a checker of the same variant in another scene, whose program serves here as well if the frames are equal.
+    """
+
+    def __init__(self, variant: Variant, scene: Quads, helpers: bool = False, like: Checker | None = None):
+        self.variant, self.scene, self.helpers, self.like = variant, scene, helpers, like
         self.stats = stats_of(scene)
         self.frame: Frame = frame_of(Fitted(variant, self.stats), scene.bounds)
 
     @cached_property
     def built(self) -> Built:
-        return build(self.frame)
+        return self.like.built if self.like and self.like.frame == self.frame else build(self.frame)
 
     @cached_property
     def promised(self) -> Promised:

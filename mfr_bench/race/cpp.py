@@ -6,7 +6,7 @@ number by which a trace finds its line again. `branch` and `Join` mark where lan
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 
 from .syntax import (
@@ -22,7 +22,7 @@ from .syntax import (
     Statement,
     Variable,
 )
-from .values import INPUTS, LENGTH, SCALARS, UNIFORMS, Sites, Stage, Values
+from .values import INPUTS, INTERLOCKS, LENGTH, SCALARS, UNIFORMS, Sites, Stage, Values
 
 
 def translate(shader: Shader, stage: Stage, sites: Sites, locate: Callable[[int], str]) -> str:
@@ -44,8 +44,14 @@ class _Translator(Values):
         return "\n".join([
             f"namespace pass{number} {{", *(line for s in self.shader.structs for line in self._struct(s)),
             f"constexpr int local_x = {sizes[0]}, local_y = {sizes[1]}, shared_words = {words};", "struct Stage {",
-            *self._globals(), *functions, "};", "void run() {", "    Stage stage;", "    stage.u_main();",
-            *self._results(), "}", "}"])
+            *self._globals(), *functions, "};", *self._interlock(local), "void run() {", "    Stage stage;",
+            "    stage.u_main();", *self._results(), "}", "}"])
+
+    def _interlock(self, inputs: Mapping[str, object]) -> Iterator[str]:
+        """Whether invocations pass through an interlock, and whether they do so in the order of submission."""
+        ordered = "beginFragmentShaderOrderingINTEL" in self.uses or any("interlock_ordered" in name for name in inputs)
+        yield (f"constexpr bool interlocked = {'true' if self.uses & INTERLOCKS else 'false'}, "
+               f"ordered = {'true' if ordered else 'false'};")
 
     def _struct(self, struct) -> Iterator[str]:
         name, members = f"T_{struct.name}", [(n, self.full(t)) for n, t in struct.members]

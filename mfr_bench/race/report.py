@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -16,6 +17,7 @@ from .adapter import FramePass, locator
 from .campaign import Found, settings, written
 from .check import Checker, Event, Failure, _payloads
 from .promise import Kind, expected
+from .sweep import Line
 
 SAID = {
     "wrong_image": "the image is none that the fragments may give",
@@ -137,13 +139,36 @@ def headline(found: Found) -> str:
     """One line: what was run, and what came out."""
     checker, variant = found.checker, found.checker.variant
     said = " ".join(f"{name}={value}" for name, value in settings(variant).items())
-    what = f"{variant.method.id}{' ' + said if said else ''}: {found.schedules} schedules in {found.seconds:.1f} s"
+    what = f"{variant.method.id}{' ' + said if said else ''}: {found.schedules} schedules in {found.seconds:.1f} CPU s"
     if checker.promised.kind is Kind.NONE:
         share = f"{found.failed / found.schedules:.1%}"
         return f"{what}; it promises nothing, and {found.failed} of them ({share}) have a wrong pixel"
     if found.failure is None:
         return f"{what}; every one gives {checker.promised.kind.value}"
     return f"{what}; broken: {SAID.get(found.failure.what, found.failure.what)}"
+
+
+def campaign_line(line: Line) -> str:
+    """A line of a campaign: configuration, machine, schedules, violations or share of wrong ones, speed."""
+    said = " ".join(f"{name}={value}" for name, value in json.loads(line.params).items())
+    what = f"{line.machine:8} {line.method:19} {said:30}"
+    if line.error:
+        return f"{what} {line.error}"
+    promised = line.wrong_share is None
+    shown = f"{line.violations} violations" if promised else f"{line.wrong_share:.1%} wrong, promised nothing"
+    again = f"  --replay {line.replay}" if line.replay else ""
+    return f"{what} {line.schedules:9,} schedules, {shown}, {line.schedules_per_s:9,.0f} schedules/s{again}"
+
+
+def campaign_end(lines: Sequence[Line]) -> str:
+    """The last line of a campaign: sums, and how much CPU time the schedules took."""
+    configurations = len({(line.method, line.params) for line in lines})
+    minutes = sum(line.cpu_s for line in lines) / 60
+    unknown = sum(bool(line.error) for line in lines)
+    tried = f"{sum(line.schedules for line in lines):,} schedules in {minutes:.1f} CPU minutes"
+    violations = f"{sum(line.violations for line in lines)} violations"
+    ended = [violations, f"{unknown} could not be run"] if unknown else [violations]
+    return ", ".join([f"{configurations} configurations, {len(lines)} lines", tried, *ended])
 
 
 def text(found: Found) -> str:

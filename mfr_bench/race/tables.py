@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import subprocess
 from collections.abc import Iterator
+from functools import cache
 
 from ..errors import ShaderError
 from ..glsl.bindings import DIAGNOSTICS
@@ -38,6 +39,7 @@ def _lines_told_again(text: str) -> str:
     return "\n".join(lines) + "\n"
 
 
+@cache
 def preprocessed(text: str, compiler: str) -> str:
     """A stage with its macros expanded, by the C++ compiler's own preprocessor; extensions count as present."""
     names = [m["name"] for m in _EXTENSION.finditer(text) if m["name"]]
@@ -175,7 +177,7 @@ def _pass(frame: Frame, number: int, p: FramePass) -> str:
         f"{('increment', 'decrement').index(stencil.update) + 1}" if stencil else "0",
         str(stencil.reference if stencil else 0), _bool(step.region), _bool(step.by_tile), _bool(p.concurrent),
         _bool(step.counts), _bool(step.counts and frame.capacity_is_counted),
-        _bool(frame.variant.scope.get("sync") in ("interlock", "ordered")),
+        *((f"pass{number}::interlocked", f"pass{number}::ordered") if p.sources else ("false", "false")),
         _bool(_uses_mask(p)), str(p.instances), str(p.groups), local[0], str(command),
         str(step.defines.get("CLASS", -1)), "{" + ", ".join(map(str, written)) + "}", str(len(written)), local[1],
     ]

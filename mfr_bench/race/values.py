@@ -32,6 +32,7 @@ FENCES = {"memoryBarrier": "memory_barrier", "memoryBarrierBuffer": "memory_barr
           "beginInvocationInterlockARB": "interlock_begin", "endInvocationInterlockARB": "interlock_end",
           "beginInvocationInterlockNV": "interlock_begin", "endInvocationInterlockNV": "interlock_end",
           "beginFragmentShaderOrderingINTEL": "interlock_begin"}
+INTERLOCKS = {name for name, call in FENCES.items() if call == "interlock_begin"}
 BUILT_IN = frozenset(
     {"exp", "exp2", "log", "log2", "sqrt", "inversesqrt", "floor", "ceil", "fract", "round", "trunc", "sin", "cos",
      "abs", "sign", "pow", "min", "max", "clamp", "mix", "dot", "length", "lessThan", "lessThanEqual", "greaterThan",
@@ -327,6 +328,7 @@ class Values:
         if name in ATOMICS:
             return self._atomic(e)
         if name in FENCES:
+            self.uses.add(name)
             return f"race::{FENCES[name]}({self._site(e.line)})"
         if name == "texelFetch":
             return self._fetch(e)

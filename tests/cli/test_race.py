@@ -58,11 +58,54 @@ def test_a_schedule_survives_being_written():
     assert parse_replay(written(5, choices)) == (5, choices)
 
 
-def test_a_campaign_has_a_line_for_each_machine(mfr):
-    ended = mfr("race", "ab-lbuffer", "--campaign", "--schedules", "20", "--scenes", "1")
+@pytest.fixture
+def campaign(mfr, tmp_path):
+    """A campaign of one method with few schedules, kept in `tmp_path`."""
+    def run(*more: str):
+        return mfr("race", "ab-lbuffer", "--campaign", "--schedules", "20", "--scenes", "1", "--out", str(tmp_path),
+                   *more)
+    return run
+
+
+def test_a_campaign_has_a_line_for_each_machine(campaign, tmp_path):
+    ended = campaign()
     lines = ended.out.splitlines()
-    assert ended.status == 0 and lines[-1] == "0 broken"
+    assert ended.status == 0 and lines[-1].endswith("0 violations")
     assert [line.split()[0] for line in lines[:3]] == ["strong", "weak", "lockstep"] and len(lines) % 3 == 1
+    assert len((tmp_path / "races.csv").read_text().splitlines()) == len(lines)
+
+
+def test_a_campaign_goes_on_with_what_its_table_lacks(campaign, tmp_path):
+    first = campaign("--json")
+    table = tmp_path / "races.csv"
+    kept = table.read_text().splitlines(keepends=True)
+    table.write_text("".join(kept[:-2]))
+    campaign("--json")
+    assert table.read_text().splitlines(keepends=True)[:-2] == kept[:-2]  # with the CPU time of the first run
+    assert len(table.read_text().splitlines()) == len(kept)
+    assert json.loads(first.out.splitlines()[0])["violations"] == 0
+
+
+def test_a_campaign_runs_again_what_has_other_code(campaign, plant, tmp_path):
+    campaign()
+    plant("common/count.frag", "atomicAdd(counter[pixel_index()], 1u);", "counter[pixel_index()] += 1u;")
+    again = campaign("--schedules", "2000")
+    assert again.status == 3 and "1 violations" in again.out and "--replay" in again.out
+
+
+@pytest.mark.parametrize(("arguments", "said"), [
+    (["--campaign", "--weak"], "--weak: not allowed with --campaign"), (["kb", "--jobs", "2"], "only with --campaign"),
+    (["--weak"], "METHOD is missing"),
+])
+def test_options_that_say_nothing_are_a_mistake(mfr, arguments, said):
+    ended = mfr("race", *arguments)
+    assert ended.status == 2 and said in ended.err and ended.err.count("\n") == 1
+
+
+def test_a_table_that_is_none_is_one_line(campaign, tmp_path):
+    (tmp_path / "races.csv").write_text("a,b\n1,2\n")
+    ended = campaign()
+    assert ended.status == 1 and "is no table of races" in ended.err and ended.err.count("\n") == 1
 
 
 def test_a_broken_promise_ends_with_status_3_and_can_be_replayed(mfr, plant):

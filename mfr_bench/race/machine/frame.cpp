@@ -237,7 +237,7 @@ void zero(const PassDesc& p) {
 }
 
 void set_order() {
-    bool keep = m.options.mode != SEQUENTIAL || m.pass->kind != GEOMETRY;
+    bool keep = m.options.mode != SEQUENTIAL || m.pass->kind != GEOMETRY || m.pass->ordered;
     m.order.resize(size_t(m.used));
     for (int i = 0; i < m.used; ++i) m.order[size_t(i)] = i;
     if (!keep)
@@ -260,7 +260,7 @@ void shade(const PassDesc& p) {
 
 void draw(const PassDesc& p) {
     for (int instance = 0; instance < (p.kind == FULLSCREEN ? p.instances : 1) && !m.failure; ++instance) {
-        m.used = m.live = 0;
+        m.used = m.live = m.on_the_way = 0;
         m.waiting = 0;
         m.ready.clear();
         if (p.kind == GEOMETRY) place_fragments(p);

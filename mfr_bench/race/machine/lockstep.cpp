@@ -10,107 +10,129 @@ namespace {
 enum What { ACCESS, BRANCH, JOIN };
 constexpr int SHADER_END = -1;
 constexpr uint64_t STANDSTILL = 20'000;  // accesses without a change of memory
+constexpr int MOST_LANES = 64;
+using Lanes = uint64_t;                  // a bit for each lane of a warp
 
 struct Divergence {
     int id;
-    std::vector<int> active, arrived;
-    std::vector<std::vector<int>> sides;  // still to run
+    Lanes active, arrived;
+    std::vector<Lanes> sides;  // still to run
 };
 
 struct Warp {
+    int first;  // fiber of its lane 0
     std::vector<Divergence> stack;
+    int depth;  // of the stack, as far as it is used: what is behind keeps its memory
 };
 
-bool done(int lane) { return m.fibers[size_t(lane)].state == DONE; }
+Fiber& fiber_of(const Warp& warp, int lane) { return m.fibers[size_t(warp.first + lane)]; }
+int lowest(Lanes lanes) { return __builtin_ctzll(lanes); }
+int count(Lanes lanes) { return __builtin_popcountll(lanes); }
+Lanes bit(int lane) { return Lanes(1) << lane; }
+Divergence& top_of(Warp& warp) { return warp.stack[size_t(warp.depth - 1)]; }
 
-std::vector<int> running(const Divergence& top) {
-    std::vector<int> lanes;
-    for (int lane : top.active)
-        if (!done(lane)) lanes.push_back(lane);
+template <class F> void each_lane(Lanes lanes, F f) {
+    for (; lanes; lanes &= lanes - 1) f(lowest(lanes));
+}
+
+Lanes running(const Warp& warp, Lanes lanes) {
+    each_lane(lanes, [&](int lane) { if (fiber_of(warp, lane).state == DONE) lanes &= ~bit(lane); });
     return lanes;
 }
 
-void shuffle(std::vector<int>& lanes) {
-    for (size_t i = lanes.size(); i > 1; --i) std::swap(lanes[i - 1], lanes[size_t(choose(SIDE, int(i)))]);
+void push(Warp& warp, int id) {
+    if (size_t(warp.depth) == warp.stack.size()) warp.stack.emplace_back();
+    Divergence& d = warp.stack[size_t(warp.depth++)];
+    d.id = id;
+    d.active = d.arrived = 0;
+    d.sides.clear();
 }
 
-void resume(const std::vector<int>& lanes) {
-    for (int lane : lanes) {
-        if (m.failure) return;
-        switch_to(&m.fibers[size_t(lane)]);
-    }
+void resume(const Warp& warp, Lanes lanes) {
+    for (; lanes && !m.failure; lanes &= lanes - 1) switch_to(&fiber_of(warp, lowest(lanes)));
+}
+
+// The lanes make their access one after the other, in any order.
+void access(const Warp& warp, Lanes lanes) {
+    int order[MOST_LANES], n = 0;
+    each_lane(lanes, [&](int lane) { order[n++] = lane; });
+    for (int i = n; i > 1; --i) std::swap(order[i - 1], order[choose(SIDE, i)]);
+    for (int i = 0; i < n && !m.failure; ++i) switch_to(&fiber_of(warp, order[i]));
 }
 
 // All sides have come to the end of the branch: its lanes go on together.
 void converge(Warp& warp) {
-    Divergence& top = warp.stack.back();
-    top.active.clear();
+    Divergence& top = top_of(warp);
     if (!top.sides.empty()) {
         top.active = top.sides.back();
         top.sides.pop_back();
         return;
     }
-    std::vector<int> lanes = top.arrived;
-    warp.stack.pop_back();
-    if (!warp.stack.empty()) {
-        warp.stack.back().active = lanes;
-        resume(lanes);
-    }
+    Lanes lanes = top.arrived;
+    if (!--warp.depth) return;
+    top_of(warp).active = lanes;
+    resume(warp, lanes);
 }
 
-void take_branch(Warp& warp, const std::vector<int>& lanes) {
-    std::vector<int> side[2];
-    for (int lane : lanes) side[m.fibers[size_t(lane)].condition].push_back(lane);
-    if (!side[0].empty() && !side[1].empty()) {
-        const Fiber& first = m.fibers[size_t(lanes[0])];
-        int id = m.options.late && first.returns ? SHADER_END : first.event_id;
-        int chosen = choose(SIDE, 2);
-        if (warp.stack.back().id != id || id == SHADER_END) warp.stack.push_back({id, {}, {}, {}});
-        Divergence& top = warp.stack.back();
-        top.active = side[chosen];
-        top.sides.push_back(side[1 - chosen]);
+void take_branch(Warp& warp, Lanes lanes) {
+    Lanes side[2] = {0, 0};
+    each_lane(lanes, [&](int lane) { side[fiber_of(warp, lane).condition] |= bit(lane); });
+    if (side[0] && side[1]) {
+        const Fiber& first = fiber_of(warp, lowest(lanes));
+        int id = m.options.late && first.returns ? SHADER_END : first.event_id, chosen = choose(SIDE, 2);
+        if (top_of(warp).id != id || id == SHADER_END) push(warp, id);
+        top_of(warp).active = side[chosen];
+        top_of(warp).sides.push_back(side[1 - chosen]);
     }
-    resume(warp.stack.back().active);
+    resume(warp, top_of(warp).active);
+}
+
+// Lanes that stand at branches: those at one of them take it; the others wait with them for its end.
+void branches(Warp& warp, Lanes lanes) {
+    int which = choose(SIDE, count(lanes));
+    Lanes left = lanes, alike = 0;
+    while (which--) left &= left - 1;
+    int id = fiber_of(warp, lowest(left)).event_id;
+    each_lane(lanes, [&](int lane) { if (fiber_of(warp, lane).event_id == id) alike |= bit(lane); });
+    if (alike == lanes) {
+        take_branch(warp, alike);
+        return;
+    }
+    top_of(warp).active = alike;
+    top_of(warp).sides.push_back(lanes & ~alike);
 }
 
 // One step of a warp: an access of all lanes that stand before one, else what the lanes have come to.
 void step(Warp& warp) {
-    Divergence& top = warp.stack.back();
-    std::vector<int> lanes = running(top), accesses, ends, passing;
-    top.active = lanes;
-    if (lanes.empty()) {
-        converge(warp);
-        return;
+    Divergence& top = top_of(warp);
+    Lanes lanes = top.active = running(warp, top.active), accesses = 0, ends = 0, passing = 0;
+    each_lane(lanes, [&](int lane) {
+        const Fiber& f = fiber_of(warp, lane);
+        if (f.event == ACCESS) accesses |= bit(lane);
+        else if (f.event == JOIN) (f.event_id == top.id ? ends : passing) |= bit(lane);
+    });
+    if (!lanes) converge(warp);
+    else if (accesses) access(warp, accesses);
+    else if (passing) resume(warp, passing);
+    else if (ends) top.arrived |= ends, top.active &= ~ends;
+    else branches(warp, lanes);
+}
+
+std::vector<Warp> warps;  // kept from frame to frame, for their memory
+
+// As many warps as the fragments fill, in order of submission.
+int fill_warps() {
+    int count = 0;
+    for (int id = 0; id < m.used; id += m.options.warp, ++count) {
+        if (size_t(count) == warps.size()) warps.emplace_back();
+        Warp& warp = warps[size_t(count)];
+        int lanes = m.used - id < m.options.warp ? m.used - id : m.options.warp;
+        warp.first = id;
+        warp.depth = 0;
+        push(warp, SHADER_END);
+        top_of(warp).active = lanes == MOST_LANES ? ~Lanes(0) : bit(lanes) - 1;
     }
-    for (int lane : lanes) {
-        const Fiber& f = m.fibers[size_t(lane)];
-        if (f.event == ACCESS) accesses.push_back(lane);
-        else if (f.event == JOIN) (f.event_id == top.id ? ends : passing).push_back(lane);
-    }
-    if (!accesses.empty()) {
-        shuffle(accesses);
-        resume(accesses);
-    } else if (!passing.empty()) {
-        resume(passing);
-    } else if (!ends.empty()) {
-        top.active.clear();
-        for (int lane : lanes)
-            (m.fibers[size_t(lane)].event == JOIN ? top.arrived : top.active).push_back(lane);
-    } else {
-        int id = m.fibers[size_t(lanes[size_t(choose(SIDE, int(lanes.size())))])].event_id;
-        std::vector<int> alike;
-        for (int lane : lanes)
-            if (m.fibers[size_t(lane)].event_id == id) alike.push_back(lane);
-        if (alike.size() == lanes.size()) {
-            take_branch(warp, alike);
-        } else {  // lanes at different branches: some go on, the others wait with them for the end of this one
-            std::vector<int> rest;
-            for (int lane : lanes)
-                if (m.fibers[size_t(lane)].event_id != id) rest.push_back(lane);
-            top.active = alike;
-            top.sides.push_back(rest);
-        }
-    }
+    return count;
 }
 }  // namespace
 
@@ -134,15 +156,11 @@ void lockstep_join(int id) {
 }
 
 void run_lockstep() {
-    std::vector<Warp> warps;
-    for (int id = 0; id < m.used; ++id) {
-        if (id % m.options.warp == 0) warps.push_back({{{SHADER_END, {}, {}, {}}}});
-        warps.back().stack[0].active.push_back(id);
-    }
-    while (!warps.empty() && !m.failure) {
-        size_t which = size_t(choose(SIDE, int(warps.size())));
+    int left = fill_warps();
+    while (left && !m.failure) {
+        size_t which = size_t(choose(SIDE, left));
         step(warps[which]);
-        if (warps[which].stack.empty()) warps.erase(warps.begin() + long(which));
+        if (!warps[which].depth) std::swap(warps[which], warps[size_t(--left)]);
         if (m.steps - m.last_change > STANDSTILL && !m.failure) m.failure = "stuck";
     }
 }

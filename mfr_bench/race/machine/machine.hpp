@@ -26,7 +26,7 @@ struct PassDesc {
     int depth_test;  // 0 none, 1 less, 2 lequal, 3 equal, 4 always
     bool depth_write, early, writes_depth, samples_all;
     int stencil_test, stencil_update, stencil_reference;  // test 0 none, 1 always, 2 equal; update 1 up, 2 down
-    bool region, by_tile, concurrent, counts, sets_capacity, interlocked, uses_mask;
+    bool region, by_tile, concurrent, counts, sets_capacity, interlocked, ordered, uses_mask;
     int instances, groups, local_x, local_y, command, command_class;  // command: buffer of indirect draws, -1 none
     int written[16]; int written_count;  // slots that a clear by the driver zeroes
     uint32_t shared_words;
@@ -161,7 +161,7 @@ enum State : uint8_t { READY, WAITING, AT_BARRIER, DONE };
 enum Choosing : uint8_t { SWITCH, NEXT, DELAY, DRAIN, STALE, REVERSE, SIDE };
 struct Deviation { int fiber; uint32_t count; int kind; int value; };
 struct Pending { uint32_t address; uint32_t value; bool coherent; int site; };
-struct Seen { uint32_t address, time; };
+struct Seen { uint32_t epoch, time; };  // of another epoch: not yet seen
 struct Fiber {
     void* sp = nullptr;
     char* stack = nullptr;
@@ -177,7 +177,8 @@ struct Fiber {
     bool condition = false, returns = false;
     uint32_t floor = 0;           // the time of its last barrier: no load is older
     std::vector<Pending> pending;
-    std::vector<Seen> seen;
+    std::vector<Seen> seen;       // per word; weak memory only
+    uint32_t epoch = 0;
     int priority = 0;
 };
 struct Bound { uint32_t first, words; bool coherent; };
@@ -187,7 +188,7 @@ enum Mode { RANDOM, PRIORITY, EXHAUSTIVE, REPLAY, SEQUENTIAL };
 struct Options {
     Mode mode = RANDOM;
     bool weak = false, dependencies = true, trace = false, ordered = false, late = false, one_failure = true, may_lose = false;
-    int warp = 0, bound = 2;
+    int warp = 0, bound = 2, in_flight = 0;       // the last: fragments of a geometry pass at a time, 0 for all
     uint64_t seed = 1, schedules = 1000;
 };
 
@@ -223,12 +224,14 @@ struct Machine {
     std::vector<Fiber> fibers;
     std::vector<int> ready, at_barrier;           // the latter: how many of each work group
     int live = 0, used = 0;                       // fibers not done; fibers of this pass
+    int held = 0;                                 // the first fiber that may not start yet
     Fiber* current = nullptr;
     void* home = nullptr;                         // the stack of the machine itself
     const PassDesc* pass = nullptr;
     int pass_index = 0, iteration = 0, step = 0;
     bool solo = false;
-    uint32_t clock = 0, waiting = 0, stuck_rounds = 0;
+    uint32_t clock = 0, waiting = 0, stuck_rounds = 0, epoch = 0;
+    int on_the_way = 0;                           // stores of this pass that have not reached memory
     uint64_t steps = 0, last_change = 0;
     uint32_t lockstep_choices = 0;
     std::vector<int> order;                       // of the fibers of a pass that run one after the other

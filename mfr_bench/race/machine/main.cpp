@@ -1,9 +1,9 @@
 // The program: reads what to do from its arguments and standard input, prints one JSON object.
 #include "machine.hpp"
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <string>
 
 namespace glsl {
@@ -175,7 +175,7 @@ void count_failure(const char* what) {
 }
 
 void check(bool shrunk) {
-    auto began = std::chrono::steady_clock::now();
+    std::clock_t began = std::clock();
     bool mixed = m.options.mode == RANDOM, exhaustive = m.options.mode == EXHAUSTIVE, left = true;
     uint64_t done = 0, length = 100;
     std::string failure;
@@ -194,7 +194,7 @@ void check(bool shrunk) {
         }
         left = !exhaustive || exhaust_next();
     }
-    double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    double seconds = double(std::clock() - began) / CLOCKS_PER_SEC;
     std::printf("{\"schedules\": %llu, \"seconds\": %.6f, \"complete\": %s, \"failed\": %llu, \"lost_frames\": %llu, \"wrong\": %llu, ",
                 static_cast<unsigned long long>(done), seconds, exhaustive && !left ? "true" : "false",
                 static_cast<unsigned long long>(failed_frames), static_cast<unsigned long long>(lost_frames),
@@ -243,7 +243,7 @@ void replay() {
     std::printf("\"steps\": %llu}\n", static_cast<unsigned long long>(m.steps));
 }
 
-void read_scene() {
+void read_fragments() {
     unsigned count;
     if (std::scanf("%u", &count) != 1) std::exit(2);
     for (unsigned i = 0; i < count; ++i) {
@@ -253,6 +253,10 @@ void read_scene() {
         f.helper = helper;
         m.fragments.push_back(f);
     }
+}
+
+void read_scene() {
+    read_fragments();
     for (auto& base : m.base)
         for (float& part : base)
             if (std::scanf("%f", &part) != 1) std::exit(2);
@@ -295,6 +299,24 @@ void allocate() {
     m.fibers.resize(most);
 }
 
+// One schedule of a pixel after the other, each with fragments of its own: prints the colour that comes out.
+void picture() {
+    unsigned count;
+    if (std::scanf("%u", &count) != 1) std::exit(2);
+    std::printf("{\"colours\": [");
+    for (unsigned i = 0; i < count; ++i) {
+        m.fragments.clear();
+        read_fragments();
+        if (m.fibers.size() < m.fragments.size()) m.fibers.resize(m.fragments.size());
+        m.options.mode = i % 2 ? PRIORITY : RANDOM;
+        begin_schedule(i, std::max<uint64_t>(10, m.steps));
+        draw_frame();
+        if (i) std::printf(", ");
+        print_floats(image());
+    }
+    std::printf("]}\n");
+}
+
 void set_uniforms(uint32_t seed) {
     const uint32_t* r = frame.region;
     uint32_t first = r[1] * r[2] + r[0];
@@ -327,6 +349,7 @@ int run(int count, char** arguments) {
     m.options.may_lose = flag(count, arguments, "may-lose");
     m.options.warp = int(number(count, arguments, "warp", 0));
     m.options.bound = int(number(count, arguments, "bound", 2));
+    m.options.in_flight = int(number(count, arguments, "in-flight", 0));
     m.options.seed = number(count, arguments, "seed", 1);
     m.options.schedules = number(count, arguments, "schedules", 1000);
     read_scene();
@@ -334,7 +357,7 @@ int run(int count, char** arguments) {
     std::vector<std::vector<float>> bounds;
     read_images(bounds);
     if (bounds.size() == 2) low_bound = bounds[0], high_bound = bounds[1];
-    read_deviations();
+    if (what != "picture") read_deviations();
     allocate();
     set_uniforms(uint32_t(number(count, arguments, "scene", 1)));
     if (what == "reference") {
@@ -342,6 +365,8 @@ int run(int count, char** arguments) {
         reference();
     } else if (what == "replay") {
         replay();
+    } else if (what == "picture") {
+        picture();
     } else {
         m.options.mode = what == "exhaustive" ? EXHAUSTIVE : RANDOM;
         check(!flag(count, arguments, "unshrunk"));

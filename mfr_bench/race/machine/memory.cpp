@@ -58,10 +58,10 @@ static void write_now(int slot, uint32_t address, uint32_t value) {
 }
 
 static uint32_t& seen_at(Fiber& f, uint32_t address) {
-    for (auto& s : f.seen)
-        if (s.address == address) return s.time;
-    f.seen.push_back({address, 0});
-    return f.seen.back().time;
+    if (f.seen.empty()) f.seen.resize(m.memory.size());
+    Seen& s = f.seen[address];
+    if (s.epoch != f.epoch) s = {f.epoch, 0};
+    return s.time;
 }
 
 void drain(Fiber& f, size_t entry) {
@@ -72,6 +72,7 @@ void drain(Fiber& f, size_t entry) {
             return;
         }
     f.pending.erase(f.pending.begin() + long(entry));
+    --m.on_the_way;
     uint32_t before = m.memory[p.address];
     write_now(0, p.address, p.value);
     seen_at(f, p.address) = m.clock;  // nobody loads what was there before a store of its own
@@ -89,10 +90,8 @@ void drain(Fiber& f, size_t entry) {
 
 // Now and then a store that is on its way reaches memory.
 void drain_some() {
-    int on_the_way = 0;
-    for (int i = 0; i < m.used; ++i) on_the_way += int(m.fibers[size_t(i)].pending.size());
-    if (!on_the_way) return;
-    int which = choose(DRAIN, on_the_way + 1) - 1;
+    if (!m.on_the_way) return;
+    int which = choose(DRAIN, m.on_the_way + 1) - 1;
     for (int i = 0; which >= 0 && i < m.used; ++i) {
         int held = int(m.fibers[size_t(i)].pending.size());
         if (which < held) drain(m.fibers[size_t(i)], size_t(which));
@@ -101,7 +100,7 @@ void drain_some() {
 }
 
 void publish_all() {
-    for (int i = 0; i < m.used; ++i)
+    for (int i = 0; m.on_the_way && i < m.used; ++i)
         while (!m.fibers[size_t(i)].pending.empty()) drain(m.fibers[size_t(i)], 0);
     for (uint32_t address : m.touched) m.history[address].clear();
     m.touched.clear();
@@ -154,6 +153,7 @@ static void store_at(int slot, Uint at, Uint value, int site) {
     log(STORE, site, name_of(slot), at.v, store_of(slot)[address], value.v);
     if (m.options.weak && slot < SHARED_SLOT && !m.solo) {
         f.pending.push_back({address, value.v, b.coherent, site});
+        ++m.on_the_way;
         if (f.pending.size() > MOST_ON_THE_WAY) drain(f, 0);
         else if (!choose(DELAY, 2)) drain(f, f.pending.size() - 1);
     } else {

@@ -13,10 +13,13 @@ constexpr uint32_t STUCK = 64;              // rounds in which everyone waits
 constexpr int MOST_WITH_PRIORITY = 64;       // invocations; with more, who goes on is drawn
 constexpr uint32_t WAITS = 2;               // repeats of one access after which an invocation is known to wait
 
+static void join_ready(Fiber& f);
+
 static void body() {
     m.pass->run();
     m.current->state = DONE;
     --m.live;
+    if (m.held < m.used) join_ready(m.fibers[size_t(m.held++)]);
     pause_current();
     std::abort();
 }
@@ -82,7 +85,7 @@ void start_fiber(Fiber& f) {
     f.inside = f.left = false;
     f.event = 0;
     f.pending.clear();
-    f.seen.clear();
+    f.epoch = ++m.epoch;
     f.out = Outputs();
     f.place = int(m.ready.size());
     m.ready.push_back(f.id);
@@ -318,7 +321,7 @@ static bool may_enter(const Fiber& f) {
     for (int i = 0; i < m.used; ++i) {
         const Fiber& other = m.fibers[size_t(i)];
         bool alike = other.in.x == f.in.x && other.in.y == f.in.y && &other != &f;
-        bool first = m.options.ordered && other.id < f.id && other.state != DONE && !other.left;
+        bool first = (m.options.ordered || m.pass->ordered) && other.id < f.id && other.state != DONE && !other.left;
         if (alike && (other.inside || first)) return false;
     }
     return true;
@@ -361,8 +364,16 @@ static void run_in_order() {
     if (m.live > 0 && !m.failure) m.failure = "barrier";
 }
 
+// Only so many fragments start; with each that ends the next one does, in order of submission.
+static void hold_back() {
+    bool limited = m.options.in_flight && m.pass->kind == GEOMETRY && !m.solo && !lockstep_on;
+    m.held = limited && m.options.in_flight < m.used ? m.options.in_flight : m.used;
+    for (int id = m.held; id < m.used; ++id) leave_ready(m.fibers[size_t(id)]);
+}
+
 void run_fibers() {
     m.stuck_rounds = 0;
+    hold_back();
     if (m.solo) run_in_order();
     else if (lockstep_on) run_lockstep();
     else if (m.live > 0) switch_to(next_ready());
