@@ -34,7 +34,10 @@ ALL = """## For all of them
 - The devices of the papers are not to be had: times are compared with times of the same device only.
 - Fragments are quads of one colour or strips, and cost as little to shade as can be; none is textured.
 - Where a paper renders a model that is not free, a synthetic scene of the same depth complexity and density stands in.
-- A time is a whole frame with all passes, the median of samples in turns; passes are timed in frames of their own.
+- A time is a whole frame with all passes, the median of samples in turns, where gpupro5_ch1 takes the mean of six
+  seconds; passes are timed in frames of their own.
+- Fragments, counters and semaphores are words of storage buffers, where the papers have images (RG_32F, R_32UI) or
+  pointers (NV_shader_buffer_store).
 - MB are MiB, by which alone the printed formulas follow.
 """
 COLUMNS = ("setting", "the paper", "where", "here", "why", "favours")
