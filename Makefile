@@ -5,7 +5,7 @@ WORKERS := 2
 PYTHON_READY := $(VENV)/python-ready
 DRIVER_READY := $(VENV)/driver-ready
 
-.PHONY: help bench papers test lint setup lock clean drivers
+.PHONY: help bench papers test lint docs setup lock clean drivers
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -23,6 +23,9 @@ test: setup  ## run every test, two at a time (WORKERS=0 for one, ARGS="-k scene
 lint: $(PYTHON_READY)  ## check the style of the code
 	@$(VENV)/bin/python -m ruff check .
 	@if command -v shellcheck >/dev/null; then shellcheck scripts/*.sh .ci/run; fi
+
+docs: $(PYTHON_READY)  ## write the pages of docs/ anew that methods, scenes, columns and configs give
+	@scripts/docs.sh
 
 drivers:  ## test every driver that a CPU runs, in fresh roots; needs root (ARGS="--root trixie --driver zink")
 	@scripts/drivers.py $(ARGS)

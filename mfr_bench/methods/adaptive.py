@@ -244,6 +244,7 @@ METHODS = [
         summary="plans each frame from what its geometry and the frame before tell: nothing stored, planes, dense "
                 "cells, or exact ranges; sorts in registers as few fragments as a pixel has",
         guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
+        untouched="plans for each frame what it touches",
         beside=f"{1 + COMMAND_WORDS * (len(BOUNDS) - 1)} words for the cells taken and the draws of classes; where "
                "cells are dense, at most a twentieth of 2f + 2 for those that stay empty; with max_error above its "
                f"default, one and a half per pixel for the cut; with memory_mb one for each {SEGMENT} pixels of a row, "

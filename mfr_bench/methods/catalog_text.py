@@ -87,6 +87,16 @@ def _contents(methods: Iterable[Method]) -> Iterable[tuple[str, ...]]:
         yield f"`{name}`", _size(resource), resource.doc, "by parameters"
 
 
+def _whole(methods: Iterable[Method]) -> Iterable[tuple[str, str]]:
+    """A row for each method that `touched` does not limit, or not in every pass, with the reason."""
+    for method in methods:
+        if method.untouched:
+            yield f"`{method.id}`", f"no such parameter: {method.untouched}"
+        variants = [method.variant({p.name: choice}) for p in method.params for choice in p.choices]
+        passes = dict.fromkeys((step.name, step.whole) for v in variants for step in v.passes if step.whole)
+        yield from ((f"`{method.id}`", f"{name}: {why}") for name, why in passes)
+
+
 def as_markdown(methods: Iterable[Method]) -> str:
     """docs/methods.md: what each method is, promises and costs; its parameters; what becomes of equal depths."""
     methods = list(methods)
@@ -103,6 +113,8 @@ def as_markdown(methods: Iterable[Method]) -> str:
     lines += _table(("name", "size", "contents", "methods"), _contents(methods))
     lines += ["", "## Why some take more than thrice the time of the fastest A-buffer", ""]
     lines += _table(("id", "reason"), ((f"`{m.id}`", m.cost) for m in methods if m.cost))
+    lines += ["", "## What the parameter `touched` leaves as it is", ""]
+    lines += _table(("id", "pass: reason"), _whole(methods))
     lines += ["", "## Equal depths", ""]
     lines += _table(("id", "fragments of equal depth"), ((f"`{m.id}`", m.ties) for m in methods))
     lines += ["", "## Parameters", ""]

@@ -17,6 +17,7 @@ from .spec import Buffer, Counted, Loop, Method, Pass
 
 ORDER = 5
 
+WHOLE = "the sum goes over all pixels"  # why its passes do, whatever `touched` says
 FAN_BITS = 4
 LEVELS = f"max(1, ceil(log2(P)/{FAN_BITS}))"
 TREE = {"FAN": 1 << FAN_BITS, "LEVELS": LEVELS}
@@ -33,12 +34,12 @@ METHODS = [
         buffers=(COUNTER, ADDRESS, NODES, Buffer("sums", SUMS_WORDS, doc="levels 1, 2, … of the hierarchical sum")),
         steps=(
             *once(
-                clear("counter"),
+                clear("counter", whole=WHOLE),
                 count(),
                 Loop((Pass("scan", "fullscreen", "methods/dfb/sum_up.frag", reads=("counter",), writes=("sums",),
-                           defines=TREE),), times=LEVELS, until_empty=False),
+                           defines=TREE, whole=WHOLE),), times=LEVELS, until_empty=False),
                 Loop((Pass("scan", "fullscreen", "methods/dfb/sum_down.frag", reads=("counter",),
-                           writes=("sums", "address"), defines=TREE),), times=LEVELS, until_empty=False),
+                           writes=("sums", "address"), defines=TREE, whole=WHOLE),), times=LEVELS, until_empty=False),
             ),
             *in_screen_region(rewind("scan"), STORE, RESOLVE),
         ),

@@ -72,7 +72,7 @@ def open_addressing(method_id: str, name: str, section: str, summary: str, order
                  Buffer("record_counter", "1", clear="0u", when=EMULATED, doc="records given out")),
         steps=(
             replace(clear("cell_counter", "ages", "offsets", "cells", "record_counter"),
-                    shader="methods/open/clear.frag"),
+                    shader="methods/open/clear.frag", whole="the table is of no pixel's own"),
             Pass("build", "geometry", "methods/open/insert.frag", reads=("offsets",),
                  writes=("cell_counter", "ages", "cells", "records", "record_counter"),
                  defines={"LOAD_LIMIT": "ceil(65536*max(10/16, load_factor))"}),

@@ -65,9 +65,11 @@ def _by_counting(step: Pass, scope: Params) -> tuple[Pass, ...]:
     """The passes that count fragments, by COUNTING."""
     if scope.get(COUNTING.name) != "blended":
         return (replace(step, expand=None),)
-    return (replace(step, shader="methods/sbuffer/count_blended.frag", writes=(), into=(COUNTED.name,),
+    whole = "counting by blending clears a target and reads it whole, as its authors' passes do"
+    return (replace(step, shader="methods/sbuffer/count_blended.frag", writes=(), into=(COUNTED.name,), whole=whole,
                     clears={COUNTED.name: (0.0,)}, state=State(blend=ADD), targets=(COUNTED,), expand=None),
-            Pass(step.name, "fullscreen", "methods/sbuffer/counted.frag", reads=(COUNTED.name,), writes=("counter",)))
+            Pass(step.name, "fullscreen", "methods/sbuffer/counted.frag", reads=(COUNTED.name,), writes=("counter",),
+                 whole=whole))
 
 
 PLAIN = (*once(replace(count(), expand=_by_counting), *referencing()), rewind("referencing"), STORE)

@@ -29,15 +29,6 @@ SCENES = {
     "crossing": SceneConfig(size=(48, 40), depth_complexity=9, slant=0.7, layout="mixed", mean_depth=5, seed=10),
     "nothing": replace(BASE, depth_complexity=0),
 }
-WITHOUT = {  # no full-screen pass, or one that bounds itself
-    "floor": "one geometry pass", "zbuffer": "one geometry pass", "adaptive": "plans for each frame what it touches",
-}
-WHOLE = {  # passes that touch more than the region, and why
-    **dict.fromkeys([("ab-precalc", "clear"), ("ab-precalc", "scan"), ("ab-dfb", "clear"), ("ab-dfb", "scan")],
-                    "the sum goes over all pixels"),
-    **dict.fromkeys([("open-post", "clear"), ("open-pre", "clear")], "the table is of no pixel's own"),
-    ("ab-sb", "count"): "counting by blending clears a render target and reads it whole, as its authors' passes do",
-}
 # Parameters by which full-screen passes come and go, or clear and read other storage.
 OPTIONS = {"occupancy", "packed", "insert", "allocation", "scan", "reuse_count", "sync", "multisampling", "precision",
            "moments", "hash", "atomic64", "payload"}
@@ -67,16 +58,21 @@ def resolves(method, touched):
     return [in_few(method, touched=touched, **by, **of) for by in stages for of in classes]
 
 
-def test_a_method_without_it_has_a_reason():
-    assert {m.id for m in catalog().values()} - {m.id for m in TOUCHING} == set(WITHOUT)
-    assert all("no tiles, since " in m.param("touched").doc for m in TOUCHING if m not in BY_TILE)
+@pytest.mark.parametrize("method", catalog().values(), ids=lambda m: m.id)
+def test_a_method_without_it_says_why(method):
+    """A method has the parameter or a reason, and without its tiles a reason for that."""
+    assert (method in TOUCHING) != bool(method.untouched)
+    assert method not in TOUCHING or method in BY_TILE or "no tiles, since " in method.param("touched").doc
 
 
-def test_passes_that_touch_more_than_the_region_have_a_reason():
-    whole = {(m.id, step.name) for m in TOUCHING for touched in m.param("touched").choices[1:]
-             for variant in variants(m) for step in m.variant(variant.params | {"touched": touched}).passes
-             if not step.region and step.kind != "clear" and (step.kind != "geometry" or step.clears)}
-    assert whole == set(WHOLE)
+@pytest.mark.parametrize("method", TOUCHING, ids=lambda m: m.id)
+def test_a_pass_that_touches_more_than_the_region_says_why(method):
+    """And no other does."""
+    for touched in method.param("touched").choices[1:]:
+        for variant in variants(method):
+            for step in method.variant(variant.params | {"touched": touched}).passes:
+                covers = step.kind != "clear" and (step.kind != "geometry" or bool(step.clears))
+                assert bool(step.whole) == (covers and not step.region), (step.name, step.shader, label(variant))
 
 
 @pytest.mark.parametrize("method", EXACT, ids=lambda m: m.id)

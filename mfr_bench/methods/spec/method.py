@@ -67,6 +67,7 @@ class Method:
     most_layers: str | None = None  # the nearest fragments that its parameters leave of all, 0: every one; a formula
     mixes: bool = False  # its image stands for every fragment, whatever its k; few or none are stored as they were
     exact_where: str | None = None  # where an approximate method is exact all the same: a formula, e.g. "n <= k"
+    untouched: str | None = None  # why it has no parameter `touched`
     package: Mapping[str, str | None] | None = None  # name, version and hash of what brings it from outside
     merges: bool = False  # composites groups of fragments by themselves before they are stacked
 

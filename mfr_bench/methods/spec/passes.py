@@ -85,6 +85,7 @@ class Pass:
     needed: str | None = None  # a formula; the pass is left out where it gives 0
     runs_in: Callable[[Plan], bool] | None = None  # of a planned method: whether a frame of this plan needs the pass
     region: bool = False  # draws and clears only what bounds the geometry, or the loop's band; a clear: all but that
+    whole: str = ""  # why it covers the viewport although the method has `touched`, which limits the others
     by_tile: bool = False  # only the tiles of TILE_LIST, as TILE_COMMAND has it on the device: a point or a group each
     command: str | None = None  # the buffer of indirect draws; the pass is drawn by the one of its define CLASS
     static: bool | None = None  # False: only in a scene's first frame, for all; True: only in frames after that
