@@ -36,7 +36,7 @@ def as_text(verdicts: Sequence[Verdict], width: int) -> str:
     """A paragraph per claim, device by device, and how many hold."""
     parts = []
     for device, of_device in _by_device(verdicts):
-        parts += [device, *(_paragraph(v, width) for v in of_device), textwrap.fill(_tally(device, of_device), width)]
+        parts += [device, *(_paragraph(v, width) for v in of_device), textwrap.fill(_counts(device, of_device), width)]
     return "\n\n".join(parts)
 
 
@@ -77,7 +77,7 @@ def _by_device(verdicts: Iterable[Verdict]) -> list[tuple[str, list[Verdict]]]:
     return list(found.items())
 
 
-def _tally(device: str, verdicts: Iterable[Verdict]) -> str:
+def _counts(device: str, verdicts: Iterable[Verdict]) -> str:
     counts = Counter(v.verdict for v in verdicts)
     return f"{device}, {counts.total()} claims: " + ", ".join(f"{name} {counts[name]}" for name in VERDICTS)
 
@@ -88,7 +88,7 @@ def as_markdown(verdicts: Sequence[Verdict]) -> str:
     for device, of_device in _by_device(verdicts):
         rows = ["| claim | source | verdict | what it says |", "| --- | --- | --- | --- |",
                 *(_markdown_row(v) for v in of_device)]
-        parts += [f"## Claims on {device}", _tally(device, of_device), "\n".join(rows), *map(_section, of_device)]
+        parts += [f"## Claims on {device}", _counts(device, of_device), "\n".join(rows), *map(_section, of_device)]
     return "\n\n".join(parts)
 
 

@@ -28,8 +28,20 @@ def test_the_page_shows_the_files_of_the_example():
         assert (EXAMPLE / path).read_text() == text, path
 
 
+EVERY = """
+from mfr_bench.config import load
+from mfr_bench.methods import catalog
+for name in ("pareto", "meshes", "conformance"):
+    experiment, = load(name, catalog())
+    assert "my-array" in {entry.id for entry in experiment.methods}, name
+"""
+
+
 def test_the_files_work_in_the_repository(tmp_path):
-    """The method is measured, exact, and of the same memory as the one that it copies."""
+    """The method is measured, exact, of the same memory as the one that it copies, and in every comparison of all.
+
+    Its declaration and its shaders are all that the program needs.
+    """
     for name in ("mfr_bench", "configs", "shaders"):
         shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(EXAMPLE / "my_array" / "method.py", tmp_path / "mfr_bench" / "methods" / "my_array.py")
@@ -45,3 +57,5 @@ def test_the_files_work_in_the_repository(tmp_path):
     assert float(rows["my-array"]["max_abs_error"]) <= 1e-4
     assert rows["my-array"]["memory_bytes"] == rows["ab-array"]["memory_bytes"]
     assert float(rows["my-array"]["time_ms"]) > 0
+    done = subprocess.run([sys.executable, "-c", EVERY], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

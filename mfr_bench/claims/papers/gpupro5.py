@@ -10,6 +10,8 @@ from ..picks import ANY, from_, pick, within
 from ..rules import Change, Ratio, Rule, Share, Straight
 from ..verdict import Claim, Reading
 
+ORDER = 2
+
 FOUR = ("lin-post", "lin-pre", "open-post", "open-pre")
 THREE = ("lin-post", "open-post", "open-pre")
 OPEN = ("open-post", "open-pre")

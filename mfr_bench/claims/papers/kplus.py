@@ -10,6 +10,8 @@ from ..picks import ALL_LAYERS, ANY, UNSET, Pick, fastest_of, from_, if_any, oth
 from ..rules import Change, Ratio, Rule
 from ..verdict import Claim, Reading
 
+ORDER = 1
+
 IN_ORDER = "it draws the fragments of a pixel one by one, so that none waits for another or collides"
 LOCAL_MEMORY = "its local arrays are ordinary memory, which no other thread needs"
 VARIANTS = ("kplus-array", "kplus-heap")

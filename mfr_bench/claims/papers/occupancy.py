@@ -7,6 +7,8 @@ from ..picks import ANY, pick
 from ..rules import Counted, Ratio
 from ..verdict import Claim, Reading
 
+ORDER = 3
+
 OF_ALL, OF_UNKEPT = "culled_share", "culled_of_unkept"  # fragments that never ask for the lock, of these
 METHODS = ("kplus-array", "kplus-heap")
 

@@ -10,6 +10,8 @@ from ..picks import from_, if_any, other_than, pick, up_to
 from ..rules import Ratio, no_faster_than, no_slower_than
 from ..verdict import Claim
 
+ORDER = 0
+
 FEW_THREADS = "few threads share the counters, which a GPU's pixels contend for"
 PRECALC = pick("ab-precalc", scan="compute")  # the stand-in for PreCalc_OpenCL
 COUNTED = if_any("atomic")  # fragments, where additive blending is a further series

@@ -10,6 +10,8 @@ from ..picks import pick
 from ..rules import Counted, Ratio
 from ..verdict import Claim, Reading
 
+ORDER = 4
+
 LUMINANCE, HUE = "luminance_error", "hue_error"  # values of a cell: largest and mean error of decoded colours
 ROUNDING = round(1 / 255, 5)  # of a luminance in [0, 1] stored in 8 bits with gamma 2: d(v²) <= 2 · 0.5 / 255
 
