@@ -10,8 +10,8 @@ from ..data import Point, Result
 from .blocks import Block
 from .grid import Grid, cut
 
-NOTE = ("place by the median time, 1 the fastest; those are listed that are faster than another method at one value and "
-        "slower at another, beyond the noise at both")
+NOTE = ("place by the median time, 1 the fastest; those are listed that are faster than another method at one value "
+        "and slower at another, beyond the noise at both")
 
 
 def places_grids(result: Result, blocks: Sequence[Block]) -> list[Grid]:
@@ -33,7 +33,8 @@ def _grid(block: Block) -> Grid:
 
 def _timed(block: Block, value: object) -> list[Point]:
     """The points at a value of the axis that have a time, from the fastest to the slowest."""
-    points = [p for p in block.points if p.at(block.axis) == value and p.status == "ok" and p.row["time_ms"] is not None]
+    points = [p for p in block.points
+              if p.at(block.axis) == value and p.status == "ok" and p.row["time_ms"] is not None]
     return sorted(points, key=lambda p: p.row["time_ms"])
 
 
