@@ -27,13 +27,14 @@ def flat_quads(config: Scene, seed: int) -> Quads:
     rect = rectangles(config, seed)
     index = np.arange(len(rect), dtype=np.uint64)
     depth, colours = stress.values(config, depths(index, seed), rgba(config, index, seed))
-    order = _submission(config.order, depth, index, seed)
+    order = submission(config.order, depth, index, seed)
     rect, depth = stress.reaching(config, rect[order]), stress.odd(config, depth[order])
     return Quads(tuple(config.size), rect, depth, colours[order], config.fragment_probability, seed,
                  KIND.least_layers(config))
 
 
-def _submission(order: str, depth: np.ndarray, index: np.ndarray, seed: int) -> np.ndarray:
+def submission(order: str, depth: np.ndarray, index: np.ndarray, seed: int) -> np.ndarray:
+    """Indices of the quads at these depths in an order of submission."""
     if order == "front_to_back":
         return np.argsort(depth, kind="stable")
     if order == "back_to_front":

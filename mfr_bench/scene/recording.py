@@ -14,13 +14,12 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UsageError
-from ..hashing import hash3
 from . import files
+from .flat import submission
 from .kinds.fragments import path_of
 from .parameters import Scene
 from .pieces import Pieces
 from .spec.values import MAX_SIDE
-from .streams import ORDER
 
 WANTED = "an .npz of recorded fragments (docs/recording.md)"
 MEMORY_PER_BYTE = 8  # bytes of memory that a scene and its oracle take for each byte of the arrays
@@ -110,12 +109,8 @@ def fragments(config: Scene, _frame: int = 0) -> Pieces:
 
 def _order(config: Scene, depth: np.ndarray) -> np.ndarray:
     """Indices of the fragments in the order of submission."""
-    index = np.arange(len(depth))
-    if config.order == "random":
-        return np.argsort(hash3(index.astype(np.uint64), ORDER, config.seed), kind="stable")
-    if config.order == "file":
-        return index
-    return np.argsort(depth if config.order == "front_to_back" else -depth, kind="stable")
+    index = np.arange(len(depth), dtype=np.uint64)
+    return index if config.order == "file" else submission(config.order, depth, index, config.seed)
 
 
 def recording_of(path: Path) -> Recording:
