@@ -100,7 +100,7 @@ once tests 25 "$python" -m pytest -v -p no:cacheprovider tests/gpu tests/contrac
 measured conformance 25 conformance
 part races 10 "$mfr" stress races --profile smoke --device "$device" --out "$dir/races" --time-budget @
 if command -v "${CXX:-c++}" >/dev/null || command -v g++ >/dev/null || command -v clang++ >/dev/null; then
-    once race 5 "$mfr" race all --campaign --schedules 1000
+    part race 5 "$mfr" race all --campaign --schedules 1000 --out "$dir/race"
 else
     echo "== race: left out, no C++ compiler"
 fi

@@ -46,8 +46,7 @@ def test_every_part_runs_in_order_and_each_measures_within_its_share(session):
     assert all("--profile smoke" in line for line in asked if line.startswith("run "))
     assert re.fullmatch(r"== [\d.]+K in \S+ after \d+ s of 200 s", output.splitlines()[-1])
     again = session("200s", DEVICE="cpu").communicate()[0]
-    assert [line for line in again.splitlines() if "before" in line] == ["== tests: passed before",
-                                                                         "== race: passed before"]
+    assert [line for line in again.splitlines() if "before" in line] == ["== tests: passed before"]
 
 
 def test_a_part_that_fails_fails_the_script_and_stops_none(session):
