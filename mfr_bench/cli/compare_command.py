@@ -77,7 +77,6 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
       0  else: a few UNCLEAR cells are ordinary noise
     """
     from ..compare import compare as compared
-    from ..compare import present
 
     if as_json + as_csv + as_markdown > 1:
         raise UsageError("compare: more than one of --json, --csv and --markdown; allowed: one, or none for text")
@@ -85,14 +84,26 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
     found = compared(*sides, threshold, across_devices, absolute)
     if not found.verdicts:
         raise UsageError(f"compare: {before} and {after} have no cell in common; allowed: results of the same configs")
+    printed(found, whole, as_json, as_csv, as_markdown)
+    for line in (line for side in sides for line in side.damaged):
+        note(line)
+    return ending(found, strict)
+
+
+def printed(found, whole: bool, as_json: bool, as_csv: bool, as_markdown: bool) -> None:
+    """Print a comparison in the form that is asked for."""
+    from ..compare import present
+
     if as_json:
         say(present.as_json(found))
     elif as_csv:
         say(present.as_csv(found).rstrip("\n"))
     else:
         say(present.as_markdown(found, whole) if as_markdown else present.as_text(found, width(), whole))
-    for line in (line for side in sides for line in side.damaged):
-        note(line)
+
+
+def ending(found, strict: bool) -> int:
+    """The exit status that a comparison ends with."""
     return REGRESSION if found.regressed else DOUBT if found.untold or (strict and found.doubtful) else 0
 
 

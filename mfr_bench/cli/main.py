@@ -22,6 +22,7 @@ from . import (
     run_command,
     scene_command,
     stress_command,
+    versus_command,
 )
 from .output import let_go_of_stdout, note, prepare_streams, say
 
@@ -46,7 +47,7 @@ Shell completion (or zsh_source, fish_source):
 
 
 SECTIONS = {
-    "Measure": (run_command.run, decide_command.decide, stress_command.stress),
+    "Measure": (run_command.run, decide_command.decide, stress_command.stress, versus_command.versus),
     "Read what was measured": (report_commands.table, report_commands.plot, advise_command.advise,
                                compare_command.compare, claims_command.claims, report_commands.conformance,
                                page_command.report, pack_commands.pack, pack_commands.unpack),

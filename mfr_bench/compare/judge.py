@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
@@ -26,6 +26,7 @@ TOGETHER = 2.0  # and by which, where the cells of the method decide it together
 ALONE = 2.0  # times the noise between runs counts for a cell whose method has no other
 MOST_BURST = 8.0  # times as long: the longest that two cores, shared with other work, made a cell that did not change
 AGAINST = 4.0  # and for one that no other cell of its method supports
+Judged = tuple[str, str, Interval, float | None]  # verdict, reason, ratio with its interval, ratio as measured
 RMSE_GROWTH = 1.1  # a larger error: methods with races have another one in every run
 
 
@@ -139,14 +140,22 @@ def compare(before: Side, after: Side, threshold: float = 0.02, across_devices: 
     """
     if not across_devices:
         refuse_other_devices(before, after)
-    shared = [key for key in before.entries if key in after.entries]
-    pairs = [(before.entries[key], after.entries[key]) for key in shared]
     floor = max((noise for noise in (before.noise, after.noise) if noise is not None), default=threshold)
-    timed = _Timed(pairs, floor, threshold, absolute, alike=before.devices == after.devices)
-    verdicts = tuple(_verdict(b, a, timed) for b, a in pairs)
-    return Comparison(before, after, threshold, floor, absolute, verdicts,
+    timed = _Timed(_shared(before, after), floor, threshold, absolute, alike=before.devices == after.devices)
+    return compared(before, after, threshold, floor, absolute, lambda _, entry: timed.judge(entry), timed.common)
+
+
+def compared(before: Side, after: Side, threshold: float, floor: float, absolute: bool,
+             judged: Callable[[Entry, Entry], Judged], common: tuple[float, float] | None = None) -> Comparison:
+    """The comparison in which `judged` gives what is said of the times of a cell that has one on both sides."""
+    return Comparison(before, after, threshold, floor, absolute,
+                      tuple(_verdict(b, a, judged) for b, a in _shared(before, after)),
                       tuple(e for key, e in after.entries.items() if key not in before.entries),
-                      tuple(e for key, e in before.entries.items() if key not in after.entries), timed.common)
+                      tuple(e for key, e in before.entries.items() if key not in after.entries), common)
+
+
+def _shared(before: Side, after: Side) -> list[tuple[Entry, Entry]]:
+    return [(entry, after.entries[key]) for key, entry in before.entries.items() if key in after.entries]
 
 
 class _Timed:
@@ -209,7 +218,7 @@ class _Timed:
         burst = max(shift.burst, self._critical * max(times, noise.stretch) * noise.between)
         return math.hypot(self._critical * shift.error, min(math.log(MOST_BURST), burst))
 
-    def judge(self, after: Entry) -> tuple[str, str, Interval, float | None]:
+    def judge(self, after: Entry) -> Judged:
         """Verdict, reason, ratio with its interval, ratio as measured."""
         number = self._index.get(id(after))
         if number is None:
@@ -247,7 +256,7 @@ def _shift(before: Entry, after: Entry, frames: Frames) -> Shift | None:
     return Shift(after.scene, after.method, *found, burst) if found else None
 
 
-def _verdict(before: Entry, after: Entry, timed: _Timed) -> Verdict:
+def _verdict(before: Entry, after: Entry, judged: Callable[[Entry, Entry], Judged]) -> Verdict:
     b, a = before.point, after.point
     changes = tuple(_changes(before, after))
     about = (after.name, after.experiment, before, after)
@@ -255,7 +264,7 @@ def _verdict(before: Entry, after: Entry, timed: _Timed) -> Verdict:
         return Verdict(*about, *_without_times(b, a), changes=changes)
     if b.row["timer"] != a.row["timer"]:
         return Verdict(*about, UNCLEAR, f"timed by {b.row['timer']}, then by {a.row['timer']}", changes=changes)
-    return Verdict(*about, *timed.judge(after), changes)
+    return Verdict(*about, *judged(before, after), changes)
 
 
 def _without_times(before: Point, after: Point) -> tuple[str | None, str]:

@@ -1,0 +1,134 @@
+"""The verdict on each cell of two trees, by the rules of `compare`, from pairs that were measured in turns.
+
+A pair's ratio is free of the load and the clock, so nothing is taken out as common, and no cell needs the support of
+another. What is left between the rounds, each with processes of its own, is how far two runs of one thing are apart.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from statistics import NormalDist, fmean, median, stdev
+from typing import Any
+
+from ..compare.judge import ERROR_RATE, FASTER, SAME, SAME_RATE, SLOWER, UNCLEAR, Comparison, Judged, compared
+from ..compare.sides import Side, load_side
+from ..stats import median_interval, sampled_interval
+from ..store import ResultFolder, key
+from ..store.rows import derive
+from .lockstep import Half, Measured, log_ratios
+
+HALF_NORMAL = 0.6745  # median of the absolute value of a normal variable
+MEDIAN_EFFICIENCY = 1.2533  # standard error of a median over that of a mean, of normal samples
+LEAST = 5e-4  # deviation of a cell's ratio, logarithm: no two processes are more alike
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """The logarithm of a cell's ratio, after / before: of each round, and its standard error within the rounds."""
+
+    rounds: tuple[float, ...]
+    within: float
+
+    @property
+    def moved(self) -> float:
+        return fmean(self.rounds)
+
+
+def ratio_of(before: Half, after: Half) -> Ratio | None:
+    """The ratio of a cell that has pairs in some round."""
+    rounds = [log_ratios(b, a) for b, a in zip(before.rounds_ms, after.rounds_ms, strict=True)]
+    rounds = [found for found in rounds if found]
+    if not rounds:
+        return None
+    errors = [_error(found) for found in rounds]
+    return Ratio(tuple(map(median, rounds)), math.sqrt(sum(e**2 for e in errors)) / len(errors))
+
+
+def _error(ratios: Sequence[float]) -> float:
+    """Standard error of the median of a round's pairs."""
+    low, _, high = median_interval(ratios, CONFIDENCE)
+    if low is not None and high is not None:
+        return (high - low) / 2 / NormalDist().inv_cdf((1 + CONFIDENCE) / 2)
+    return MEDIAN_EFFICIENCY * stdev(ratios) / math.sqrt(len(ratios)) if len(ratios) > 1 else math.inf
+
+
+class Judge:
+    """The verdicts on times, of all cells together: how far rounds of one cell are apart is pooled over them.
+
+    That scatter has the noise within the rounds in it, so that the larger of both counts, not their sum.
+    """
+
+    def __init__(self, ratios: Mapping[Any, Ratio], threshold: float):
+        self._limit = math.log1p(threshold)
+        self._critical = NormalDist().inv_cdf(1 - ERROR_RATE / 2 / max(1, len(ratios)))
+        self.between = between(list(ratios.values()))
+
+    def decided(self, ratio: Ratio | None) -> Judged:
+        """Verdict, reason, ratio with its interval, ratio as measured."""
+        if ratio is None:
+            return UNCLEAR, "a side has no sample of a time above 0", (None, None, None), None
+        moved = ratio.moved
+        deviation = max(LEAST, ratio.within, self.between / math.sqrt(len(ratio.rounds)))
+        reach = self._critical * deviation
+        interval = math.exp(moved - reach), math.exp(moved), math.exp(moved + reach)
+        return *self._verdict(ratio, deviation, reach), interval, math.exp(moved)
+
+    def _verdict(self, ratio: Ratio, deviation: float, reach: float) -> tuple[str, str]:
+        moved = ratio.moved
+        alike = all(r * moved > 0 and abs(r) > self._limit / 2 for r in ratio.rounds)
+        if abs(moved) > self._limit and abs(moved) > reach:
+            return (SLOWER if moved > 0 else FASTER, "") if alike else (UNCLEAR, "the rounds differ: more of them tell")
+        if abs(moved) + NormalDist().inv_cdf(1 - SAME_RATE) * deviation < self._limit:
+            return SAME, ""
+        return UNCLEAR, "no more than what two runs of one thing differ by here"
+
+
+def between(ratios: Sequence[Ratio]) -> float:
+    """The deviation of a cell's ratio between rounds, pooled over the cells; a few that are far out move it little."""
+    apart = [abs(r - found.moved) * math.sqrt(len(found.rounds) / (len(found.rounds) - 1))
+             for found in ratios if len(found.rounds) > 1 for r in found.rounds]
+    return median(apart) / HALF_NORMAL if apart else 0.0
+
+
+def judged(measured: Measured, names: tuple[str, str], folder: Path, threshold: float) -> Comparison:
+    """Write both sides as results into `folder`/before and `folder`/after, and compare them."""
+    before, after = measured.halves
+    ratios = {mine: found for mine, half in after.items()
+              if mine in before and (found := ratio_of(before[mine], half)) is not None}
+    judge = Judge(ratios, threshold)
+    sides = [_written(measured, half, folder / which, name, judge.between)
+             for half, which, name in zip(measured.halves, ("before", "after"), names, strict=True)]
+    by_key = {_key(mine, half): mine for mine, half in after.items()}
+    return compared(*sides, threshold, math.expm1(judge.between), True,
+                    lambda _, entry: judge.decided(ratios.get(by_key[entry.point.cell["key"]])))
+
+
+def _key(mine: str, half: Half) -> str:
+    return key({"identity": mine, "scene": half.told["scene"], "params": half.told["params"]})
+
+
+def _written(measured: Measured, halves: Mapping[str, Half], path: Path, name: str, noise: float) -> Side:
+    """The cells of a side as a result folder, read back. Raises StoreError."""
+    folder = ResultFolder(path)
+    cells = [_record(measured, mine, half) for mine, half in halves.items()]
+    folder.write_manifest({
+        "name": next((c["experiment"] for c in cells), name), "title": measured.title, "device": dict(measured.device),
+        "timer": measured.timer, "noise_floor_rel": math.expm1(noise), "cells": [c["key"] for c in cells]})
+    for cell in cells:
+        folder.write_cell(cell)
+    derive(folder)
+    return replace(load_side(str(path)), path=name)
+
+
+def _record(measured: Measured, mine: str, half: Half) -> dict[str, Any]:
+    """A half of a cell as a result folder holds it."""
+    samples = [ms for times in half.rounds_ms for ms in times]
+    low, middle, high = sampled_interval(samples) if samples else (None, None, None)
+    timed = {"samples": len(samples), "time_ms": middle, "time_ms_low": low, "time_ms_high": high} if samples else {}
+    return {**half.told, "key": _key(mine, half), "status": half.status, "reason": half.reason,
+            "values": {**half.values, **timed}, "samples_ms": samples, "pairs": [len(times) for times in half.rounds_ms],
+            "device": {part: measured.device.get(part) for part in ("slug", "renderer", "version")}}
