@@ -130,5 +130,6 @@ def _record(measured: Measured, mine: str, half: Half) -> dict[str, Any]:
     low, middle, high = sampled_interval(samples) if samples else (None, None, None)
     timed = {"samples": len(samples), "time_ms": middle, "time_ms_low": low, "time_ms_high": high} if samples else {}
     return {**half.told, "key": _key(mine, half), "status": half.status, "reason": half.reason,
-            "values": {**half.values, **timed}, "samples_ms": samples, "pairs": [len(times) for times in half.rounds_ms],
+            "values": {**half.values, **timed}, "samples_ms": samples,
+            "pairs": [len(times) for times in half.rounds_ms],
             "device": {part: measured.device.get(part) for part in ("slug", "renderer", "version")}}
