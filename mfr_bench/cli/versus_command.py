@@ -51,7 +51,7 @@ def versus(names: tuple[str, ...], against: str | None, threshold: float, rounds
     Examples:
       mfr-bench versus v0.1.0 HEAD smoke
       mfr-bench versus . smoke --against HEAD       # a shader edited in place
-      mfr-bench versus ../old ../new smoke --only kplus-array --set k=16 --rounds 5
+      mfr-bench versus ../old ../new smoke --only kplus-array --rounds 5
     """
     from ..versus.judge import judged
     from ..versus.lockstep import Ask, measure
