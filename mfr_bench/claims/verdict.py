@@ -128,8 +128,9 @@ class Verdict:
 
     @property
     def decided_by(self) -> str:
-        """How the sentence was read, where another reading has another verdict."""
-        apart = [f"'{reading.words}': {verdict}" for reading, verdict, _ in self.others if verdict != self.verdict]
+        """How the sentence was read, where another reading that can be tested has another verdict."""
+        apart = [f"'{reading.words}': {verdict}" for reading, verdict, _ in self.others
+                 if verdict not in (self.verdict, NOT_TESTABLE)]
         return f"the reading decides: '{self.claim.reading}', but by {'; by '.join(apart)}" if apart else ""
 
     def record(self) -> dict[str, Any]:

@@ -64,6 +64,22 @@ def test_a_verdict_says_where_another_reading_decides_otherwise(tmp_path):
     assert lines.record()["otherwise"][0]["verdict"] == HOLDS
 
 
+@pytest.mark.parametrize("claim_id", [claim.id for claim in CLAIMS if claim.otherwise])
+def test_every_claim_of_several_readings_says_when_one_decides(tmp_path, claim_id):
+    judged = verdict(tmp_path, claim_id, planted.READ_APART[claim_id])
+    apart = [reading.words for reading, other, _ in judged.others if other in {HOLDS, FAILS} - {judged.verdict}]
+    assert apart
+    assert judged.decided_by.startswith(f"the reading decides: '{BY_ID[claim_id].reading}', but by ")
+    assert all(f"'{words}': " in judged.decided_by for words in apart)
+    assert judged.record()["decided_by"] == judged.decided_by
+
+
+def test_a_reading_that_cannot_be_tested_decides_nothing(tmp_path):
+    judged = verdict(tmp_path, "oc-gain", cells("oc-gain"))
+    assert {other for _, other, _ in judged.others} == {NOT_TESTABLE}
+    assert (judged.verdict, judged.decided_by) == (HOLDS, "")
+
+
 def test_readings_that_agree_are_not_told_apart(tmp_path):
     assert verdict(tmp_path, "oc-gain", planted.occupancy(True, intervals=(32, 128))).decided_by == ""
 
