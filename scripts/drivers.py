@@ -71,8 +71,11 @@ class Check:
     drivers: Sequence[str] = tuple(DRIVERS)
 
 
+BENCH = "bench"  # the check that sets itself up
+
 CHECKS = {
-    "newcomer": Check("make bench && make test", 2400, ["llvmpipe"]),  # the root's own default
+    BENCH: Check("rm -rf .venv; make bench", 1200, ["llvmpipe"]),  # a newcomer's two commands, on the root's default
+    "tests": Check("make test", 1800, ["llvmpipe"]),
     "doctor": Check(".venv/bin/mfr-bench doctor --device $DEVICE", 120),
     "smoke": Check(f"{MEASURE.format('run smoke --force', '$DEVICE')}", 300),
     "conformance": Check(MEASURE.format("run conformance determinism device-features --profile smoke", "$DEVICE"),
@@ -101,13 +104,13 @@ class Matrix:
             return
         self._copy_sources(root)
         for check in wanted:
-            if check != "newcomer" and not self._set_up(root):
+            if check != BENCH and not self._set_up(root):
                 self._keep(root, driver, check, {"status": NO_SETUP, "seconds": 0})
             else:
                 self._keep(root, driver, check, self._check(root, driver, check))
 
     def _set_up(self, root: str) -> bool:
-        """Whether the sources that were copied last are set up; a newcomer's commands do that themselves."""
+        """Whether the sources that were copied last are set up."""
         if root not in self._ready:
             begun = time.monotonic()
             status = self._logged(root, "none", "setup", self._inside(root, "cd /mfr-bench && make setup"), SETUP_S)
@@ -180,7 +183,7 @@ class Matrix:
         begun = time.monotonic()
         lines = ["set -e; cd /mfr-bench",
                  f"NAME={driver}-{check}; DEVICE={DRIVERS[driver].renderer}; mkdir -p /tmp/drivers",
-                 DRIVERS[driver].choose if check != "newcomer" else "", CHECKS[check].command]
+                 DRIVERS[driver].choose, CHECKS[check].command]
         status = self._logged(root, driver, check, self._inside(root, "\n".join(lines)), CHECKS[check].limit_s)
         return {"status": status, "seconds": round(time.monotonic() - begun), "last": self._last(root, driver, check)}
 
