@@ -6,6 +6,7 @@ import re
 from functools import cache
 
 import pytest
+import yaml
 
 from mfr_bench.config import load, shipped
 from mfr_bench.methods import catalog
@@ -64,3 +65,20 @@ def test_a_difference_has_a_reason_and_an_effect(row):
 def test_the_methods_of_every_experiment_are_held():
     named = {row.of for row in settings()} - set(catalog())
     assert {row.of for row in settings() if row.key == "methods"} == named
+
+
+UNPRINTED = {"seed", "kind", "colours"}  # of a scene; what stands in for a model is told beside the layout or the mean
+
+
+def set_by(name: str) -> set[str]:
+    """The keys of the table for all that a config sets: of its scene, its parameters, its axes and its series."""
+    config = yaml.safe_load(shipped()[name].read_text())
+    axes = {key for part in ("params", "sweep", "zip") for key in config.get(part) or {}}
+    series = {key for entry in config["methods"] if isinstance(entry, dict) for key in entry} - {"id", "label"}
+    return ({f"scene.{key}" for key in config["scene"]} | axes | series) - {f"scene.{key}" for key in UNPRINTED}
+
+
+@pytest.mark.parametrize("name", sorted({row.of for row in settings()} - set(catalog())))
+def test_nothing_that_a_config_sets_is_untold(name):
+    held = {row.key.rpartition("] ")[2] for row in settings() if row.of == name and row.key}
+    assert set_by(name) <= held
