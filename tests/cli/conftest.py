@@ -125,3 +125,14 @@ def cells(folder: Path) -> dict[tuple[str, int | None], dict]:
 def rows(path: Path) -> list[dict[str, str]]:
     with open(path, newline="") as file:
         return list(csv.DictReader(file))
+
+
+def written(folder):
+    """When each cell file was written."""
+    return {path.name: path.stat().st_mtime_ns for path in (folder / "cells").iterdir()}
+
+
+@pytest.fixture
+def measured(mfr, tiny, here):
+    assert mfr("run", tiny, "--out", "out").status == 0
+    return here / "out"

@@ -1,0 +1,120 @@
+"""Bars: what stacks, what is a sign, what is written above; and shares and bytes of them."""
+
+from __future__ import annotations
+
+import pytest
+
+from . import planted
+from .drawing import (
+    STACKED,
+    bars_of,
+    built,
+    texts_of,
+    two_methods,
+)
+from .planted import cell
+
+
+def test_segments_stack_to_the_sum_of_the_passes(tmp_path):
+    axes, = built(tmp_path, two_methods(), STACKED).axes
+    found = [(pytest.approx(bottom), pytest.approx(height), label) for bottom, height, label in bars_of(axes)]
+    of_one_group = [(0, 1, "KB-PS: clear"), (1, 6, "KB-PS: store"), (7, 2.5, "KB-PS: resolve"),
+                    (0, 0.5, "K⁺B-SB: clear"), (0.5, 1.5, "K⁺B-SB: count"), (2, 2, "K⁺B-SB: store")]
+    assert found == of_one_group * 2
+    assert axes.get_yscale() == "log" and axes.get_ylabel() == "time (ms)"
+
+
+def test_groups_are_headed_and_bars_are_named_in_the_configs_order(tmp_path):
+    texts = texts_of(built(tmp_path, two_methods(), STACKED).axes[0])
+    assert [t for t in texts if t.startswith("k =")] == ["k = 4", "k = 8"]
+    assert [t for t in texts if t in ("KB-PS", "K⁺B-SB")] == ["KB-PS", "K⁺B-SB"] * 2
+
+
+def test_the_whole_frames_time_is_written_above_the_bar(tmp_path):
+    texts = texts_of(built(tmp_path, two_methods(), STACKED).axes[0])
+    assert texts.count("10.0") == 2 and texts.count("5.00") == 2
+
+
+def test_a_pass_has_one_colour_and_the_legend_names_it_once(tmp_path):
+    figure = built(tmp_path, two_methods(), STACKED)
+    colours = {}
+    for patch in figure.axes[0].patches:
+        name = patch.get_label().split(": ")[-1]
+        colours.setdefault(name, set()).add(patch.get_facecolor())
+    assert all(len(colours[name]) == 1 for name in ("clear", "count", "store", "resolve"))
+    assert len({min(colours[name]) for name in ("clear", "count", "store", "resolve")}) == 4
+    assert [t.get_text() for t in figure.legends[0].get_texts()] == ["clear", "count", "store", "resolve"]
+
+
+def test_methods_differ_in_hatching(tmp_path):
+    axes, = built(tmp_path, planted.sweep(ks=(8,)), STACKED).axes
+    hatches = [p.get_hatch() for p in axes.patches if p.get_label().startswith("hatch")]
+    assert len(set(hatches)) == len(hatches) == 13  # the first of 14 drawn bars is plain
+
+
+@pytest.mark.parametrize("status", ["unsupported", "over_budget", "timeout", "out_of_memory"])
+def test_a_cell_without_a_time_is_a_sign_and_no_bar(tmp_path, status):
+    cells = [*two_methods()[:2], cell("kb", "KB", None, status=status, params={"k": 4}, point={"k": 4})]
+    axes, = built(tmp_path, cells, STACKED).axes
+    assert not any(label.startswith("KB:") for _, _, label in bars_of(axes))
+    assert status.replace("_", " ") in texts_of(axes)
+    assert "not measured" in texts_of(axes)  # KB at k = 8 has no cell at all
+
+
+def test_a_wrong_image_is_pale_and_has_no_number(tmp_path):
+    axes, = built(tmp_path, two_methods(status="wrong"), STACKED).axes
+    pale = {p.get_label() for p in axes.patches if p.get_alpha() == 0.35}
+    assert pale == {"K⁺B-SB: clear", "K⁺B-SB: count", "K⁺B-SB: store"}
+    assert texts_of(axes).count("wrong image") == 2 and "5.00" not in texts_of(axes)
+
+
+def test_a_method_that_x_does_not_touch_is_drawn_once(tmp_path):
+    cells = [*two_methods(), cell("ab-ll", "AB_LL", 7.0, {"store": 7.0})]
+    axes, = built(tmp_path, cells, STACKED).axes
+    assert texts_of(axes).count("AB_LL") == 1 and "any k" in texts_of(axes)
+
+
+def test_without_pass_times_the_bar_is_the_whole_frame(tmp_path):
+    axes, = built(tmp_path, [cell("kb", "KB", 4.0, params={"k": 4}, point={"k": 4})], STACKED).axes
+    (bottom, height, label), = bars_of(axes)
+    assert (bottom, height, label) == (0, pytest.approx(4.0), "KB: whole frame")
+
+
+def test_many_bars_go_into_rows_of_the_same_scale(tmp_path):
+    figure = built(tmp_path, planted.sweep(), STACKED)
+    assert len(figure.axes) == 2
+    assert figure.axes[0].get_ylim() == figure.axes[1].get_ylim()
+    headings = [[t for t in texts_of(axes) if t.startswith("k = ")] for axes in figure.axes]
+    assert headings == [["k = 4", "k = 8", "k = 16"], ["k = 32", "k = 64"]]
+
+
+def test_the_floor_is_a_dashed_line_and_no_bar(tmp_path):
+    cells = [cell("floor", "floor", 2.0), *two_methods()]
+    axes, = built(tmp_path, cells, STACKED | {"floor": True}).axes
+    line, = [line for line in axes.lines if line.get_label() == "floor"]
+    assert list(line.get_ydata()) == pytest.approx([2.0, 2.0])
+    assert "floor" not in texts_of(axes)
+
+
+def test_only_the_named_methods_are_drawn(tmp_path):
+    axes, = built(tmp_path, two_methods(), STACKED | {"methods": ["kplus-sb"]}).axes
+    assert {label.split(":")[0] for _, _, label in bars_of(axes)} == {"K⁺B-SB"}
+
+
+def test_bars_show_one_measure(tmp_path):
+    cells = [cell("kb", "KB", 4.0, params={"k": k}, point={"k": k}, values={"memory_bytes": k * 2**20}) for k in (4, 8)]
+    axes, = built(tmp_path, cells, {"kind": "bars", "x": "k", "y": "memory_mib"}).axes
+    assert [p.get_height() for p in axes.patches if p.get_label() == "KB"] == [4, 8]
+    assert axes.get_yscale() == "linear" and axes.get_ylim()[0] == 0
+
+
+def test_shares_stack_to_one(tmp_path):
+    axes, = built(tmp_path, two_methods(), {"kind": "stacked_passes", "x": "k", "y": "share"}).axes
+    tops = [bottom + height for bottom, height, label in bars_of(axes) if label == "KB-PS: resolve"]
+    assert tops == pytest.approx([1, 1])
+
+
+def test_bytes_are_drawn_as_mib(tmp_path):
+    cells = [cell("kb", "KB", 4.0, params={"k": 4}, point={"k": 4}, values={"memory_bytes": 3 * 2**20})]
+    axes, = built(tmp_path, cells, {"kind": "bars", "x": "k", "y": "memory_bytes"}).axes
+    assert [p.get_height() for p in axes.patches if p.get_label() == "KB"] == [3] and "MiB" in axes.get_ylabel()
