@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+import yaml
 
 from mfr_bench.cli.main import cli
 from mfr_bench.config import load, shipped
@@ -44,6 +45,17 @@ def test_methods_page_is_what_the_declarations_give():
 def test_scenes_page_has_what_the_kinds_say_of_themselves():
     assert kinds_page() in (DOCS / "scenes.md").read_text(), (
         "docs/scenes.md is out of date: put what `mfr-bench configs --kinds` prints between its two comments")
+
+
+def test_the_jobs_of_the_page_on_ci_are_yaml_and_use_options_that_there_are():
+    blocks = re.findall(r"^```(?:yaml|sh)\n(.*?)^```$", (DOCS / "ci.md").read_text(), re.MULTILINE | re.DOTALL)
+    jobs = [yaml.safe_load(text) for text in blocks if text.startswith("#")]
+    assert [list(job["jobs"]) for job in jobs] == [["versus"], ["gate"]]
+    uses = re.findall(r"mfr-bench (\w[\w-]*)((?:[^\n|&]|\n +--)*)", "".join(blocks))
+    assert {name for name, _ in uses} >= {"run", "compare", "versus", "report", "pack"}
+    for name, rest in uses:
+        known = {option for p in cli.commands[name].params for option in p.opts}
+        assert set(re.findall(r"--[a-z]+", rest)) <= known, name
 
 
 @pytest.mark.parametrize("method", catalog())

@@ -7,8 +7,8 @@ import math
 import click
 
 from ..errors import UsageError
-from .options import JSON
-from .output import note, say, width
+from .options import JSON, JUNIT, SUMMARY
+from .output import append_text, note, say, width, write_text
 
 REGRESSION, DOUBT = 4, 5
 
@@ -44,8 +44,10 @@ class Percentage(click.ParamType):
 @JSON
 @click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per cell.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
+@JUNIT
+@SUMMARY
 def compare(before: str, after: str, threshold: float, across_devices: bool, absolute: bool, strict: bool, whole: bool,
-            as_json: bool, as_csv: bool, as_markdown: bool) -> int:
+            as_json: bool, as_csv: bool, as_markdown: bool, junit: str | None, summary: str | None) -> int:
     """Say where DIR_B is faster, slower or worse than DIR_A.
 
     Cells are matched by config, method, parameters and scene, in all results at or below each folder.
@@ -85,6 +87,7 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
     if not found.verdicts:
         raise UsageError(f"compare: {before} and {after} have no cell in common; allowed: results of the same configs")
     printed(found, whole, as_json, as_csv, as_markdown)
+    handed_over(found, junit, summary)
     for line in (line for side in sides for line in side.damaged):
         note(line)
     return ending(found, strict)
@@ -100,6 +103,17 @@ def printed(found, whole: bool, as_json: bool, as_csv: bool, as_markdown: bool) 
         say(present.as_csv(found).rstrip("\n"))
     else:
         say(present.as_markdown(found, whole) if as_markdown else present.as_text(found, width(), whole))
+
+
+def handed_over(found, junit: str | None, summary: str | None) -> None:
+    """Write a JUnit report and append to a summary, where that is asked for."""
+    from ..compare import present
+    from ..report.machine import junit as as_xml
+
+    if junit:
+        write_text(junit, as_xml(present.as_cases(found)).decode())
+    if summary:
+        append_text(summary, present.as_markdown(found))
 
 
 def ending(found, strict: bool) -> int:

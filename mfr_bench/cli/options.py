@@ -159,6 +159,12 @@ TIME_BUDGET = click.option("--time-budget", "budget_s", metavar="TIME", callback
                                 "gets its coarse points before any gets finer ones.")
 
 
+JUNIT = click.option("--junit", metavar="F", type=OutPath(dir_okay=False),
+                     help="Write a JUnit report to F: a test case for each cell.")
+SUMMARY = click.option("--summary", metavar="F", type=OutPath(dir_okay=False),
+                       help="Append the tables as Markdown to F, such as $GITHUB_STEP_SUMMARY.")
+
+
 def _use_methods(context, param, folders: tuple[str, ...]) -> None:
     if folders:
         from ..methods.outside import use

@@ -53,6 +53,24 @@ def note(text: object) -> None:
         _silence(2)
 
 
+def write_text(path: str, text: str) -> None:
+    """Write a file of the user's choice, with the folders that it needs. Raises StoreError."""
+    from ..store import write_file
+
+    write_file(Path(path), text.encode())
+
+
+def append_text(path: str, text: str) -> None:
+    """Append to a file of the user's choice, which others may have begun. Raises StoreError."""
+    from ..errors import StoreError
+
+    try:
+        with open(path, "a", encoding="utf-8") as file:
+            file.write(text.rstrip("\n") + "\n")
+    except OSError as error:
+        raise StoreError(f"{path}: cannot be written: {error.strerror}") from None
+
+
 def _silence(descriptor: int) -> None:
     """Send what is written to the descriptor from now on, and what is still buffered, nowhere."""
     nowhere = os.open(os.devnull, os.O_WRONLY)

@@ -14,8 +14,9 @@ from .output import note, say
 @FOLDERS
 @click.option("--out", metavar="F.html", default="report.html", show_default=True, type=OutPath(dir_okay=False),
               help="Write the page to this file.")
+@click.option("--trend", is_flag=True, help="Show instead how each cell changed over the dated results below DIR.")
 @OUTSIDE
-def report(folders: tuple[str, ...], out: str) -> None:
+def report(folders: tuple[str, ...], out: str, trend: bool) -> None:
     """Write one HTML page of all results at or below DIR, to be sent.
 
     Tables that can be sorted and filtered, figures, charts of any column, kept images behind a slider, the papers'
@@ -23,13 +24,20 @@ def report(folders: tuple[str, ...], out: str) -> None:
     nothing from a network, and names no host, user or path. Without JavaScript all tables and figures are still there.
 
     \b
-    Example: mfr-bench report results/nvidia-h200 --out report.html
+    Examples: mfr-bench report results/nvidia-h200 --out report.html
+              mfr-bench report nightly/ --trend --out trend.html
+
+    With --trend, DIR holds results of many days, such as nightly/2026-11-28/smoke: a page of every cell night by night,
+    with the nights from which on it was slower or faster, and the commit of each.
     """
-    from ..page import write_page
+    from ..page import write_page, write_trend
     from ..store import ResultFolder, find_results
 
     results = [ResultFolder(path) for path in find_results(folders)]
-    write_page(results, Path(out))
+    if trend:
+        write_trend(results, Path(out))
+    else:
+        write_page(results, Path(out))
     say(out)
     for folder in results:
         for line in folder.damaged:

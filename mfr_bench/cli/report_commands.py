@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import click
 
-from .options import FOLDERS, OUTSIDE, OutPath
-from .output import note, say, width
+from .options import FOLDERS, JSON, JUNIT, OUTSIDE, SUMMARY, OutPath
+from .output import append_text, note, say, width, write_text
 
 
 def _results(folders: tuple[str, ...]):
@@ -37,6 +38,18 @@ def _write_tables(folder) -> list[Path]:
 
     derive(folder)
     return write_tables(folder)
+
+
+def hand_over(results, as_json: bool, junit: str | None, summary: str | None) -> None:
+    """Print the results as JSON, write a JUnit report, append to a summary: what was asked for of these."""
+    from ..report import data, machine, markdown
+
+    if as_json:
+        say(json.dumps([machine.record(folder) for folder in results], indent=2, ensure_ascii=False))
+    if junit:
+        write_text(junit, machine.junit(machine.cases(map(data.load, results))).decode())
+    if summary:
+        append_text(summary, "\n".join(markdown(data.load(folder)) for folder in results))
 
 
 @click.command()
@@ -85,21 +98,28 @@ def _print_columns(context: click.Context, parameter: click.Parameter, asked: bo
 @FOLDERS
 @click.option("--columns", is_flag=True, is_eager=True, expose_value=False, callback=_print_columns,
               help="Print docs/results.md: every file and column of a result folder.")
+@JUNIT
+@SUMMARY
+@JSON
 @OUTSIDE
-def table(folders: tuple[str, ...]) -> None:
+def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_json: bool) -> None:
     """Print the tables of all results at or below DIR.
 
     Writes them again, too, with results.csv and passes.csv, into the folders of the results, which are listed first
     where there are several.
 
     \b
-    Example: mfr-bench table results | less
+    Examples: mfr-bench table results | less
+              mfr-bench table results --json | jq '.[].cells[].time_ms'
     """
-    from ..report import terminal_table
 
     results = _results(folders)
     _announce(results)
-    say("\n".join(terminal_table(folder, width()) for folder in results).rstrip("\n"))
+    if not as_json:
+        from ..report import terminal_table
+
+        say("\n".join(terminal_table(folder, width()) for folder in results).rstrip("\n"))
+    hand_over(results, as_json, junit, summary)
     for folder in results:  # after all are shown: a folder may be there only to be read
         _write_tables(folder)
 

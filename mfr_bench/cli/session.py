@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .output import note, say, width
-from .report_commands import write_report
+from .report_commands import hand_over, write_report
 
 # What a manifest says of the run that measured: a run that finds everything measured leaves it alone.
 OF_THE_MEASURING = ("started", "calibration", "versions", "environment", "calibration_end", "calibration_drift",
@@ -27,6 +27,9 @@ class Choices:
     try_hopeless: bool
     budget_s: float | None = None
     quiet: bool = False
+    as_json: bool = False
+    junit: str | None = None
+    summary: str | None = None
 
 
 def result_folders(plans, out: str | None, slug: str):
@@ -131,6 +134,7 @@ class Session:
             self._at_the_end(measuring)
             for part in parts:
                 self._tell(part)
+            hand_over([part.folder for part in parts], self.choices.as_json, self.choices.junit, self.choices.summary)
         except KeyboardInterrupt:
             if self.asked():
                 raise Interrupted(f"interrupted: {self._kept(parts)}") from None
@@ -155,8 +159,11 @@ class Session:
         from ..report import terminal_table
 
         part.manifest["left_out"] = left_out(part.sheet)
-        say((self.table or terminal_table)(part.folder, width()))
-        say(summary(part.sheet, part.manifest, self._report(part)))
+        if not self.choices.as_json:
+            say((self.table or terminal_table)(part.folder, width()))
+        written = self._report(part)
+        if not self.choices.as_json:
+            say(summary(part.sheet, part.manifest, written))
 
     def _report(self, part: Part) -> list[Path]:
         if part.sheet.noise_floor_rel is not None:

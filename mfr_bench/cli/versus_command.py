@@ -9,9 +9,9 @@ from pathlib import Path
 import click
 
 from ..errors import UsageError
-from .compare_command import Percentage, ending, printed
+from .compare_command import Percentage, ending, handed_over, printed
 from .interruption import Interruption
-from .options import DEVICE, JSON, ONLY, OUTSIDE, PROFILE, QUIET, SET, OutPath
+from .options import DEVICE, JSON, JUNIT, ONLY, OUTSIDE, PROFILE, QUIET, SET, SUMMARY, OutPath
 from .output import note
 
 
@@ -20,10 +20,10 @@ from .output import note
 @click.option("--against", metavar="A", help="The tree or revision to compare with: `versus B CONFIG --against A`.")
 @click.option("--threshold", metavar="PERCENT", type=Percentage(), default="2", show_default=True,
               help="Smallest difference that matters.")
-@click.option("--rounds", type=click.IntRange(2, 50), default=3, show_default=True,
+@click.option("--rounds", type=click.IntRange(2, 50), default=4, show_default=True,
               help="Pairs of fresh processes, in each of which every cell is measured.")
 @click.option("--seconds", type=click.FloatRange(0, 3600, min_open=True), default=1.5, show_default=True,
-              help="Time of a cell in a round, at most.")
+              help="Time of a cell in a round, about.")
 @click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
               help="Keep what was measured, as results in DIR/before and DIR/after.")
 @PROFILE
@@ -37,9 +37,11 @@ from .output import note
 @JSON
 @click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per cell.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
+@JUNIT
+@SUMMARY
 def versus(names: tuple[str, ...], against: str | None, threshold: float, rounds: int, seconds: float, out: str | None,
            profile: str | None, only: str | None, overrides: tuple[str, ...], device: str, quiet: bool, strict: bool,
-           whole: bool, as_json: bool, as_csv: bool, as_markdown: bool) -> int:
+           whole: bool, as_json: bool, as_csv: bool, as_markdown: bool, junit: str | None, summary: str | None) -> int:
     """Say where tree B is faster, slower or worse than tree A, on the cells of CONFIG.
 
     A and B are source trees of this program or folders of methods, or git revisions of the repository that this folder
@@ -63,12 +65,13 @@ def versus(names: tuple[str, ...], against: str | None, threshold: float, rounds
     with Interruption(device_here=True), ExitStack() as stack:
         repository = Path(after) if against is not None and Path(after).is_dir() else Path()
         trees = tuple(stack.enter_context(tree(name, repository)) for name in (before, after))
-        measured = measure(trees, ask, lambda done, of: None if quiet else note(f"{done}/{of} cells"))
+        measured = measure(trees, ask, lambda done, of: None if quiet else note(f"{done} of {of} visits to every cell"))
         folder = Path(out) if out else Path(stack.enter_context(tempfile.TemporaryDirectory()))
         found = judged(measured, (before, after), folder, threshold)
     if not found.verdicts:
         raise UsageError(f"versus: {before} and {after} have no cell of {config} in common")
     printed(found, whole, as_json, as_csv, as_markdown)
+    handed_over(found, junit, summary)
     return ending(found, strict)
 
 

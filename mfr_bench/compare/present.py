@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 import textwrap
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 from ..report.data import number, percent
+from ..report.machine import Case, Outcome
 from ..report.tables import Grid
 from ..stats import Interval
 from ..store import csv_text
-from .judge import MISSING, SAME, VERDICTS, Comparison, Verdict
+from .judge import MISSING, SAME, SLOWER, UNCLEAR, VERDICTS, Comparison, Verdict
 from .sides import Entry
 
 COLUMNS = ("experiment", "name", "method", "params", "scene", "verdict", "reason", "before_ms", "after_ms", "ratio",
@@ -60,6 +62,23 @@ def as_markdown(found: Comparison, whole: bool = False) -> str:
     for title, lines in _lists(found):
         parts += [f"## {title}", "\n".join(f"- {line}" for line in lines)]
     return "\n\n".join([*parts, f"**{_end(found)}**"])
+
+
+def as_cases(found: Comparison) -> list[Case]:
+    """Each cell as a test case: slower or worse is a failure, missing an error, unclear skipped."""
+    return [Case(record["experiment"], record["name"], *_outcome(record), (record["after_ms"] or 0.0) / 1e3)
+            for record in found.records()]
+
+
+def _outcome(record: Mapping[str, Any]) -> tuple[Outcome, str]:
+    worse = [change["what"] for change in record["changes"] if change["worse"]]
+    slower = record["verdict"] == SLOWER
+    if slower or worse:
+        by = [f"{record['ratio']:.3f} times the time [{record['ratio_low']:.3f}, {record['ratio_high']:.3f}]"]
+        return "failure", "; ".join([*(by if slower else []), *worse])
+    if record["verdict"] == MISSING:
+        return "error", record["reason"]
+    return ("skipped", record["reason"] or "") if record["verdict"] == UNCLEAR else ("passed", "")
 
 
 def _about(found: Comparison) -> list[str]:

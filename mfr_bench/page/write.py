@@ -29,19 +29,23 @@ def write_page(folders: Sequence[ResultFolder], target: Path, draw: bool = True)
 
 def page_text(folders: Sequence[ResultFolder], draw: bool = True) -> str:
     """The HTML of the page."""
-    import jinja2
-
-    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True,
-                                     undefined=jinja2.StrictUndefined,
-                                     loader=jinja2.FunctionLoader(_file))
     results = [data.load(folder) for folder in folders]
     experiments = [_experiment(result, f"e{i}", draw) for i, result in enumerate(results, 1)]
     shaders = shaders_of(point for result in results for point in result.points)
-    return environment.get_template("page.html.j2").render(
+    return template("page.html.j2").render(
         experiments=experiments, columns=MEASURED, verdicts=_verdicts(folders), version=__version__,
         colours={line.method: style.method_colour(line.method) for e in experiments for line in e.lines},
         styles=[_file(name) for name in STYLES], scripts=[_file(name) for name in SCRIPTS], policy=_policy(),
         shaders=shaders)
+
+
+def template(name: str):
+    """A template of this package, which has the text of the style sheet."""
+    import jinja2
+
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True,
+                                     undefined=jinja2.StrictUndefined, loader=jinja2.FunctionLoader(_file))
+    return environment.get_template(name, globals={"style": _file("page.css")})
 
 
 def _experiment(result: Result, anchor: str, draw: bool) -> Experiment:

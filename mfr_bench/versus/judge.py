@@ -39,17 +39,19 @@ class Ratio:
 
 
 def ratio_of(before: Half, after: Half) -> Ratio | None:
-    """The ratio of a cell that has pairs in some round."""
-    rounds = [log_ratios(b, a) for b, a in zip(before.rounds_ms, after.rounds_ms, strict=True)]
-    rounds = [found for found in rounds if found]
+    """The ratio of a cell that has pairs in some round: of each the mean of what its visits say."""
+    rounds = [[found for b, a in zip(before_ms, after_ms, strict=True) if (found := log_ratios(b, a))]
+              for before_ms, after_ms in zip(before.rounds_ms, after.rounds_ms, strict=True)]
+    rounds = [visits for visits in rounds if visits]
     if not rounds:
         return None
-    errors = [_error(found) for found in rounds]
-    return Ratio(tuple(map(median, rounds)), math.sqrt(sum(e**2 for e in errors)) / len(errors))
+    errors = [math.sqrt(sum(_error(visit)**2 for visit in visits)) / len(visits) for visits in rounds]
+    return Ratio(tuple(fmean(map(median, visits)) for visits in rounds),
+                 math.sqrt(sum(e**2 for e in errors)) / len(errors))
 
 
 def _error(ratios: Sequence[float]) -> float:
-    """Standard error of the median of a round's pairs."""
+    """Standard error of the median of a visit's pairs."""
     low, _, high = median_interval(ratios, CONFIDENCE)
     if low is not None and high is not None:
         return (high - low) / 2 / NormalDist().inv_cdf((1 + CONFIDENCE) / 2)
@@ -126,10 +128,10 @@ def _written(measured: Measured, halves: Mapping[str, Half], path: Path, name: s
 
 def _record(measured: Measured, mine: str, half: Half) -> dict[str, Any]:
     """A half of a cell as a result folder holds it."""
-    samples = [ms for times in half.rounds_ms for ms in times]
+    samples = [ms for visits in half.rounds_ms for times in visits for ms in times]
     low, middle, high = sampled_interval(samples) if samples else (None, None, None)
     timed = {"samples": len(samples), "time_ms": middle, "time_ms_low": low, "time_ms_high": high} if samples else {}
     return {**half.told, "key": _key(mine, half), "status": half.status, "reason": half.reason,
             "values": {**half.values, **timed}, "samples_ms": samples,
-            "pairs": [len(times) for times in half.rounds_ms],
+            "pairs": [list(map(len, visits)) for visits in half.rounds_ms],
             "device": {part: measured.device.get(part) for part in ("slug", "renderer", "version")}}

@@ -25,7 +25,8 @@ from .tree import Tree
 BATCH_MS = 3.0  # of one batch, about: long against the clock's tick, short against a scheduler's slice
 MOST_FRAMES = 200  # in a batch
 PRECISE = 0.004  # half-width of a cell's ratio within a round, at which more pairs would change nothing
-LEAST_PAIRS, MOST_PAIRS = 20, 300
+LEAST_PAIRS, MOST_PAIRS = 10, 300  # of a visit
+VISITS = 4  # to each cell in a round: a load that lasts some seconds is in one of them
 CELL_S = 120.0  # for one cell to be prepared, or to draw a batch
 WARM_UP = 2  # batches of one frame
 
@@ -34,7 +35,7 @@ Identity = str
 
 @dataclass(frozen=True)
 class Ask:
-    """What both sides are asked to measure. `seconds`: of a cell in a round, at most."""
+    """What both sides are asked to measure. `seconds`: of a cell in a round, about."""
 
     config: str
     profile: str | None = None
@@ -47,13 +48,13 @@ class Ask:
 
 @dataclass
 class Half:
-    """A cell of one tree: what it is, its row, and its times in ms, a list for each round."""
+    """A cell of one tree: what it is, its row, and its times in ms: of each round, of each visit in it."""
 
     told: Mapping[str, Any]
     status: str = "ok"
     reason: str | None = None
     values: Mapping[str, Any] = field(default_factory=dict)
-    rounds_ms: list[list[float]] = field(default_factory=list)
+    rounds_ms: list[list[list[float]]] = field(default_factory=list)
 
 
 @dataclass
@@ -105,19 +106,24 @@ def _start(opened: Sequence[Mapping[str, Any]]) -> Measured:
 
 def _round(links: Sequence[Link], opened: Sequence[Mapping[str, Any]], found: Measured, ask: Ask, number: int,
            shuffle: random.Random, progress: Callable[[int, int], None]) -> None:
-    """Measure each shared cell once; a cell that fails on a side stays out of the rounds that follow."""
+    """Visit each shared cell VISITS times; one that fails on a side stays out from then on."""
     places = [{identity(told): at for at, told in enumerate(answer["cells"])} for answer in opened]
     shared = [key for key in places[0] if key in places[1]]
-    for done, key in enumerate(shared):
-        halves = tuple(side[key] for side in found.halves)
-        if all(half.status == "ok" for half in halves):
-            _cell(links, [place[key] for place in places], halves, ask, shuffle)
-        progress(number * len(shared) + done + 1, ask.rounds * len(shared))
+    for key in shared:
+        for side in found.halves:
+            side[key].rounds_ms.append([])
+    for visit in range(VISITS):
+        for key in shared:
+            halves = tuple(side[key] for side in found.halves)
+            if all(half.status == "ok" for half in halves):
+                _cell(links, [place[key] for place in places], halves, ask, shuffle, check=not number and not visit)
+        progress(number * VISITS + visit + 1, ask.rounds * VISITS)
 
 
-def _cell(links: Sequence[Link], at: Sequence[int], halves: Sequence[Half], ask: Ask, shuffle: random.Random) -> None:
+def _cell(links: Sequence[Link], at: Sequence[int], halves: Sequence[Half], ask: Ask, shuffle: random.Random,
+          check: bool) -> None:
     for link, place, half in zip(links, at, halves, strict=True):
-        answer = _asked(link, half, "prepare", cell=place)
+        answer = _asked(link, half, "prepare", cell=place, check=check)
         if answer:
             half.status, half.reason, half.values = answer["status"], answer["reason"], answer["values"]
     if all(half.status == "ok" for half in halves):
@@ -147,8 +153,8 @@ def _pairs(links: Sequence[Link], halves: Sequence[Half], ask: Ask, shuffle: ran
         return
     times: tuple[list[float], list[float]] = ([], [])
     for half, mine in zip(halves, times, strict=True):
-        half.rounds_ms.append(mine)
-    until = time.monotonic() + ask.seconds
+        half.rounds_ms[-1].append(mine)
+    until = time.monotonic() + ask.seconds / VISITS
     looks = set(goals(LEAST_PAIRS, MOST_PAIRS))
     while True:
         pair: list[float | None] = [None, None]

@@ -18,8 +18,8 @@ def halves(rng: random.Random, factor: float, scatter: float = 0.005) -> tuple[H
     for _ in range(ROUNDS):
         moved = factor * math.exp(rng.gauss(0, scatter))
         loads = [rng.choice((1, 1, 3)) for _ in range(PAIRS)]
-        before.rounds_ms.append([load * math.exp(rng.gauss(0, NOISE / math.sqrt(2))) for load in loads])
-        after.rounds_ms.append([load * moved * math.exp(rng.gauss(0, NOISE / math.sqrt(2))) for load in loads])
+        before.rounds_ms.append([[load * math.exp(rng.gauss(0, NOISE / math.sqrt(2))) for load in loads]])
+        after.rounds_ms.append([[load * moved * math.exp(rng.gauss(0, NOISE / math.sqrt(2))) for load in loads]])
     return before, after
 
 
@@ -58,7 +58,7 @@ def test_what_is_alike_is_called_the_same():
 
 
 def test_cells_without_a_time_are_unclear():
-    half = Half({}, rounds_ms=[[0.0], [0.0]])
+    half = Half({}, rounds_ms=[[[0.0]], [[0.0]]])
     assert ratio_of(half, half) is None
     assert Judge({}, 0.02).decided(None)[0] == "UNCLEAR"
     assert between([]) == 0.0
