@@ -26,6 +26,12 @@ class DeviceError(MfrError):
     """No usable OpenGL device, or the device was lost."""
 
 
+class UnknownDeviceError(DeviceError):
+    """No device is the one that `--device` names; the message lists those that there are."""
+
+    exit_status = 2
+
+
 class ShaderError(MfrError):
     """A shader that does not expand, compile or link; the message names file and line."""
 

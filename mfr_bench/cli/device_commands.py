@@ -34,13 +34,15 @@ CHECKER_GREYS = (0.75, 0.9)
 
 
 def _device_or_reason(want: str):
-    """The device, or None and why there is none."""
-    from ..errors import DeviceError
+    """The device, or None and why there is none. Raises UnknownDeviceError where there are others than the wanted."""
+    from ..errors import DeviceError, UnknownDeviceError
 
     try:
         from ..gpu.device import open_device
 
         return open_device(want), None
+    except UnknownDeviceError:
+        raise
     except DeviceError as error:
         return None, str(error)
 

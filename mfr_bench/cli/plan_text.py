@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from .output import note, place, say
-from .session import Choices, result_folders, sources
+from .session import Choices, forecast_of, result_folders, sources
 
 
 def print_plans(plans, supervisor, choices: Choices) -> None:
     """Print the plan of each experiment; without a device as far as it goes."""
-    from ..errors import DeviceError
+    from ..errors import DeviceError, UnknownDeviceError
     from ..methods import catalog
     from ..plan import overview
     from ..run.jobs import jobs
 
     try:
         ready = supervisor.ready()
+    except UnknownDeviceError:
+        raise
     except DeviceError as error:
         ready = None
         note(f"{error}; the plan below holds only the budget against the cells")
@@ -48,18 +50,9 @@ def _predicted(forecast, cells: Sequence[Any]) -> list[str]:
 
 def _forecast(known, ready):
     """What results of the device foretell: those of the run, those beside it, and those below results/."""
-    from ..plan.forecast import Forecast, rates_of
     from ..run.ledger import relatives
 
-    runs = [(folder.manifest(), folder.cells())
-            for folder in [*known, *relatives(Path("results") / ready.device["slug"], known)]]
-    mine = [(manifest, [row for row in rows if _of_the_device(row, ready.device)]) for manifest, rows in runs]
-    return Forecast((row for _, rows in mine for row in rows), rates_of(mine, ready.calibration))
-
-
-def _of_the_device(row: Mapping[str, Any], device: Mapping[str, str]) -> bool:
-    made_by = row.get("device") or {}
-    return all(made_by.get(name) == device[name] for name in ("renderer", "version"))
+    return forecast_of([*known, *relatives(Path("results") / ready.device["slug"], known)], ready)
 
 
 def _decide(rows: Sequence[list[dict[str, Any]]], todo, folders, beside, choices: Choices) -> None:

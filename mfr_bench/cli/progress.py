@@ -6,12 +6,15 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..store.status import STATUSES
 from .output import note, place
 
-ENOUGH = 0.1  # cells; from fewer no time is predicted
+if TYPE_CHECKING:
+    from ..plan.time_left import TimeLeft
+
+ENOUGH = 0.1  # of what was foretold at the start; while less is over, the time left is marked as a forecast
 STOPPING = "stopping; Ctrl-C again ends at once"
 
 
@@ -34,13 +37,13 @@ def outcome(row: Mapping[str, Any]) -> str:
 class Progress:
     """Counts rows of `total` as they come. On a terminal rows that failed stay on the screen.
 
-    `asked` says whether the user has asked the work to stop. quiet: nothing is printed.
+    `asked` says whether the user has asked the work to stop. quiet: nothing is printed. ahead: what the run will take.
     """
 
-    def __init__(self, total: int, name: str, asked: Callable[[], bool] = lambda: False, quiet: bool = False):
-        self.total, self.name, self.asked, self.quiet, self.done = total, name, asked, quiet, 0
-        self._skipped, self._begun, self._last = 0, 0.0, "starting"
-        self._start = time.monotonic()
+    def __init__(self, total: int, name: str, asked: Callable[[], bool] = lambda: False, quiet: bool = False,
+                 ahead: TimeLeft | None = None):
+        self.total, self.name, self.asked, self.quiet, self.done, self.ahead = total, name, asked, quiet, 0, ahead
+        self._last, self._start = "starting", time.monotonic()
         self._live = _live_line(self._text) if total and not quiet else None
 
     def __enter__(self):
@@ -54,18 +57,14 @@ class Progress:
                 self._live.stop()
 
     @property
-    def left_s(self) -> float | None:
-        """Time left if the remaining cells take what the measured ones took; cells that are skipped take none."""
-        worked = self.done - self._skipped + self._begun
-        spent = time.monotonic() - self._start
-        return spent / worked * max(0.0, self.total - self._skipped - worked) if worked > ENOUGH else None
+    def _elapsed_s(self) -> float:
+        return time.monotonic() - self._start
 
     def row(self, row: Mapping[str, Any]) -> None:
         """A cell is done."""
         self.done += 1
-        measured = row["values"].get("time_ms") is not None
-        self._skipped += not measured
-        self._begun = max(0.0, self._begun - measured)
+        if self.ahead:
+            self.ahead.done(row["key"], row, self._elapsed_s)
         self._last = outcome(row)
         if self.quiet:
             return
@@ -75,19 +74,25 @@ class Progress:
             with suppress(OSError):
                 self._live.console.print(self._last, markup=False, highlight=False)
 
-    def sampled(self, cells: float) -> None:
+    def sampled(self, cells: Mapping[str, float]) -> None:
         """Cells in hand, each as the fraction of the most frames or time that it may take."""
-        self._begun = cells
+        if self.ahead:
+            self.ahead.hold(cells, self._elapsed_s)
         self._last = self._last if self.done else "measuring"
 
     def _line(self) -> str:
-        left = f", {duration(self.left_s)} left" if self.left_s is not None and self.done < self.total else ""
+        left = f", {self._left}" if self.ahead and self.done < self.total else ""
         return f"{self.name} {self.done}/{self.total}{left}  {STOPPING if self.asked() else self._last}"
+
+    @property
+    def _left(self) -> str:
+        left = f"{duration(self.ahead.left_s(self._elapsed_s))} left"
+        return left if self.ahead.share >= ENOUGH else f"forecast: {left}"
 
     def _text(self):
         from rich.text import Text
 
-        return Text(f"{duration(time.monotonic() - self._start)}  {self._line()}", overflow="ellipsis", no_wrap=True)
+        return Text(f"{duration(self._elapsed_s)}  {self._line()}", overflow="ellipsis", no_wrap=True)
 
 
 def _live_line(text: Callable[[], Any]):

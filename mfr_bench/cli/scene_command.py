@@ -45,11 +45,21 @@ def scene(config: str, out: str | None, fragments: str | None, profile: str | No
     for option, name in (("--out", out), ("--fragments", fragments)):
         if name:
             ending(name, ".npz", option=option)
+    if device != "auto":
+        _require(device)
     made = generate(expand(first_experiment(config, profile, overrides), catalog())[0].scene)
     if out:
         _write_primitives(made, out)
     if fragments:
         _write_fragments(made, fragments, device)
+
+
+def _require(device: str) -> None:
+    """Raise UnknownDeviceError where the device is not there, whether or not the scene needs it."""
+    from ..gpu.device import open_device
+
+    with Interruption(device_here=True):
+        open_device(device)
 
 
 def _write_primitives(made, out: str) -> None:

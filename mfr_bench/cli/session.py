@@ -49,6 +49,20 @@ def sources(plans, folders, choices: Choices):
     return relatives(folders[0].path.parent if beside else None, folders)
 
 
+def forecast_of(folders, ready):
+    """What the results of these folders foretell of the device."""
+    from ..plan.forecast import Forecast, rates_of
+
+    mine = [(folder.manifest(), [row for row in folder.cells() if _of_the_device(row, ready.device)])
+            for folder in folders]
+    return Forecast((row for _, rows in mine for row in rows), rates_of(mine, ready.calibration))
+
+
+def _of_the_device(row: Mapping[str, Any], device: Mapping[str, str]) -> bool:
+    made_by = row.get("device") or {}
+    return all(made_by.get(name) == device[name] for name in ("renderer", "version"))
+
+
 @dataclass
 class Part:
     """One experiment of a run: its cells, and what its manifest says."""
@@ -91,8 +105,8 @@ class Session:
             for part in parts:
                 if unlocked := stack.enter_context(part.folder.lock()):
                     note(unlocked)
-            ledger = Ledger([part.sheet for part in parts], ready.device, sources(plans, folders, self.choices),
-                            split=self.split)
+            self.beside = sources(plans, folders, self.choices)
+            ledger = Ledger([part.sheet for part in parts], ready.device, self.beside, split=self.split)
             stack.callback(ledger.close)
             ledger.settle(self.choices.force, self.choices.keep_failed, self.choices.try_hopeless)
             for part in parts:
@@ -128,7 +142,8 @@ class Session:
         measuring = [part for part in parts if part.sheet.pending]
         name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
         try:
-            with Progress(sum(map(len, groups)), name, self.asked, self.choices.quiet) as progress:
+            with Progress(sum(map(len, groups)), name, self.asked, self.choices.quiet,
+                          self._time_left(groups, parts)) as progress:
                 ledger.report = progress.row
                 self.supervisor.measure(groups, ledger, progress.sampled, self.choices.try_hopeless, deadline)
             self._at_the_end(measuring)
@@ -141,6 +156,19 @@ class Session:
             raise
         except DeviceError as error:
             raise DeviceError(f"{error}; {self._kept(parts)}") from None
+
+    def _time_left(self, groups, parts: Sequence[Part]):
+        """What the run will take, by what results of the device foretell."""
+        from ..methods import catalog
+        from ..plan import expected_stats, judge
+        from ..plan.budget import end_s
+        from ..plan.time_left import TimeLeft
+
+        ready, folders = self.supervisor.ready(), [part.folder for part in parts]
+        forecast = forecast_of([*folders, *self.beside], ready)
+        cells = {job.key: job.cell for group in groups for job in group
+                 if not judge(job.cell, catalog(), expected_stats(job.cell.scene), ready.limits)}
+        return TimeLeft(forecast, cells, end_s(len(parts), len(cells), self.split.seconds["start-up"], forecast.rates))
 
     def _at_the_end(self, parts: Sequence[Part]) -> None:
         """What is to be compared with the start of the run: the timer and the device's speed, load and clocks."""

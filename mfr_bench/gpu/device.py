@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import moderngl
 
-from ..errors import DeviceError
+from ..errors import DeviceError, UnknownDeviceError
 from . import trials
 from .context import Device, Trials
 from .egl import EglDevice, egl_devices, library
@@ -90,7 +90,8 @@ def open_device(want: str = "auto") -> Device:
 
     `want` is `gpu`, `cpu` (a software driver), `auto` (a GPU where there is one), or in this order the index, UUID or
     PCI address of an EGL device, or a part of its renderer's name. A device that cannot be opened hides no other.
-    Raises DeviceError with what to install where there is no driver, or with what there is where none matches.
+    Raises DeviceError with what to install where there is no driver, and UnknownDeviceError with what there is where
+    none matches.
     """
     entries = _entries()
     exact = [e for e in entries if want.lower() in (str(e.index), e.uuid, e.pci)]
@@ -112,13 +113,14 @@ def open_device(want: str = "auto") -> Device:
         device.release()
     if spare:
         return _opened(spare)
-    raise DeviceError(_none_matches(want, tried))
+    raise _none_matches(want, tried)
 
 
-def _none_matches(want: str, tried: Sequence[Listed]) -> str:
+def _none_matches(want: str, tried: Sequence[Listed]) -> DeviceError:
     usable = [f"{t.index} {t.info['renderer']}" for t in tried if not t.trouble]
     if usable:
-        return (f"--device {want}: no such device; allowed: auto, gpu, cpu, or an index, UUID, PCI address or part of "
-                f"the name of one of: {'; '.join(usable)}; see mfr-bench doctor")
+        return UnknownDeviceError(
+            f"--device {want}: no such device; allowed: auto, gpu, cpu, or an index, UUID, PCI address or part of "
+            f"the name of one of: {'; '.join(usable)}; see mfr-bench doctor")
     trouble = "; ".join(f"EGL device {t.index}: {t.trouble}" for t in tried) or "no EGL device"
-    return f"no OpenGL {GL_MINIMUM / 100:.1f} device: {trouble}; install a driver: {INSTALL}"
+    return DeviceError(f"no OpenGL {GL_MINIMUM / 100:.1f} device: {trouble}; install a driver: {INSTALL}")

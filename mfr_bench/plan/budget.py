@@ -26,12 +26,18 @@ class TimeBudget:
     def deadline(self, experiments: int, cells: int, start_s: float, rates: Rates) -> float:
         """When measuring has to stop, so that the last calibration and the reports of so many cells are in time.
 
-        What is set aside for them, at most half of the budget, is longer on a machine whose start, of `start_s`
-        seconds, took longer than `rates` say.
+        Twice what they should take is set aside for them, but at most half of the budget.
         """
-        slowness = max(1.0, start_s / rates.start_s)
-        set_aside_s = start_s + slowness * (FIGURES_S * experiments + rates.report_s * cells)
-        return self.begun + self.seconds - min(self.seconds / 2, set_aside_s)
+        return self.begun + self.seconds - min(self.seconds / 2, 2 * end_s(experiments, cells, start_s, rates))
+
+
+def end_s(experiments: int, cells: int, start_s: float, rates: Rates) -> float:
+    """Seconds of the last calibration and the reports.
+
+    They are longer on a machine whose start, of `start_s` seconds, took longer than `rates` say.
+    """
+    slowness = max(1.0, start_s / rates.start_s)
+    return (start_s + slowness * (FIGURES_S * experiments + rates.report_s * cells)) / 2
 
 
 def coarseness(cells: Sequence[Cell]) -> list[int]:

@@ -43,6 +43,10 @@ class Rates:
     report_s: float = 0.03  # tables and figures, per cell
     round_ns: float = 0.5  # one round of the calibration's arithmetic in one pixel
 
+    def around_s(self, stats: SceneStats) -> float:
+        """What surrounds a cell's frames while it is measured."""
+        return self.compile_s + self.pixel_s * stats.P + self.store_s
+
     @property
     def fragment_ms(self) -> float:
         return FRAGMENT_ROUNDS * self.round_ns / 1e6
@@ -100,10 +104,14 @@ class Forecast:
         self._exact: dict[str, Frame] = {}
         self._of_method: dict[str, list[Record]] = defaultdict(list)
         for row in records:
-            if frame := _measured(row):
-                self._exact[_identity(row["method"], row["params"], row["scene"])] = frame
-                self._of_method[row["method"]].append(
-                    Record(row["values"].get("fragments") or 0, replace(frame, source=ALIKE)))
+            self.learn(row)
+
+    def learn(self, row: Mapping[str, Any]) -> None:
+        """Take in the record of a cell; one that has no time foretells nothing."""
+        if frame := _measured(row):
+            self._exact[_identity(row["method"], row["params"], row["scene"])] = frame
+            self._of_method[row["method"]].append(
+                Record(row["values"].get("fragments") or 0, replace(frame, source=ALIKE)))
 
     def frame(self, cell: Cell, stats: SceneStats) -> Frame:
         """What a frame of the cell should take."""
@@ -133,7 +141,7 @@ class Forecast:
             spent_s += frames_s(frame, cell.measure)
             sources[frame.source] += 1
             checks_s += rates.pixel_s * stats.P
-            around_s += rates.compile_s + rates.store_s + rates.report_s
+            around_s += rates.around_s(stats) - rates.pixel_s * stats.P + rates.report_s
         return Prediction(spent_s + checks_s + around_s, spent_s, checks_s, sources)
 
 

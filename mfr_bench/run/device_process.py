@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 
-from ..errors import DeviceError
+from ..errors import DeviceError, UnknownDeviceError
 from .events import Calibrate, Calibrated, Failed, Ready
 from .hand import START_S
 from .process import Died, Worker
@@ -101,7 +101,7 @@ class DeviceProcess:
             except Died as death:
                 raise DeviceError(f"the OpenGL device cannot be opened: {death}") from None
             if isinstance(event, Failed):
-                raise DeviceError(event.reason)
+                raise (UnknownDeviceError if event.unknown else DeviceError)(event.reason)
             if isinstance(event, Ready):
                 return event
             if self._asked():

@@ -66,9 +66,10 @@ class Calibrated:
 
 @dataclass(frozen=True)
 class Failed:
-    """There is no device, and why."""
+    """There is no device, and why. unknown: there are others than the one that was asked for."""
 
     reason: str
+    unknown: bool = False
 
 
 @dataclass(frozen=True)
@@ -95,9 +96,9 @@ class Synced:
 
 @dataclass(frozen=True)
 class Share:
-    """Cells in hand, each as the fraction of the most frames or time that it may take."""
+    """The cells in hand: of each that is prepared, the fraction of the most frames or time that it may take."""
 
-    cells: float
+    cells: Mapping[str, float]
 
 
 @dataclass(frozen=True)

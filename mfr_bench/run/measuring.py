@@ -105,6 +105,7 @@ class Measuring:
         try:
             for job in chunk:
                 self._prepare(job, scene, running)
+                self._share(running)
             self._sample(running)
         except KeyboardInterrupt:
             for cell in running:
@@ -139,16 +140,20 @@ class Measuring:
             self._shuffle(entries)
             for cell, sampler in entries:
                 self._guarded(cell, partial(self._batch, sampler=sampler))
+                self._share(running)
             self.bench.emit(Synced())
             for cell in running:
                 if not cell.wanted:
                     self._guarded(cell, self._finish)
-            self.bench.emit(Share(sum(cell.share for cell in running)))
+            self._share(running)
             entries = [(cell, s) for cell, s in entries if s.wanted and not cell.done]
+
+    def _share(self, running: Iterable[CellWork]) -> None:
+        self.bench.emit(Share({cell.job.key: cell.share for cell in running if not cell.done}))
 
     def _news(self, running: list[CellWork]) -> None:
         self.bench.emit(Synced())
-        self.bench.emit(Share(sum(cell.share for cell in running)))
+        self._share(running)
 
     def _start_replicate(self, running: list[CellWork]) -> None:
         """Sample one cell of each experiment twice: the difference is the noise floor."""

@@ -17,6 +17,8 @@ from .ledger import Ledger
 from .memory import free_bytes
 from .process import Died
 
+Shares = Callable[[Mapping[str, float]], None]  # receives the cells in hand, as events.Share has them
+
 
 class Supervisor:
     """Starts a worker at once, which opens the device while the run is still being planned.
@@ -44,7 +46,7 @@ class Supervisor:
         """The worker's calibration now; None where it dies of it, does not answer, or the user asks to stop."""
         return self._process.calibrate_again()
 
-    def measure(self, groups: Iterable[Sequence[Job]], ledger: Ledger, share: Callable[[float], None] = lambda _: None,
+    def measure(self, groups: Iterable[Sequence[Job]], ledger: Ledger, share: Shares = lambda _: None,
                 try_hopeless: bool = False, deadline: float = float("inf")) -> None:
         """Measure the cells of each group; every one ends as a row, but for those left at the `deadline`.
 
@@ -59,7 +61,7 @@ class Supervisor:
                 return
             self._measure_group(group, ledger, share, try_hopeless)
 
-    def _measure_group(self, group: Sequence[Job], ledger: Ledger, share: Callable[[float], None],
+    def _measure_group(self, group: Sequence[Job], ledger: Ledger, share: Shares,
                        try_hopeless: bool) -> None:
         """Measure the cells of one group, with as many workers as it takes."""
         left = {job.key: job for job in group}
@@ -77,7 +79,7 @@ class Supervisor:
             self._process.replace(deaths)
             ledger.next_session()
 
-    def _follow(self, left: dict[str, Job], ledger: Ledger, share: Callable[[float], None]) -> bool:
+    def _follow(self, left: dict[str, Job], ledger: Ledger, share: Shares) -> bool:
         """Follow the worker through a group, taking what is done from `left`. Whether the group came to its end."""
         hand = Hand(left)
         self._process.send(Group(tuple(left.values()), ledger.partials(left.values()), ledger.without_floor(left),
@@ -103,7 +105,7 @@ class Supervisor:
         """Whether the time is up, and the user has not asked to stop, which is an end of another kind."""
         return time.monotonic() >= self._deadline and not self.asked()
 
-    def _event(self, hand: Hand, ledger: Ledger, share: Callable[[float], None]) -> Ended | None:
+    def _event(self, hand: Hand, ledger: Ledger, share: Shares) -> Ended | None:
         """Take in the next event, if one comes soon. Raises Died."""
         match event := self._process.receive():
             case Begun(key, phase):

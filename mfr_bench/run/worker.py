@@ -11,7 +11,7 @@ from dataclasses import asdict
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from ..errors import DeviceError
+from ..errors import DeviceError, UnknownDeviceError
 from ..gpu.device import open_device
 from ..gpu.selftest import calibrate
 from ..gpu.timers import GpuTimer, WallTimer
@@ -51,7 +51,7 @@ def serve(link: Connection, want: str, timer: str) -> int:
     try:
         device = open_device(want)
     except DeviceError as error:
-        link.send(Failed(str(error)))
+        link.send(Failed(str(error), isinstance(error, UnknownDeviceError)))
         return LOST
     calibration = {} if timer else asdict(calibrate(device))
     timer = timer or calibration["timer"]

@@ -9,6 +9,7 @@ import pytest
 from matplotlib.image import imread
 
 from mfr_bench.cli.device_commands import _first_cell
+from mfr_bench.cli.main import cli
 from mfr_bench.config import load
 from mfr_bench.glsl.code import code_of
 from mfr_bench.gpu.device import Listed
@@ -124,7 +125,7 @@ def test_only_a_device_of_the_kind_asked_for_will_do(device):
     if absent == "cpu":
         pytest.skip("a machine with a GPU may have a software driver, too")
     ended = apart("doctor", "--device", absent)
-    assert ended.status == 1
+    assert ended.status == 2
     assert ended.complaint.startswith("--device gpu: no such device; allowed: auto, gpu, cpu, or an index, ")
     assert ended.complaint.endswith("; see mfr-bench doctor")
 
@@ -333,3 +334,26 @@ def test_the_table_of_rounding_is_the_one_of_the_docs(mfr):
     printed = mfr("methods", "--rounding").out
     assert printed.count("\n") > 3
     assert printed in (ROOT / "docs" / "accuracy.md").read_text()
+
+
+# --- a device that is not there ------------------------------------------------------------------
+
+TAKE_A_DEVICE = {
+    "run": ["smoke"], "stress": ["equal-depths"], "methods": [], "doctor": [], "check": ["kplus-array"],
+    "decide": ["--size", "16x16", "--layers", "2"], "render": ["smoke", "--method", "ab-array", "--out", "a.npy"],
+    "scene": ["smoke", "--fragments", "f.npz"],
+}
+
+
+def test_every_command_with_a_device_is_tried():
+    assert {name for name, command in cli.commands.items() if "device" in {p.name for p in command.params}} == {
+        *TAKE_A_DEVICE}
+
+
+@pytest.mark.parametrize("command", [*TAKE_A_DEVICE, "run --dry-run"])
+def test_a_device_that_is_not_there_is_2_with_those_that_are(device, here, command):
+    name, *more = command.split()
+    ended = apart(name, *TAKE_A_DEVICE[name], *more, "--device", "99")
+    assert ended.status == 2
+    assert ended.complaint.startswith("--device 99: no such device; allowed: auto, gpu, cpu, or an index, ")
+    assert device.info["renderer"] in ended.complaint

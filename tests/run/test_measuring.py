@@ -183,9 +183,10 @@ def test_progress_is_told_in_cells(run):
     longer = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=30)
     _, made = run([cell(m, measure=longer) for m in ("floor", "ab-array", "ab-ll")], Clock(0.01))
     shares = [event.cells for event in made.events if isinstance(event, Share)]
-    assert all(0 <= share <= 3 for share in shares)
-    assert shares[0] < max(shares)
-    assert shares[-1] == 0  # nothing is in hand any more
+    assert [len(cells) for cells in shares[:3]] == [1, 2, 3]  # as they are prepared
+    assert all(0 <= share <= 1 for cells in shares for share in cells.values())
+    assert sum(shares[2].values()) == 0 < max(sum(cells.values()) for cells in shares)
+    assert shares[-1] == {}  # nothing is in hand any more
 
 
 # --- what a cell keeps beside its numbers --------------------------------------------------------
