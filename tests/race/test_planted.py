@@ -14,6 +14,8 @@ SCHEDULES, SCENES = 40_000, 4
 TAKEN = "        if (atomicExchange(semaphore[p], 1u) == 0u) { \\\n            memoryBarrierBuffer();"
 TAKEN64 = "        if (atomicExchange(lock64[p], 1u) == 0u) {\n            memoryBarrierBuffer();"
 LEFT = "            memoryBarrierBuffer(); \\\n            atomicExchange(semaphore[p], 0u); \\"
+FILL = ("        NODE(p, slot) = fragment;\n        memoryBarrierBuffer();\n"
+        "        atomicAdd(counter[p], ONE_TAKEN);\n")
 LEFT64 = "            memoryBarrierBuffer();\n            atomicExchange(lock64[p], 0u);"
 
 
@@ -126,12 +128,12 @@ FAULTS = [
                    "{ uint old = depths[slot * pixels + p]; depths[slot * pixels + p] = min(old, depth); "
           "depth = max(depth, old); }"),
     Fault("a slot counts before it is published", "kplus-array-r", "methods/kplus/store_revised.frag",
-          "    NODE(p, slot) = fragment;\n    memoryBarrierBuffer();\n", "    NODE(p, slot) = fragment;\n", ("k=3",),
+          FILL, FILL.replace("        memoryBarrierBuffer();\n", ""), ("k=3",),
           True,
           (4,)),
     Fault("a slot counts before it is written", "kplus-array-r", "methods/kplus/store_revised.frag",
-          "    NODE(p, slot) = fragment;\n    memoryBarrierBuffer();\n    atomicAdd(counter[p], ONE_TAKEN);",
-          "    atomicAdd(counter[p], ONE_TAKEN);\n    NODE(p, slot) = fragment;", ("k=3",), False, (4,)),
+          FILL, "        atomicAdd(counter[p], ONE_TAKEN);\n        NODE(p, slot) = fragment;\n", ("k=3",), False,
+          (4,)),
     Fault("fills are not waited for", "kplus-array-r", "methods/kplus/store_revised.frag",
           "if ((atomicAdd(counter[p], 0u) >> COUNTED_BITS) + 1u >= BOUND) return true;", "return true;", ("k=3",),
           False,

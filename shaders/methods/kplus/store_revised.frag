@@ -2,9 +2,10 @@
 // the others enter the critical section.
 // Invariant: a slot counts as taken only after its fragment is visible to other invocations. An invocation that needs
 // the worst fragment waits until all K - 1 slots are taken.
-// Limit: in a warp in lockstep the lanes that fill slots must meet the others again before the lock. They do at the end
-// of `filled`; a compiler that moved its early return behind the lock would make those wait for lanes of their own warp
-// until LOCK_TRIES, and lose fragments, counted. None is known to.
+// Limit: in a warp in lockstep the lanes that fill slots must meet the others again before the lock, or those would wait
+// for lanes of their own warp until LOCK_TRIES, and lose fragments, counted. They meet at the end of the branch that
+// fills, which has no return that a compiler could move behind the lock. Only a compiler that duplicated the lock for
+// each side of that branch would part them; none is known to.
 // Source: kplus_2015 §3.2.1, Alg. 2.
 // Buffers: updates counter; writes nodes.
 #include "scene/fragment.glsl"
@@ -13,12 +14,14 @@
 
 bool filled(uint p, FRAGMENT fragment) {
     uint slot = (atomicAdd(counter[p], 1u) & COUNTED) + 1u;
-    if (slot >= BOUND) return false;
-    NODE(p, slot) = fragment;
-    memoryBarrierBuffer();
-    atomicAdd(counter[p], ONE_TAKEN);
-    COUNT(entered, 1)
-    return true;
+    bool fills = slot < BOUND;
+    if (fills) {
+        NODE(p, slot) = fragment;
+        memoryBarrierBuffer();
+        atomicAdd(counter[p], ONE_TAKEN);
+        COUNT(entered, 1)
+    }
+    return fills;
 }
 
 // Terminates, because `filled` never blocks: every slot that was given out is filled after finitely many steps.
