@@ -51,7 +51,7 @@ from .targets import Framebuffer, Texture
 
 SCENE = SceneConfig(size=(24, 20), depth_complexity=3)
 TILES_SCENE = SceneConfig(size=(3 * LISTED, 2 * LISTED), depth_complexity=5)
-TILED = {"touched": "tiles", "k": 8, "sync": "spin"}
+TILED = {"touched": "tiles", "k": 8, "sync": "spin", "sort": "insertion"}
 INVOCATIONS = 64
 # Formats of targets with how methods blend in them; the image is rgba32f.
 BLENDED: tuple[tuple[tuple[Format, ...], State], ...] = (

@@ -266,3 +266,12 @@ def test_a_store_that_knows_k_as_a_uniform_is_the_same_for_each_k(bound, texts):
     variants = [catalog()["kb-ps"].variant({"k": k, "bound": bound}) for k in (4, 8)]
     stores = {glsl.source(Fitted(v, stats), step).code for v in variants for step in v.passes if step.name == "store"}
     assert len(stores) == texts
+
+
+@pytest.mark.parametrize("bma", BMA.choices)
+@pytest.mark.parametrize(("n", "resolver"), [(16, "register"), (512, "register"), (513, "local")])
+def test_the_automatic_sort_is_the_one_for_the_length_of_the_local_array(n, resolver, bma):
+    fitted = Fitted(catalog()["ab-array"].variant({"bma": bma}), SceneStats(W=8, H=6, n=n, F=48 * n, primitives=n))
+    drawn_last = [p for p in fitted.variant.passes if p.resolver and fitted.needed(p)][-1]
+    assert drawn_last.resolver == f"common/resolve_{resolver}.glsl"
+    assert fitted.value(drawn_last.defines["LOCAL"]) >= n

@@ -16,9 +16,10 @@ SYNC = Param("sync", "spin", "mutual exclusion per pixel: spin lock with a semap
 LOCK = "with sync: spin a semaphore, one word per pixel"
 CULLING = Param("culling", "on", "refuse fragments beyond the furthest kept before the critical section",
                 choices=ON_OFF)
-SORT = Param("sort", "hybrid", "sort of the resolve; hybrid: insertion up to 16 fragments, shell above; lplus: batches "
-             "of the nearest 32; register: blocks of at most 32 in registers, merged",
-             choices=("insertion", "shell", "hybrid", "bubble", "lplus", "register"))
+SORT = Param("sort", "auto", "sort of the resolve; hybrid: insertion up to 16 fragments, shell above; lplus: batches "
+             "of the nearest 32; register: blocks of at most 32 in registers, merged; auto: the fastest that was "
+             "measured for as many fragments as a pixel may have (docs/fairness.md)",
+             choices=("auto", "insertion", "shell", "hybrid", "bubble", "lplus", "register"))
 LOCAL_ARRAY = Param("local_array", 0, "fragments that the resolve's local array holds; 0: as many as a pixel may need, "
                     "with lplus 32; a pixel with more loses them, counted", low=0, high=4096)
 BMA = Param("bma", "off", "backwards memory allocation: one resolve for each power of two of fragments, so that a "

@@ -13,6 +13,8 @@ from .options import SORT
 
 RESOLVERS = {"lplus": "common/resolve_lplus.glsl", "register": "common/resolve_register.glsl"}
 RESOLVER = "common/resolve_local.glsl"  # every other sort works in one local array
+# The fastest exact sort by the length of the local array, measured on llvmpipe (docs/fairness.md).
+AUTOMATIC = (("register", "{} <= 512"), ("hybrid", "{} > 512"))
 LPLUS = 32  # l of the l+-depth-sorting (kplus_2015 §4.4)
 NARROWEST, WIDEST = 8, 32  # fragments of the smallest and the largest sorting network
 TILE = 8  # pixels, side of the square that a work group of the compute resolve shades
@@ -57,25 +59,35 @@ def peeling(step: Pass, scope: Params) -> tuple[Pass, ...]:
 
 
 def _resolve_passes(step: Pass, scope: Params, hazards: bool) -> tuple[Pass, ...]:
-    sort = scope.get("sort", SORT.default)
+    sort = str(scope.get("sort", SORT.default))
     length = str(scope.get("local_array") or ("keep" if sort != "lplus" else f"min({LPLUS}, keep)"))
     counting = count_stored(step, hazards, "keep" if sort == "lplus" else f"min(keep, {length})")
-    step = replace(step, resolver=RESOLVERS.get(str(sort), RESOLVER))
+    if scope.get("bma") != "on":
+        return (counting, *_sorted(step, scope, sort, length))
+    bounds = [f"min({bound}, {length})" for bound in CLASS_BOUNDS[:-1]] + [length]
+    return (counting, _classify(step, length),
+            *(p for i, bound in enumerate(bounds) for p in _sorted(_of_class(step, i, length), scope, sort, bound)))
+
+
+def _sorted(step: Pass, scope: Params, sort: str, length: str) -> tuple[Pass, ...]:
+    """The resolve by a sort whose local array has this length, or by the one of AUTOMATIC that is for it."""
+    if sort == "auto":
+        return tuple(p for chosen, where in AUTOMATIC
+                     for p in _sorted(_where(step, where.format(length)), scope, chosen, length))
     if sort == "register":
         length = f"ceil({length}/{_network(length)})*{_network(length)}"
-    if scope.get("bma") != "on":
-        return (counting, *_staged(_with_local(step, length), scope))
-    return (counting, _classify(step, length), *(p for i in range(len(CLASS_BOUNDS))
-                                       for p in _staged(_of_class(step, i, length), scope)))
+    defines = {**step.defines, "LOCAL": length, "NETWORK": _network(length), f"SORT_{sort.upper()}": 1}
+    return _staged(replace(step, resolver=RESOLVERS.get(sort, RESOLVER), defines=defines), scope)
+
+
+def _where(step: Pass, condition: str) -> Pass:
+    """The pass, left out where the condition does not hold either."""
+    return replace(step, needed=f"({step.needed}) and ({condition})" if step.needed else condition)
 
 
 def _network(length: str) -> str:
     """The formula of the fragments that a sorting network for a local array of this length sorts: 8, 16 or 32."""
     return f"min({WIDEST}, doubled({NARROWEST}, {length}))"
-
-
-def _with_local(step: Pass, length: str) -> Pass:
-    return replace(step, defines={**step.defines, "LOCAL": length, "NETWORK": _network(length)})
 
 
 def _classify(step: Pass, length: str) -> Pass:
@@ -87,9 +99,7 @@ def _classify(step: Pass, length: str) -> Pass:
 
 
 def _of_class(step: Pass, index: int, length: str) -> Pass:
-    """The resolve of one class: the depth test selects its pixels, and the local array is as long as they need."""
-    last = index == len(CLASS_BOUNDS) - 1
-    step = _with_local(step, length if last else f"min({CLASS_BOUNDS[index]}, {length})")
+    """The resolve of one class, whose pixels the depth test selects."""
     return replace(step, into=(IMAGE, PIXEL_CLASS.name), defines={**step.defines, "CLASS": index},
                    vertex="screen/triangle_of_class.vert",
                    needed=f"{CLASS_BOUNDS[index - 1]} < {length}" if index else None,
