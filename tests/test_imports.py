@@ -18,7 +18,7 @@ PACKAGE = Path(mfr_bench.__file__).parent
 # results knows nothing of configs; configs are checked against what each kind of figure declares of itself.
 LAYERS = (
     "errors", "resources", "hashing", "stats", "environment", "store.status", "store.columns",
-    "methods.spec", "methods.shared", "methods", "store", "report", "scene", "config", "report.experiments",
+    "methods.spec", "methods.shared", "methods", "store", "report", "api", "scene", "config", "report.experiments",
     "plan", "report.settings", "oracle", "glsl", "race", "contract.variants", "outside", "gpu", "measure", "contract",
     "claims", "compare", "page", "decide", "run", "versus", "cli", "__main__",
 )

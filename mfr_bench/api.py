@@ -1,0 +1,119 @@
+"""What other programs and notebooks may rely on: results as data frames, and a plot of them (docs/api.md)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import matplotlib.axes
+    import pandas as pd
+
+Path = str | os.PathLike[str]
+
+
+@dataclass(frozen=True)
+class Results:
+    """All results at or below some folders.
+
+    `cells`: a row for each cell, with the columns of results.csv; each swept key is a column of its own,
+    `point.<key>`. `passes`: a row for each cell and pass. `samples`: a row for each timed frame, `key` and `time_ms`.
+    `units`, `meanings` in the `.attrs` of each: by column. `manifests`: by experiment, what the runs say of themselves;
+    of several results of one experiment the last.
+    """
+
+    cells: pd.DataFrame
+    passes: pd.DataFrame
+    samples: pd.DataFrame
+    manifests: Mapping[str, Mapping[str, Any]]
+
+
+def load(*folders: Path) -> Results:
+    """The results at or below folders, in the order of their paths. Raises UsageError where there are none.
+
+    What was not measured is missing (`<NA>` or NaN), never 0. Times are in ms, memory in bytes, as `.attrs` says.
+    """
+    from .report import data
+    from .store import ResultFolder, find_results
+    from .store.columns import COLUMNS, PASS_COLUMNS
+    from .store.rows import pass_rows
+
+    cells, passes, samples, manifests = [], [], [], {}
+    for path in find_results([os.fspath(folder) for folder in folders]):
+        result = data.load(ResultFolder(path))
+        manifests[result.name] = dict(result.manifest)
+        for point in result.points:
+            cells.append({**point.row, **{f"point.{name}": value for name, value in point.cell["point"].items()}})
+            passes += pass_rows([point.cell])
+            samples += [(point.cell["key"], time_ms) for time_ms in point.cell.get("samples_ms") or ()]
+    return Results(_frame(cells, COLUMNS), _frame(passes, PASS_COLUMNS), _samples(samples), manifests)
+
+
+DTYPES = {"str": "string", "int": "Int64", "float": "float64", "bool": "boolean", "json": "object"}
+
+
+def _frame(rows: Sequence[Mapping[str, Any]], columns: Iterable[Any]) -> pd.DataFrame:
+    """Rows as a data frame: the columns in their order, each of its type, then what else the rows have."""
+    import pandas as pd
+
+    columns = list(columns)
+    frame = pd.DataFrame(list(rows), columns=[*(c.name for c in columns), *_others(rows, columns)])
+    frame = frame.astype({c.name: DTYPES[c.type] for c in columns})
+    return _told(frame, {c.name: c.unit for c in columns if c.unit}, {c.name: c.meaning for c in columns})
+
+
+def _told(frame: pd.DataFrame, units: Mapping[str, str], meanings: Mapping[str, str]) -> pd.DataFrame:
+    frame.attrs = {"units": dict(units), "meanings": dict(meanings)}
+    return frame
+
+
+def _others(rows: Sequence[Mapping[str, Any]], columns: Iterable[Any]) -> list[str]:
+    known = {c.name for c in columns}
+    return list(dict.fromkeys(name for row in rows for name in row if name not in known))
+
+
+def _samples(samples: Sequence[tuple[str, float]]) -> pd.DataFrame:
+    import pandas as pd
+
+    frame = pd.DataFrame(samples, columns=["key", "time_ms"]).astype({"key": "string", "time_ms": "float64"})
+    return _told(frame, {"time_ms": "ms"}, {"key": "name of the cell file", "time_ms": "one timed frame"})
+
+
+def plot(cells: pd.DataFrame, x: str = "k", y: str = "time_ms", *, by: str = "label",
+         ax: matplotlib.axes.Axes | None = None, log: str = "") -> matplotlib.axes.Axes:
+    """Lines of the column `y` over the column `x`, one for each value of `by`; with the interval where `y` has one.
+
+    cells: `Results.cells`, or some rows of it. A method has the colour that it has in every figure of mfr-bench. log:
+    the axes, of "xy", that are logarithmic. Rows without a value are left out. Raises UsageError for a column that is
+    not there. Returns the axes, those of a new figure unless some are given.
+    """
+    from matplotlib import pyplot as plt
+
+    from .errors import UsageError, one_of
+    from .report.style import method_colour
+
+    for name in (x, y, by):
+        if name not in cells:
+            raise UsageError(f"plot: no column {name!r}; {one_of(name, map(str, cells.columns))}")
+    axes = ax or plt.subplots(layout="constrained")[1]
+    shown = cells.dropna(subset=[x, y, by])
+    for label, rows in shown.groupby(by, sort=False):
+        ordered = rows.sort_values(x)
+        places, values = ordered[x].astype(float), ordered[y].astype(float)
+        colour = method_colour(str(rows["method"].iloc[0])) if "method" in rows else None
+        axes.plot(places, values, marker="o", label=str(label), color=colour)
+        if {f"{y}_low", f"{y}_high"} <= set(cells):
+            low, high = (ordered[f"{y}_{end}"].astype(float) for end in ("low", "high"))
+            axes.fill_between(places, low, high, color=colour, alpha=0.2, linewidth=0)
+    axes.set(xlabel=_said(cells, x), ylabel=_said(cells, y), **{f"{a}scale": "log" for a in log})
+    if len(shown):
+        axes.legend(frameon=False)
+    return axes
+
+
+def _said(cells: pd.DataFrame, name: str) -> str:
+    """A column's name with its unit."""
+    unit = cells.attrs.get("units", {}).get(name)
+    return f"{name} ({unit})" if unit else name
