@@ -151,6 +151,12 @@ def test_entries_that_share_a_label_are_told_apart(tmp_path):
     assert result.labels == ["KB (culling on)", "KB (culling off)"]
 
 
+def test_a_parameter_that_follows_from_the_point_tells_nothing_apart(tmp_path):
+    """One entry whose passes keep 8 fragments, and only act where k is more."""
+    cells = [cell("kb", "KB", 3.0, params={"k": k, "per_pass": 8 if k > 8 else 0}, point={"k": k}) for k in (4, 16)]
+    assert data.load(planted.folder(tmp_path, cells)).labels == ["KB"]
+
+
 def test_a_planned_record_replaces_an_older_one_of_the_same_point(tmp_path):
     old, new = at(4, time_ms=9.0, glsl_hash="old"), at(4, time_ms=5.0)
     folder = planted.folder(tmp_path, [new])

@@ -62,13 +62,25 @@ def _current(cells: Iterable[Cell]) -> list[Cell]:
 
 
 def _labels(cells: Sequence[Cell]) -> list[str]:
-    """A label per cell; entries that share one are told apart by the parameters in which they differ."""
+    """A label per cell; entries that share one are told apart by the parameters in which they differ.
+
+    A parameter that only follows from the point, as one without an effect at some of them, tells nothing apart.
+    """
     swept = {bare(name) for cell in cells for name in cell["point"]}
     entries: dict[str, dict[str, dict]] = {}
+    places: dict[str, set[str]] = {}
     for cell in cells:
         fixed = {"method": cell["method"]} | {n: v for n, v in cell["params"].items() if n not in swept}
-        entries.setdefault(cell["label"], {})[json.dumps(fixed, sort_keys=True)] = fixed
-    return [_label(cell, list(entries[cell["label"]].values())) for cell in cells]
+        text = json.dumps(fixed, sort_keys=True)
+        entries.setdefault(cell["label"], {})[text] = fixed
+        places.setdefault(_place(cell), set()).add(text)
+    shared = {cell["label"] for cell in cells if len(places[_place(cell)]) > 1}
+    return [_label(cell, list(entries[cell["label"]].values())) if cell["label"] in shared else cell["label"]
+            for cell in cells]
+
+
+def _place(cell: Cell) -> str:
+    return json.dumps([cell["label"], cell["point"], cell["scene"]], sort_keys=True)
 
 
 def _label(cell: Cell, same: list[dict]) -> str:
