@@ -106,7 +106,7 @@ def gain(percent: float) -> Bound:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Evidence:
     """One measured value against its bound. `at` holds the coordinates, `reason` why it is not decided."""
 
     what: str

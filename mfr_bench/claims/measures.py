@@ -14,7 +14,7 @@ MB = 2**20
 
 
 @dataclass(frozen=True)
-class Measure:
+class Quantity:
     """A quantity of a cell: samples of a time in ms, a factor that is counted, or the product or quotient of both."""
 
     words: str
@@ -56,17 +56,17 @@ def column(name: str) -> Callable[[Point], float | None]:
     return lambda point: point.cell["values"].get(name) if name in VALUES else point.measure(name)[1]
 
 
-TIME = Measure("time", samples=frame_ms)
+TIME = Quantity("time", samples=frame_ms)
 # Fig. 8 of kplus_2015 says ms per MB; read as a cost, as the fps per MB of kplus_2014 has it: dividing by the memory
 # would reward a method for using more.
-COST = Measure("ms × MB", samples=frame_ms, factor=column("memory_bytes"))
-PRINTED_COST = Measure("ms / MB", samples=frame_ms, factor=column("memory_bytes"), divides=True)
-MEMORY = Measure("memory", factor=column("memory_bytes"))
+COST = Quantity("ms × MB", samples=frame_ms, factor=column("memory_bytes"))
+PRINTED_COST = Quantity("ms / MB", samples=frame_ms, factor=column("memory_bytes"), divides=True)
+MEMORY = Quantity("memory", factor=column("memory_bytes"))
 
 
-def pass_time(*names: str) -> Measure:
-    return Measure(f"time of the {' pass, else '.join(names)} pass", samples=lambda point: pass_ms(point, *names))
+def pass_time(*names: str) -> Quantity:
+    return Quantity(f"time of the {' pass, else '.join(names)} pass", samples=lambda point: pass_ms(point, *names))
 
 
-def counted(name: str) -> Measure:
-    return Measure(name.replace("_", " "), factor=column(name))
+def counted(name: str) -> Quantity:
+    return Quantity(name.replace("_", " "), factor=column(name))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..methods.spec import SceneStats, evaluate
 from ..report.data import Point
 from ..stats import Interval
-from .evidence import NOTHING, Bound, Comparison, Outcome
+from .evidence import NOTHING, Bound, Evidence, Outcome
 from .measures import column
 from .picks import Pick, coordinates, is_number
 from .rules import OfOnePick, compared
@@ -36,7 +36,7 @@ class Memory:
     def each(self) -> tuple[str, ...]:
         return tuple(method for cells, _ in self.of for method in cells.each)
 
-    def compare(self, run: Run) -> list[Comparison]:
+    def compare(self, run: Run) -> list[Evidence]:
         return [compared(run, f"{p.method} / {formula}", (p,), lambda p=p, formula=formula: self._ratio(p, formula),
                           self.bound, exact=True)
                 for cells, formula in self.of for p in run.points if cells.takes(p)]
@@ -66,14 +66,14 @@ class RunsOut(OfOnePick):
     def text(self) -> str:
         return f"{self.cells.text}: over the memory budget, or out of memory"
 
-    def compare(self, run: Run) -> list[Comparison]:
+    def compare(self, run: Run) -> list[Evidence]:
         return [self._compared(run, p) for p in run.points if self.cells.takes(p)]
 
-    def _compared(self, run: Run, point: Point) -> Comparison:
+    def _compared(self, run: Run, point: Point) -> Evidence:
         ending = point.ending
         outcome = (Outcome.HOLDS if ending.over_memory else Outcome.FAILS if ending.timed
                    else Outcome.LEFT_OUT if ending.refused else Outcome.UNCLEAR)
         used = column("memory_bytes")(point)
         reason = point.cell.get("reason") or (f"ran with {used / 2**20:.1f} MiB" if used is not None else "")
-        return Comparison(f"{point.method} is {point.sign}", coordinates(point), NOTHING, outcome, reason, run.folder,
+        return Evidence(f"{point.method} is {point.sign}", coordinates(point), NOTHING, outcome, reason, run.folder,
                           exact=True)

@@ -18,14 +18,14 @@ from .evidence import (
     NOTHING,
     Bound,
     BoundByMaker,
-    Comparison,
+    Evidence,
     at_least,
     at_most,
     bound_on,
     decided,
     refusal,
 )
-from .measures import TIME, Measure, column, frame_ms, pass_ms
+from .measures import TIME, Quantity, column, frame_ms, pass_ms
 from .picks import Pick, Where, at, coordinates, fixed_by, is_number, meets, pairs, words
 from .runs import Run
 
@@ -40,7 +40,7 @@ class Rule(Protocol):
     @property
     def each(self) -> tuple[str, ...]: ...
 
-    def compare(self, run: Run) -> list[Comparison]: ...
+    def compare(self, run: Run) -> list[Evidence]: ...
 
 
 class OfOnePick:
@@ -58,7 +58,7 @@ class OfOnePick:
 
 
 def compared(run: Run, what: str, points: Sequence[Point], interval: Callable[[], Interval], bound: Bound,
-             exact: bool = False) -> Comparison:
+             exact: bool = False) -> Evidence:
     """The comparison of these cells, which is made only where all of them were measured with a right image."""
     refused = _refused(run, what, points)
     if refused:
@@ -66,16 +66,16 @@ def compared(run: Run, what: str, points: Sequence[Point], interval: Callable[[]
     found = interval()
     outcome, reason = decided(found, bound, 0.0 if exact else run.noise or 0.0)
     margin = bound.margin(found[1]) if found[1] else 0.0
-    return Comparison(what, coordinates(*points), found, outcome, reason, run.folder, margin, exact)
+    return Evidence(what, coordinates(*points), found, outcome, reason, run.folder, margin, exact)
 
 
-def _refused(run: Run, what: str, points: Sequence[Point]) -> Comparison | None:
+def _refused(run: Run, what: str, points: Sequence[Point]) -> Evidence | None:
     """The comparison that cannot be made, where one of the cells was not measured."""
     refused = refusal(*points)
-    return Comparison(what, coordinates(*points), NOTHING, *refused, run.folder) if refused else None
+    return Evidence(what, coordinates(*points), NOTHING, *refused, run.folder) if refused else None
 
 
-def _sifted(run: Run, found: Iterable, what: Callable[..., str]) -> tuple[list[Comparison], list]:
+def _sifted(run: Run, found: Iterable, what: Callable[..., str]) -> tuple[list[Evidence], list]:
     """Comparisons for those items (tuples of cells) that cannot be compared, and the other items."""
     items = [(item, _refused(run, what(*item), item)) for item in found]
     return [refused for _, refused in items if refused], [item for item, refused in items if not refused]
@@ -93,7 +93,7 @@ class Ratio:
     under: Pick
     bound: Bound | BoundByMaker = MORE
     where: Where = field(default_factory=dict)
-    measure: Measure = TIME
+    measure: Quantity = TIME
 
     @property
     def text(self) -> str:
@@ -117,7 +117,7 @@ class Ratio:
             return f"{over.method} / {under.method}"
         return f"{over.method} ({words(self.over.where)} / {words(self.under.where)})"
 
-    def compare(self, run: Run) -> list[Comparison]:
+    def compare(self, run: Run) -> list[Evidence]:
         bound = bound_on(run.makers, self.bound)
         return [compared(run, self.named(over, under), (over, under),
                           lambda over=over, under=under: self.measure.ratio(over, under), bound, self.measure.exact)
@@ -125,7 +125,7 @@ class Ratio:
 
 
 @dataclass(frozen=True)
-class Change:
+class RatioChange:
     """A ratio at the largest value of a coordinate over the same ratio at the smallest."""
 
     ratio: Ratio
@@ -145,13 +145,13 @@ class Change:
     def each(self) -> tuple[str, ...]:
         return self.ratio.each
 
-    def compare(self, run: Run) -> list[Comparison]:
+    def compare(self, run: Run) -> list[Evidence]:
         refused, found = _sifted(run, pairs(run, self.ratio.over, self.ratio.under, self.ratio.where), self.ratio.named)
         groups = _grouped(found, lambda pair: (*(fixed_by(p, [self.along]) for p in pair), _shared(pair[0], self.same)))
         return refused + [self.compared(run, ends) for group in groups
                           if (ends := _ends(group, lambda pair: at(pair[0], self.along)))]
 
-    def compared(self, run: Run, ends: tuple[tuple[Point, Point], tuple[Point, Point]]) -> Comparison:
+    def compared(self, run: Run, ends: tuple[tuple[Point, Point], tuple[Point, Point]]) -> Evidence:
         (first_over, first_under), (last_over, last_under) = ends
 
         def interval() -> Interval:
@@ -231,13 +231,13 @@ class Straight(OfOnePick):
     def needs(self) -> str:
         return f"{self.cells.names} at three values of {short(self.along)} over a factor of {self.span:g}"
 
-    def compare(self, run: Run) -> list[Comparison]:
+    def compare(self, run: Run) -> list[Evidence]:
         refused, found = _sifted(run, ((p,) for p in run.points if self.cells.takes(p)), lambda p: f"{p.method} / line")
         series = _grouped((p for p, in found if is_number(at(p, self.along))),
                           lambda p: (fixed_by(p, [self.along]), _shared(p, self.same)))
         return refused + [comparison for points in series for comparison in self._inner(run, points)]
 
-    def _inner(self, run: Run, points: list[Point]) -> Iterable[Comparison]:
+    def _inner(self, run: Run, points: list[Point]) -> Iterable[Evidence]:
         ends = _ends(points, lambda p: at(p, self.along))
         if ends is None or at(ends[1], self.along) < self.span * at(ends[0], self.along):
             return
@@ -260,7 +260,7 @@ class Straight(OfOnePick):
 
 
 @dataclass(frozen=True)
-class Share(OfOnePick):
+class PassShare(OfOnePick):
     """The part of a frame that one pass takes, of the sum of its passes."""
 
     cells: Pick
@@ -271,7 +271,7 @@ class Share(OfOnePick):
     def text(self) -> str:
         return f"share of the {self.part} pass, {self.cells.text}: {self.bound.words}"
 
-    def compare(self, run: Run) -> list[Comparison]:
+    def compare(self, run: Run) -> list[Evidence]:
         return [compared(run, f"{self.part} of {p.method}", (p,), lambda p=p: self._share(p), self.bound)
                 for p in run.points if self.cells.takes(p)]
 
@@ -292,7 +292,7 @@ def _part_of(part: float | None, rest: float | None) -> float | None:
 
 
 @dataclass(frozen=True)
-class Counted(OfOnePick):
+class CountedValue(OfOnePick):
     """A value of a cell that is counted, not timed."""
 
     cells: Pick
@@ -307,7 +307,7 @@ class Counted(OfOnePick):
     def needs(self) -> str:
         return f"{self.cells.names} with a value {self.column}"
 
-    def compare(self, run: Run) -> list[Comparison]:
+    def compare(self, run: Run) -> list[Evidence]:
         value = column(self.column)
         return [compared(run, p.method, (p,), lambda p=p: (value(p),) * 3, self.bound, exact=True)
                 for p in run.points if self.cells.takes(p)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..report.data import bare, heading
-from .evidence import Comparison, Outcome
+from .evidence import Evidence, Outcome
 from .rules import Rule
 from .runs import Run
 
@@ -53,10 +53,10 @@ class Finding:
     """What the runs of a device show of one rule."""
 
     rule: Rule
-    comparisons: tuple[Comparison, ...]
+    comparisons: tuple[Evidence, ...]
 
     @property
-    def tested(self) -> tuple[Comparison, ...]:
+    def tested(self) -> tuple[Evidence, ...]:
         return tuple(c for c in self.comparisons if c.outcome is not Outcome.LEFT_OUT)
 
     @property
@@ -74,7 +74,7 @@ class Finding:
         return Outcome.HOLDS if outcomes == {Outcome.HOLDS} and not self.absent else Outcome.UNCLEAR
 
     @property
-    def deciding(self) -> Comparison | None:
+    def deciding(self) -> Evidence | None:
         """The comparison that is furthest from holding, of those with the rule's outcome."""
         return min((c for c in self.tested if c.outcome is self.outcome), key=lambda c: c.margin, default=None)
 
@@ -107,7 +107,7 @@ class Finding:
                                     self.absent and f"no cells of {', '.join(self.absent)}") if part]
         return f"{self.outcome.value}: " + "; ".join(parts)
 
-    def _place(self, found: Comparison) -> str:
+    def _place(self, found: Evidence) -> str:
         names = [n for n in found.at if n != "methods" and (n in ALWAYS_SHOWN or self._varies(n))]
         shown = [heading(n, found.at[n], " ") if bare(n) != "size" else "×".join(map(str, found.at[n]))
                  for n in names if found.at[n] is not None]
@@ -153,7 +153,7 @@ class Verdict:
                 "comparisons": [_record(c) for c in found.comparisons]}
 
 
-def _record(comparison: Comparison) -> dict[str, Any]:
+def _record(comparison: Evidence) -> dict[str, Any]:
     low, value, high = comparison.interval
     return {"what": comparison.what, "at": dict(comparison.at), "value": value, "low": low, "high": high,
             "exact": comparison.exact, "outcome": comparison.outcome.value, "reason": comparison.reason or None,

@@ -39,7 +39,7 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class CellVerdict:
     """A cell on both sides. `ratio`: after / before with what all methods have in common taken out, and the interval
     in which it lies for all cells at once; `raw`: the ratio as measured."""
 
@@ -82,7 +82,7 @@ class Comparison:
     threshold: float
     floor: float
     absolute: bool
-    verdicts: tuple[Verdict, ...]
+    verdicts: tuple[CellVerdict, ...]
     missing_before: tuple[Entry, ...]
     missing_after: tuple[Entry, ...]
     common: tuple[float, float] | None
@@ -256,15 +256,15 @@ def _shift(before: Entry, after: Entry, frames: Frames) -> Shift | None:
     return Shift(after.scene, after.method, *found, burst) if found else None
 
 
-def _verdict(before: Entry, after: Entry, judged: Callable[[Entry, Entry], Judged]) -> Verdict:
+def _verdict(before: Entry, after: Entry, judged: Callable[[Entry, Entry], Judged]) -> CellVerdict:
     b, a = before.point, after.point
     changes = tuple(_changes(before, after))
     about = (after.name, after.experiment, before, after)
     if (b.status, a.status) != ("ok", "ok"):
-        return Verdict(*about, *_without_times(b, a), changes=changes)
+        return CellVerdict(*about, *_without_times(b, a), changes=changes)
     if b.row["timer"] != a.row["timer"]:
-        return Verdict(*about, UNCLEAR, f"timed by {b.row['timer']}, then by {a.row['timer']}", changes=changes)
-    return Verdict(*about, *judged(before, after), changes)
+        return CellVerdict(*about, UNCLEAR, f"timed by {b.row['timer']}, then by {a.row['timer']}", changes=changes)
+    return CellVerdict(*about, *judged(before, after), changes)
 
 
 def _without_times(before: Point, after: Point) -> tuple[str | None, str]:

@@ -13,7 +13,7 @@ from ..report.machine import Case, Outcome
 from ..report.tables import Grid
 from ..stats import Interval
 from ..store import csv_text
-from .judge import MISSING, SAME, SLOWER, UNCLEAR, VERDICTS, Comparison, Verdict
+from .judge import MISSING, SAME, SLOWER, UNCLEAR, VERDICTS, CellVerdict, Comparison
 from .sides import Entry
 
 COLUMNS = ("experiment", "name", "method", "params", "scene", "verdict", "reason", "before_ms", "after_ms", "ratio",
@@ -106,7 +106,7 @@ def _grids(found: Comparison, whole: bool) -> list[Grid]:
     return grids
 
 
-def _row(verdict: Verdict) -> tuple[str, ...]:
+def _row(verdict: CellVerdict) -> tuple[str, ...]:
     name = verdict.name if len(verdict.name) <= NAME_WIDTH else f"{verdict.name[:NAME_WIDTH - 1]}…"
     return (name, verdict.verdict or "-", number(verdict.before.point.row["time_ms"]),
             number(verdict.after.point.row["time_ms"]), _interval(verdict.ratio))

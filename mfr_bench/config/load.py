@@ -26,7 +26,7 @@ def load(reference: str, catalog: Mapping[str, Method], profile: str | None = No
     dotted key. Raises UsageError with a line for every mistake in any of them, profiles not asked for included.
     """
     settings, problems = override_layer(overrides)
-    loader = _Loader(catalog, profile, settings)
+    loader = _Reading(catalog, profile, settings)
     experiments = [loader.experiment(path) for path in find(reference)]
     problems += loader.problems
     if problems:
@@ -92,7 +92,7 @@ def _new(found: Sequence[Problem], known: Sequence[Problem]) -> list[Problem]:
     return [problem for problem in found if problem.place not in places]
 
 
-class _Loader:
+class _Reading:
     """Reads files with one profile and one set of overrides, and gathers what is wrong with them."""
 
     def __init__(self, catalog: Mapping[str, Method], profile: str | None, settings: Sequence):

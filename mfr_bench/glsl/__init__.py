@@ -9,7 +9,7 @@
 """
 
 from .bindings import split_ref
-from .includes import Source, expand, read
+from .includes import StageSource, expand, read
 from .prelude import FEATURE_EXTENSIONS, define_values, source, stages
 
-__all__ = ["FEATURE_EXTENSIONS", "Source", "define_values", "expand", "read", "source", "split_ref", "stages"]
+__all__ = ["FEATURE_EXTENSIONS", "StageSource", "define_values", "expand", "read", "source", "split_ref", "stages"]

@@ -21,7 +21,7 @@ _INCLUDE = re.compile(r'^\s*#include\s+(?:"(?P<path>[^"]+)"|<(?P<slot>\w+)>)\s*$
 
 
 @dataclass(frozen=True)
-class Source:
+class StageSource:
     """One shader stage: its full text, and the files that its #line numbers refer to."""
 
     entry: str

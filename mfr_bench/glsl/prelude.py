@@ -42,7 +42,7 @@ from .bindings import (
     texture_bindings,
 )
 from .code import code_of
-from .includes import Source, expand
+from .includes import StageSource, expand
 
 VERSION = "#version 430 core"
 VERSION_FOR_FEATURES = "#version 450 core"  # what the extensions of FEATURE_EXTENSIONS are written against
@@ -174,7 +174,7 @@ def _bound(fitted: Fitted, step: Pass) -> str:
 
 
 def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool = False,
-           mapped: str | None = None) -> Source:
+           mapped: str | None = None) -> StageSource:
     """The stage `entry` (default: the pass's own shader) of one pass, ready to compile.
 
     `counted`: counting its work. `mapped`: counting one kind of it for each pixel, where the shader has a line for it.
@@ -219,10 +219,10 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
         prelude += _diagnostics(words, counted)
     if counted and mapped:
         text = counters.mapped("\n".join(prelude), body, mapped)
-        return Source(entry, text, files, counted) if text else source(fitted, step, entry)
+        return StageSource(entry, text, files, counted) if text else source(fitted, step, entry)
     if counted:
-        return Source(entry, counters.counting("\n".join(prelude), body, _storage(variant)), files, counted)
-    return Source(entry, "\n".join(prelude) + "\n" + body, files, counted)
+        return StageSource(entry, counters.counting("\n".join(prelude), body, _storage(variant)), files, counted)
+    return StageSource(entry, "\n".join(prelude) + "\n" + body, files, counted)
 
 
 def _frame_fields(variant: Variant, step: Pass) -> tuple[str, ...]:
@@ -255,7 +255,7 @@ def _vertex(step: Pass, geometry: str) -> str:
     return step.vertex or (f"scene/{geometry}.vert" if step.kind == "geometry" else "screen/triangle.vert")
 
 
-def stages(fitted: Fitted, step: Pass, counted: bool = False, mapped: str | None = None) -> tuple[Source, ...]:
+def stages(fitted: Fitted, step: Pass, counted: bool = False, mapped: str | None = None) -> tuple[StageSource, ...]:
     """All stages of a pass: vertex and fragment, or compute alone; `counted` and `mapped` are as for `source`."""
     own = source(fitted, step, counted=counted, mapped=mapped)
     if step.kind == "compute":

@@ -12,7 +12,7 @@ import moderngl
 
 from ..environment import draws_in_software, processor
 from ..errors import DeviceError, ShaderError
-from ..glsl import FEATURE_EXTENSIONS, Source
+from ..glsl import FEATURE_EXTENSIONS, StageSource
 from ..methods.spec import LISTED, SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS
 from ..plan import Limits
 from .egl import EglDevice, uuid_text
@@ -117,14 +117,14 @@ class Device:
                       max_texture_size=int(info["GL_MAX_TEXTURE_SIZE"]),
                       max_local_array=SOFTWARE_LOCAL_ARRAY if self.kind == "cpu" else None)
 
-    def program(self, sources: tuple[Source, ...], owner: str):
+    def program(self, sources: tuple[StageSource, ...], owner: str):
         """The linked program of the stages, compiled once. `owner` (method and pass) is named in errors."""
         key = tuple(s.code for s in sources)
         if key not in self.programs:
             self.programs[key] = self._compile(sources, owner)
         return self.programs[key]
 
-    def _compile(self, sources: tuple[Source, ...], owner: str):
+    def _compile(self, sources: tuple[StageSource, ...], owner: str):
         texts = {"vert": "vertex_shader", "frag": "fragment_shader"}
         try:
             if sources[0].entry.endswith(".comp"):
@@ -160,7 +160,7 @@ class Device:
             self.ctx.release()
 
 
-def compile_message(log: str, sources: tuple[Source, ...], owner: str) -> str:
+def compile_message(log: str, sources: tuple[StageSource, ...], owner: str) -> str:
     """One line: file, line, what the compiler says, the method and pass, the defines."""
     stage = next((s for s in sources if s.entry.endswith(".vert") == ("vertex_shader" in log)), sources[-1])
     located = stage.located(log)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import Protocol
 
-from ..glsl import Source, split_ref, stages
+from ..glsl import StageSource, split_ref, stages
 from ..glsl.bindings import length_name
 from ..methods.shared.bands import Rectangle
 from ..methods.spec import (
@@ -89,7 +89,7 @@ class PassRunner:
             return [(self.frame.allocation.named(TILE_LIST), "1u", "in_tile")]
         return self.frame.scene_buffer.attributes(self.program) if self.step.kind == "geometry" else []
 
-    def _stages(self) -> tuple[Source, ...]:
+    def _stages(self) -> tuple[StageSource, ...]:
         return stages(self.frame.fitted, self.step)
 
     @cached_property

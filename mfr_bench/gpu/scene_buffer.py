@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..glsl import Source, read
+from ..glsl import StageSource, read
 from ..glsl.bindings import OPAQUE_UNIT
 from ..oracle import twochannel
 from ..scene.geometry import Geometry
@@ -125,7 +125,7 @@ class OpaqueDepth:
         self._device = device
         self.texture = Texture(device.gl, "depth32f", viewport)
         self._framebuffer = Framebuffer(device.gl, [self.texture])
-        sources = tuple(Source(entry, VERTEX_VERSION + read(entry), ("prelude", entry))
+        sources = tuple(StageSource(entry, VERTEX_VERSION + read(entry), ("prelude", entry))
                         for entry in ("scene/opaque.vert", "scene/opaque.frag"))
         self._program = device.program(sources, "opaque triangles")
 

@@ -43,7 +43,7 @@ BUSY = probe_method("work", Pass("work", "fullscreen", "probe/work.frag", into=(
 
 
 @dataclass(frozen=True)
-class Finding:
+class SelfTestOutcome:
     """Outcome of one self-test: passed True, False, or None where the device lacks what it needs.
 
     `costs`: what a failure costs; None: any result may be wrong.
@@ -87,7 +87,7 @@ def _slanted(device: Device) -> tuple[bool, str]:
     return alike == held.size, f"{alike} of {held.size} pixels whose depth buffer holds a depth that shaders see"
 
 
-def self_tests(device: Device) -> list[Finding]:
+def self_tests(device: Device) -> list[SelfTestOutcome]:
     """Run every test but the timers', and every trial. A test that cannot even compile has failed."""
     with ProbeBench(device, SCENE) as bench:
         findings = [
@@ -100,21 +100,21 @@ def self_tests(device: Device) -> list[Finding]:
     if "samples_4" in device.features:
         findings.append(_finding("stencil routing", lambda: routed(device, "on")))
     else:
-        findings.append(Finding("stencil routing", None, "no targets of 4 samples"))
+        findings.append(SelfTestOutcome("stencil routing", None, "no targets of 4 samples"))
     return [*findings, *(_tried(device, trial) for trial in TRIALS)]
 
 
-def _tried(device: Device, trial: Trial) -> Finding:
+def _tried(device: Device, trial: Trial) -> SelfTestOutcome:
     if trial.feature and trial.feature not in device.offered:
-        return Finding(trial.name, None, f"the driver does not offer {trial.feature}", trial.costs)
-    return Finding(trial.name, *trial.outcome(device), trial.costs)
+        return SelfTestOutcome(trial.name, None, f"the driver does not offer {trial.feature}", trial.costs)
+    return SelfTestOutcome(trial.name, *trial.outcome(device), trial.costs)
 
 
-def _finding(name: str, test: Callable[[], tuple[bool, str]]) -> Finding:
+def _finding(name: str, test: Callable[[], tuple[bool, str]]) -> SelfTestOutcome:
     try:
-        return Finding(name, *test())
+        return SelfTestOutcome(name, *test())
     except (MfrError, MemoryError) as error:
-        return Finding(name, False, str(error))
+        return SelfTestOutcome(name, False, str(error))
 
 
 @dataclass(frozen=True)

@@ -90,15 +90,15 @@ def plan(known: Known, params: Params) -> Plan:
 
 
 @dataclass(frozen=True)
-class Above(When):
+class AboveValue(When):
     """Holds where the parameter `name` is above the one value."""
 
     def holds(self, params: Params) -> bool:
         return float(params[self.name]) > float(self.values[0]) and (self.also is None or self.also.holds(params))
 
 
-APPROXIMATE = Above(MAX_ERROR.name, (EXACT,))
-BUDGETED = Above(MEMORY_MB.name, (0.0,))
+APPROXIMATE = AboveValue(MAX_ERROR.name, (EXACT,))
+BUDGETED = AboveValue(MEMORY_MB.name, (0.0,))
 
 
 @dataclass(frozen=True)

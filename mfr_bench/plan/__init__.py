@@ -10,7 +10,17 @@
 from .cells import Cell, expand
 from .expected import expected_stats
 from .limits import Decision, Limits, judge, overview
-from .predicted import NOT_TRIED, Outcome, predicted_timeout
+from .predicted import NOT_TRIED, CellOutcome, predicted_timeout
 
-__all__ = ["NOT_TRIED", "Cell", "Decision", "Limits", "Outcome", "expand", "expected_stats", "judge", "overview",
-           "predicted_timeout"]
+__all__ = [
+           "NOT_TRIED",
+           "Cell",
+           "CellOutcome",
+           "Decision",
+           "Limits",
+           "expand",
+           "expected_stats",
+           "judge",
+           "overview",
+           "predicted_timeout",
+]

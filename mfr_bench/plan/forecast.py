@@ -57,7 +57,7 @@ class Rates:
 
 
 @dataclass(frozen=True)
-class Frame:
+class FrameTime:
     """Time of a frame, the coefficient of variation of such times, and where both are from."""
 
     time_ms: float
@@ -70,7 +70,7 @@ class Record:
     """A measured cell, as a forecast uses it."""
 
     fragments: int
-    frame: Frame
+    frame: FrameTime
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Forecast:
 
     def __init__(self, records: Iterable[Mapping[str, Any]], rates: Rates):
         self.rates = rates
-        self._exact: dict[str, Frame] = {}
+        self._exact: dict[str, FrameTime] = {}
         self._of_method: dict[str, list[Record]] = defaultdict(list)
         for row in records:
             self.learn(row)
@@ -113,12 +113,12 @@ class Forecast:
             self._of_method[row["method"]].append(
                 Record(row["values"].get("fragments") or 0, replace(frame, source=ALIKE)))
 
-    def frame(self, cell: Cell, stats: SceneStats) -> Frame:
+    def frame(self, cell: Cell, stats: SceneStats) -> FrameTime:
         """What a frame of the cell should take."""
         known = self._exact.get(_identity(cell.method, cell.params, cell.scene.as_dict()))
         return known or self._alike(cell.method, stats) or self._calibrated(stats)
 
-    def _alike(self, method: str, stats: SceneStats) -> Frame | None:
+    def _alike(self, method: str, stats: SceneStats) -> FrameTime | None:
         """The method's frame of the nearest number of fragments, in proportion to that number."""
         def distance(record: Record) -> float:
             return abs(math.log((record.fragments + 1) / (stats.F + 1)))
@@ -127,9 +127,9 @@ class Forecast:
         scale = near and (stats.F + 1) / (near.fragments + 1)
         return replace(near.frame, time_ms=near.frame.time_ms * scale) if near else None
 
-    def _calibrated(self, stats: SceneStats) -> Frame:
+    def _calibrated(self, stats: SceneStats) -> FrameTime:
         time_ms = self.rates.fragment_ms * stats.F + self.rates.pixel_ms * stats.P
-        return Frame(time_ms, USUAL_CV, CALIBRATED)
+        return FrameTime(time_ms, USUAL_CV, CALIBRATED)
 
     def run(self, cells: Sequence[Cell]) -> Prediction:
         """One run that measures these cells."""
@@ -145,7 +145,7 @@ class Forecast:
         return Prediction(spent_s + checks_s + around_s, spent_s, checks_s, sources)
 
 
-def frames_s(frame: Frame, measure: Measure) -> float:
+def frames_s(frame: FrameTime, measure: Measure) -> float:
     """Seconds that the sampling rules let the frames of a cell take: warm-up, samples, passes, checks."""
     frame_s = frame.time_ms / 1e3
     needed = (MEDIAN_WIDTH * frame.cv / measure.target_rel_ci) ** 2
@@ -159,7 +159,7 @@ def _identity(method: str, params: Mapping[str, Any], scene: Mapping[str, Any]) 
     return json.dumps([method, dict(params), scene], sort_keys=True)
 
 
-def _measured(row: Mapping[str, Any]) -> Frame | None:
+def _measured(row: Mapping[str, Any]) -> FrameTime | None:
     """The frame of a measured cell, its deviation from that of its samples."""
     time_ms, samples = row["values"].get("time_ms"), row.get("samples_ms") or []
     if not time_ms:
@@ -167,7 +167,7 @@ def _measured(row: Mapping[str, Any]) -> Frame | None:
     low, high = row["values"].get("time_ms_low"), row["values"].get("time_ms_high")
     width = (high - low) / 2 / time_ms if None not in (low, high) else None
     cv = USUAL_CV if width is None else width * math.sqrt(len(samples)) / MEDIAN_WIDTH
-    return Frame(time_ms, cv, MEASURED)
+    return FrameTime(time_ms, cv, MEASURED)
 
 
 def rates_of(runs: Iterable[tuple[Mapping[str, Any], Sequence[Mapping[str, Any]]]],

@@ -15,7 +15,7 @@ NOT_TRIED = "--try-hopeless measures it all the same"  # ends the reason of ever
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CellOutcome:
     """How a cell has ended: its status, its median frame and its fastest one, warm-up included, if it has any."""
 
     cell: Cell
@@ -24,7 +24,7 @@ class Outcome:
     fastest_ms: float | None = None
 
     @classmethod
-    def of(cls, cell: Cell, row: Mapping[str, Any]) -> Outcome | None:
+    def of(cls, cell: Cell, row: Mapping[str, Any]) -> CellOutcome | None:
         """The outcome that a record shows; None if the cell was not tried, which shows nothing."""
         if str(row.get("reason") or "").endswith(NOT_TRIED):
             return None
@@ -54,7 +54,7 @@ class Outcome:
 GROWING = ("pixel_density", "depth_complexity", "fragment_probability")  # more of it is more work
 
 
-def predicted_timeout(cell: Cell, known: Iterable[Outcome]) -> str | None:
+def predicted_timeout(cell: Cell, known: Iterable[CellOutcome]) -> str | None:
     """The reason why a cell cannot be measured within its limits: a smaller one that could not. None without one.
 
     A smaller one shows nothing if a cell of no less work than it was measured within the limits.

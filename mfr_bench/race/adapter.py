@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from ..errors import UsageError
-from ..glsl import Source, split_ref, stages
+from ..glsl import StageSource, split_ref, stages
 from ..glsl.bindings import DIAGNOSTICS, Binding, buffer_bindings, colour_refs, texture_bindings
 from ..methods.spec import (
     IMAGE,
@@ -35,7 +35,7 @@ class FramePass:
     """A pass as a frame runs it: its declaration, its stages, and what it binds."""
 
     step: Pass
-    sources: tuple[Source, ...]
+    sources: tuple[StageSource, ...]
     buffers: tuple[Binding, ...]
     textures: tuple[Binding, ...]
     outputs: tuple[str, ...]  # colour targets in location order
@@ -43,7 +43,7 @@ class FramePass:
     groups: int
 
     @property
-    def own(self) -> Source:
+    def own(self) -> StageSource:
         """The stage that holds the method's code: fragment or compute."""
         return self.sources[-1]
 
@@ -157,7 +157,7 @@ class _Maker:
                          tuple(colour_refs(variant, step)), fitted.value(step.instances), groups)
 
 
-def locator(source: Source) -> Callable[[int], str]:
+def locator(source: StageSource) -> Callable[[int], str]:
     """File and line of an encoded line of a stage."""
     def locate(line: int) -> str:
         return source.located(f"0:{line}(1): ").partition(": ")[0].split("(")[0] if line > 0 else source.entry

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..measure.split import Split
-from ..plan import Outcome, expected_stats, predicted_timeout
+from ..plan import CellOutcome, expected_stats, predicted_timeout
 from ..plan.budget import coarseness
 from ..store import ResultFolder
 from ..store.arrays import read_arrays, write_arrays
@@ -36,7 +36,7 @@ class Ledger:
         self.elsewhere, self.split = list(elsewhere), split or Split()
         self._session = uuid.uuid4().hex[:12]
         self._journals = {sheet.folder.path: Journal(sheet.folder.journal_path) for sheet in sheets}
-        self._outcomes: list[Outcome] = []
+        self._outcomes: list[CellOutcome] = []
 
     # --- before ----------------------------------------------------------------------------------
 
@@ -153,7 +153,7 @@ class Ledger:
     def _done(self, sheet: Sheet, job: Job, row: Row) -> None:
         sheet.statuses[job.key] = row["status"]
         self._journal(sheet).forget(job.key)
-        if outcome := Outcome.of(job.cell, row):
+        if outcome := CellOutcome.of(job.cell, row):
             self._outcomes.append(outcome)
 
     def _journal(self, sheet: Sheet) -> Journal:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..plan import Outcome, predicted_timeout
+from ..plan import CellOutcome, predicted_timeout
 from ..store import ResultFolder
 from ..store.status import STATUSES
 from .sheet import Sheet
@@ -56,7 +56,7 @@ def settled(sheets: Sequence[Sheet], elsewhere: Iterable[ResultFolder] = (), for
     if try_hopeless:
         return found
     outcomes = [outcome for sheet, mine in zip(sheets, found, strict=True) for key, each in mine.items()
-                if (outcome := Outcome.of(sheet.jobs[key].cell, each.row))]
+                if (outcome := CellOutcome.of(sheet.jobs[key].cell, each.row))]
     return [mine | _left_out(sheet, mine, outcomes) for sheet, mine in zip(sheets, found, strict=True)]
 
 
@@ -73,7 +73,7 @@ def _copies(sheet: Sheet, mine: Mapping[str, Kept], own: Iterable[tuple[ResultFo
     return found
 
 
-def _left_out(sheet: Sheet, mine: Mapping[str, Settled], outcomes: Iterable[Outcome]) -> dict[str, LeftOut]:
+def _left_out(sheet: Sheet, mine: Mapping[str, Settled], outcomes: Iterable[CellOutcome]) -> dict[str, LeftOut]:
     found = {}
     for key, job in sheet.jobs.items():
         if key not in mine and (reason := predicted_timeout(job.cell, outcomes)):

@@ -15,7 +15,7 @@ ROOT = Path(mfr_bench.__file__).parents[1]
 PLANTED = Path("tests/claims/planted.py")
 CLAIM = '''    Claim(
         "my-luminance", "gpupro5_ch2 §2.4", "Two-channel colour keeps luminance.", "unaffected", ("twochannel-fig4",),
-        (Counted(pick(payload="two_channel"), "luminance_error", at_most(0.004)),),
+        (CountedValue(pick(payload="two_channel"), "luminance_error", at_most(0.004)),),
     ),
 )
 '''
@@ -23,7 +23,7 @@ FILE = f'''"""Claims of a paper of my own."""
 
 from ..evidence import at_most
 from ..picks import pick
-from ..rules import Counted
+from ..rules import CountedValue
 from ..verdict import Claim
 
 CLAIMS = (

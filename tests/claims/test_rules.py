@@ -11,7 +11,7 @@ from mfr_bench.claims.evidence import (
     MORE,
     Bound,
     BoundByMaker,
-    Comparison,
+    Evidence,
     Outcome,
     about,
     at_least,
@@ -24,7 +24,7 @@ from mfr_bench.claims.evidence import (
 from mfr_bench.claims.measures import COST, MEMORY
 from mfr_bench.claims.memory_rules import Memory, RunsOut
 from mfr_bench.claims.picks import ALL_LAYERS, fastest_of, from_, if_any, other_than, pick, up_to, within
-from mfr_bench.claims.rules import Change, Counted, Ratio, Share, Straight
+from mfr_bench.claims.rules import CountedValue, PassShare, Ratio, RatioChange, Straight
 from mfr_bench.claims.verdict import Finding
 
 from . import planted
@@ -148,7 +148,7 @@ def test_memory_by_formula_uses_the_cell_s_own_sizes(run):
 def test_change_compares_the_ends_of_a_sweep(run):
     cells = [cell("a", ms, {"k": k, "culling": c}) for k, on, off in ((4, 1.0, 3.0), (16, 1.0, 9.0), (64, 2.0, 3.0))
              for c, ms in (("on", on), ("off", off))]
-    rule = Change(Ratio(pick("a", culling="off"), pick("a", culling="on")), "k", MORE)
+    rule = RatioChange(Ratio(pick("a", culling="off"), pick("a", culling="on")), "k", MORE)
     (found,) = rule.compare(run(*cells))
     assert values([found]) == [0.5]
     assert found.outcome is Outcome.FAILS
@@ -179,19 +179,20 @@ def test_cells_that_were_refused_do_not_end_a_line(run):
 
 def test_share_of_a_pass(run):
     made = run(cell("a", passes={"clear": 1.0, "build": 6.0, "render": 3.0}))
-    (found,) = Share(pick("a"), "clear", Bound("a tenth", 0.09, 0.11)).compare(made)
+    (found,) = PassShare(pick("a"), "clear", Bound("a tenth", 0.09, 0.11)).compare(made)
     low, share, high = found.interval
     assert (low, share, high) == (pytest.approx(0.1, rel=0.01),) * 3
     assert low < share < high
     assert found.outcome is Outcome.HOLDS
-    (absent,) = Share(pick("a"), "count", MORE).compare(made)
+    (absent,) = PassShare(pick("a"), "count", MORE).compare(made)
     assert (absent.outcome, absent.reason) == (Outcome.UNCLEAR, "not measured")
 
 
 def test_counted_values(run):
     made = run(cell("a", values={"culled_share": 0.9}), cell("b"))
-    assert [c.outcome for c in Counted(pick("a"), "culled_share", at_least(0.5)).compare(made)] == [Outcome.HOLDS]
-    assert [c.outcome for c in Counted(pick("b"), "culled_share", at_least(0.5)).compare(made)] == [Outcome.UNCLEAR]
+    assert [c.outcome for c in CountedValue(pick("a"), "culled_share", at_least(0.5)).compare(made)] == [Outcome.HOLDS]
+    (unclear,) = CountedValue(pick("b"), "culled_share", at_least(0.5)).compare(made)
+    assert unclear.outcome is Outcome.UNCLEAR
 
 
 @pytest.mark.parametrize(("status", "outcome"), [
@@ -207,7 +208,7 @@ def test_running_out_of_memory(run, status, outcome):
 
 def finding(*outcomes, each=()):
     rule = Ratio(pick(*(each or ("a",))), pick("b"))
-    comparisons = tuple(Comparison(f"c{i}", {"methods": ("a", "b"), "k": i}, (None, 1.0 + i, None), outcome, "why",
+    comparisons = tuple(Evidence(f"c{i}", {"methods": ("a", "b"), "k": i}, (None, 1.0 + i, None), outcome, "why",
                                    margin=i) for i, outcome in enumerate(outcomes))
     return Finding(rule, comparisons)
 

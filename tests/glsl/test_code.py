@@ -54,7 +54,7 @@ def test_a_change_of_code_changes_the_key(hash_with):
 
 
 def test_programs_that_differ_in_comments_alone_are_one(device):
-    first, second = (glsl.Source("screen/triangle.vert", f"#version 430 core\n// {word}\nvoid main() {{}}\n", ())
+    first, second = (glsl.StageSource("screen/triangle.vert", f"#version 430 core\n// {word}\nvoid main() {{}}\n", ())
                      for word in ("one", "two"))
-    drawn = glsl.Source("probe/rasterized.frag", "#version 430 core\nvoid main() {}\n", ())
+    drawn = glsl.StageSource("probe/rasterized.frag", "#version 430 core\nvoid main() {}\n", ())
     assert device.program((first, drawn), "test") is device.program((second, drawn), "test")

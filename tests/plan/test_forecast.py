@@ -11,7 +11,7 @@ from mfr_bench.plan.forecast import (
     CALIBRATED,
     MEASURED,
     Forecast,
-    Frame,
+    FrameTime,
     Rates,
     calibrated,
     duration,
@@ -42,7 +42,7 @@ def record(method="a", time_ms=5.0, scene=SCENE, **parts):
     (3000.0, 0.01, 7.5 + 3.25 + 9.0),  # no fewer than two frames
 ])
 def test_the_sampling_rules_bound_a_cells_frames(time_ms, cv, seconds):
-    assert frames_s(Frame(time_ms, cv, MEASURED), MEASURE) == pytest.approx(seconds, rel=0.02)
+    assert frames_s(FrameTime(time_ms, cv, MEASURED), MEASURE) == pytest.approx(seconds, rel=0.02)
 
 
 def test_a_measured_cell_foretells_itself_whatever_its_shaders_were():

@@ -193,7 +193,7 @@ def told_timeout(of, known, method="kplus-array"):
     def made(scene, k):
         entry = MethodEntry(method, method, {"k": k})
         return plan.expand(experiment(entry, scene=scene, measure=Measure(time_limit_s=1)), catalog(), [method])[-1]
-    return plan.predicted_timeout(made(*of), [plan.Outcome(made(*known), "ok", 3000.0)])
+    return plan.predicted_timeout(made(*of), [plan.CellOutcome(made(*known), "ok", 3000.0)])
 
 
 @pytest.mark.parametrize(("name", "less", "more"), [
@@ -287,7 +287,7 @@ def test_a_local_array_that_the_driver_cannot_compile_is_refused():
 def known(scene, time_ms, **more):
     entry = MethodEntry("floor", "floor", {})
     made = plan.expand(experiment(entry, scene=scene, measure=Measure(time_limit_s=1)), catalog(), ["floor"])[-1]
-    return plan.Outcome(made, "ok", time_ms, **more)
+    return plan.CellOutcome(made, "ok", time_ms, **more)
 
 
 def test_a_cell_of_no_less_work_that_was_fast_overrules_a_slow_one():
@@ -308,5 +308,5 @@ def test_a_stalled_frame_proves_nothing_where_another_was_fast():
 def test_a_cell_that_was_not_tried_tells_nothing():
     tried = {"status": "timeout", "reason": "first frame: no end within 30 s", "values": {}}
     cell = known(LESS, None).cell
-    assert plan.Outcome.of(cell, tried).over_limit(cell.measure)
-    assert plan.Outcome.of(cell, tried | {"reason": f"floor took 3 s a frame; {plan.NOT_TRIED}"}) is None
+    assert plan.CellOutcome.of(cell, tried).over_limit(cell.measure)
+    assert plan.CellOutcome.of(cell, tried | {"reason": f"floor took 3 s a frame; {plan.NOT_TRIED}"}) is None

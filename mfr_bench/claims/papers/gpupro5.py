@@ -7,7 +7,7 @@ from dataclasses import replace
 from ..evidence import MORE, Bound, at_most, gain, speedup
 from ..measures import pass_time
 from ..picks import ANY, from_, pick, within
-from ..rules import Change, Ratio, Rule, Share, Straight
+from ..rules import PassShare, Ratio, RatioChange, Rule, Straight
 from ..verdict import Claim, Reading
 
 ORDER = 2
@@ -37,7 +37,7 @@ def _gain_of_culling(method: str, **where) -> Ratio:
 def _grows_by_depth(power: int) -> tuple[Rule, ...]:
     """All four by this power of the depth complexity; PRE-OPEN grows more with it than each of the others."""
     return (*(Straight(cells, "depth_complexity", power=power, tolerance=0.25, grows=3) for cells in _plain(*FOUR)),
-            *(Change(Ratio(_plain("open-pre")[0], other), "depth_complexity", MORE)
+            *(RatioChange(Ratio(_plain("open-pre")[0], other), "depth_complexity", MORE)
               for other in _plain("lin-post", "lin-pre", "open-post")))
 
 
@@ -79,7 +79,7 @@ CLAIMS = (
         "quickly improves as opacity increases (PRE-OPEN, 9.8 M fragments, threshold 0.95, Titan)",
         ("gpupro5-fig7",),
         tuple(rule for method in ("open-pre", "lin-pre") for rule in (
-            Change(_gain_of_culling(method), "opacity", MORE), _gain_of_culling(method, opacity=1))),
+            RatioChange(_gain_of_culling(method), "opacity", MORE), _gain_of_culling(method, opacity=1))),
         remark="the figure is of PRE-OPEN; PRE-LIN affords early culling as well",
     ),
     Claim(
@@ -97,8 +97,8 @@ CLAIMS = (
         "The clear pass is negligible for linear allocation, and for open addressing visible, a small part of it.",
         "visible for open addressing only, and a small percentage of the frame",
         ("gpupro5-fig3",),
-        (*(Share(cells, "clear", at_most(0.02)) for cells in _plain("lin-post", "lin-pre")),
-         *(Share(cells, "clear", Bound("0.02 to 0.25 (visible and small; the limits are ours)", 0.02, 0.25))
+        (*(PassShare(cells, "clear", at_most(0.02)) for cells in _plain("lin-post", "lin-pre")),
+         *(PassShare(cells, "clear", Bound("0.02 to 0.25 (visible and small; the limits are ours)", 0.02, 0.25))
            for cells in _plain(*OPEN))),
         gpu_timer=True,
     ),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from ...report.reference import find
 from ..evidence import LESS, MORE, Bound, BoundByMaker, speedup
-from ..measures import COST, PRINTED_COST, Measure, pass_time
+from ..measures import COST, PRINTED_COST, Quantity, pass_time
 from ..memory_rules import Memory, RunsOut
 from ..picks import ALL_LAYERS, ANY, UNSET, Pick, fastest_of, from_, if_any, other_than, pick, up_to
-from ..rules import Change, Ratio, Rule
+from ..rules import Ratio, RatioChange, Rule
 from ..verdict import Claim, Reading
 
 ORDER = 1
@@ -45,7 +45,7 @@ def _table_1():
                   4, "32-bit words", Bound("within 1 % of 1", 0.99, 1.01))
 
 
-def _memory_and_time(scenes: dict, measure: Measure) -> tuple[Rule, ...]:
+def _memory_and_time(scenes: dict, measure: Quantity) -> tuple[Rule, ...]:
     """Fig. 8: K⁺B-AB_SB against bounded methods where sparse and dense, against memory-aware ones where dense."""
     return (Ratio(KPLUS_BOUNDED, KPLUS_SB, where=SPARSE | scenes, measure=measure),
             Ratio(pick("kb-mdt32", culling="off"), pick("kplus-sb", sort="lplus", culling=ANY), where=SPARSE | scenes,
@@ -125,7 +125,7 @@ CLAIMS = (
         "significant at k = 4, fading towards k = 64; a boost of both, not enough to beat K⁺B-Array",
         ("kplus2015-fig7",),
         (Ratio(pick("kplus-array", culling="off"), pick("kplus-array", culling="on")),
-         Change(Ratio(pick("kplus-array", culling="off"), pick("kplus-array", culling="on")), "k", LESS,
+         RatioChange(Ratio(pick("kplus-array", culling="off"), pick("kplus-array", culling="on")), "k", LESS,
                 same=("size", "depth_complexity")),
          *(Ratio(pick(m, culling="on", sync=if_any("spin")), ARRAY) for m in ("kb-ps", "kb-mdt32"))),
     ),

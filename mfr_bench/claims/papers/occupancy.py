@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..evidence import Bound, between
 from ..picks import ANY, pick
-from ..rules import Counted, Ratio
+from ..rules import CountedValue, Ratio
 from ..verdict import Claim, Reading
 
 ORDER = 3
@@ -19,9 +19,9 @@ def _share(printed: float) -> Bound:
     return Bound(f"{low:.2f} to {high:.2f} (printed {printed:g} %, another model)", low, high)
 
 
-def _discarded(intervals: int, of: str) -> tuple[Counted, ...]:
-    return (Counted(pick("kplus-array", occupancy=intervals, occupancy_bounds="box", k=8), of, _share(98.28)),
-            Counted(pick("kplus-array", occupancy=0, k=8), of, _share(63.66)))
+def _discarded(intervals: int, of: str) -> tuple[CountedValue, ...]:
+    return (CountedValue(pick("kplus-array", occupancy=intervals, occupancy_bounds="box", k=8), of, _share(98.28)),
+            CountedValue(pick("kplus-array", occupancy=0, k=8), of, _share(63.66)))
 
 
 def _gain(intervals: int, *methods: str, bounds: str = "box") -> tuple[Ratio, ...]:

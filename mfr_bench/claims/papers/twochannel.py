@@ -7,7 +7,7 @@ from itertools import pairwise
 from ..evidence import MORE, at_most
 from ..measures import counted
 from ..picks import pick
-from ..rules import Counted, Ratio
+from ..rules import CountedValue, Ratio
 from ..verdict import Claim, Reading
 
 ORDER = 4
@@ -16,7 +16,7 @@ LUMINANCE, HUE = "luminance_error", "hue_error"  # values of a cell: largest and
 ROUNDING = round(1 / 255, 5)  # of a luminance in [0, 1] stored in 8 bits with gamma 2: d(v²) <= 2 · 0.5 / 255
 
 FEW, MANY = ("plane", "hues-1", "hues-2"), ("hues-6", "hues-12", "any")  # what one plane holds, and what it does not
-KEPT = Counted(pick(payload="two_channel"), LUMINANCE, at_most(ROUNDING))
+KEPT = CountedValue(pick(payload="two_channel"), LUMINANCE, at_most(ROUNDING))
 
 
 def _worse(more: str, less: str) -> Ratio:

@@ -36,7 +36,7 @@ class Slot:
 
 
 @dataclass(frozen=True)
-class Group:
+class BarGroup:
     heading: str
     slots: tuple[Slot, ...]
 
@@ -57,7 +57,7 @@ def _groups(points: Sequence[Point], x: str) -> list[tuple[str, list[tuple[str, 
     return [*groups, (data.heading(x, None), constant)] if constant else groups
 
 
-def _rows(points: Sequence[Point], options: Options) -> list[tuple[str, list[Group]]]:
+def _rows(points: Sequence[Point], options: Options) -> list[tuple[str, list[BarGroup]]]:
     """Groups in even rows of at most SLOTS_PER_ROW bars (but at least one group), panel by panel."""
     rows = []
     for panel, members in panels_of(points, options):
@@ -70,10 +70,10 @@ def _rows(points: Sequence[Point], options: Options) -> list[tuple[str, list[Gro
     return rows
 
 
-def _placed(groups) -> list[Group]:
+def _placed(groups) -> list[BarGroup]:
     placed, x = [], 0.0
     for heading, entries in groups:
-        placed.append(Group(heading, tuple(Slot(x + i, label, point) for i, (label, point) in enumerate(entries))))
+        placed.append(BarGroup(heading, tuple(Slot(x + i, label, point) for i, (label, point) in enumerate(entries))))
         x += len(entries) + GROUP_GAP
     return placed
 
@@ -147,7 +147,7 @@ class Chart:
         return low, max(tops) * (max(tops) / low) ** (self.numbers_share / (1 - self.numbers_share))
 
 
-def _extent(groups: Sequence[Group]) -> float:
+def _extent(groups: Sequence[BarGroup]) -> float:
     """Width of a row in bars, with a margin of half a bar at either end."""
     return groups[-1].slots[-1].x + 2.0 if groups else 2.0
 
@@ -195,7 +195,7 @@ def _legend_entries(chart: Chart, names: Sequence[str]):
     return handles, [name.replace("_", " ") for name in names]
 
 
-def _bar_row(axes: Axes, chart: Chart, groups: Sequence[Group], slot_width: float) -> None:
+def _bar_row(axes: Axes, chart: Chart, groups: Sequence[BarGroup], slot_width: float) -> None:
     slots = [slot for group in groups for slot in group.slots]
     axes.set_ylim(*chart.limits)
     axes.set_xlim(-1.0, _extent(groups) - 1.0)
@@ -224,7 +224,7 @@ def _bar_row(axes: Axes, chart: Chart, groups: Sequence[Group], slot_width: floa
     axes.grid(axis="y", which="major")
 
 
-def _headings(axes: Axes, chart: Chart, groups: Sequence[Group], slot_width: float) -> None:
+def _headings(axes: Axes, chart: Chart, groups: Sequence[BarGroup], slot_width: float) -> None:
     """'k = 8' over each group, or only the 8 where that is too wide, with 'k' before the first."""
     room = min((g.span[1] - g.span[0] + GROUP_GAP for g in groups), default=1.0) * slot_width
     long = widest((g.heading for g in groups), 9) > room

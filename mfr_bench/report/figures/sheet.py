@@ -68,7 +68,7 @@ def widest(texts: Iterable[str], points: float) -> float:
 
 
 @dataclass(frozen=True)
-class Sheet:
+class FigureSheet:
     """A figure's frame: title on top, small print at the bottom, and the height between them."""
 
     width: float
@@ -112,12 +112,12 @@ class Sheet:
         return (self.bottom + self.body - below) / self.height
 
 
-def sheet_of(result: Result, options: Options, notes: Iterable[str], width: float, body: float) -> Sheet:
+def sheet_of(result: Result, options: Options, notes: Iterable[str], width: float, body: float) -> FigureSheet:
     title = str(options.get("title") or result.manifest.get("title") or result.name)
     lines = (*notes, _on_races(result, options), result.lacking, *printed.notes(result), result.readings, result.scene,
              result.provenance)
     small = [part for line in lines if line for part in fitted(line, style.SMALL_PT, width)]
-    return Sheet(width, tuple(fitted(title, style.TITLE_PT, width, "bold")), tuple(small), body)
+    return FigureSheet(width, tuple(fitted(title, style.TITLE_PT, width, "bold")), tuple(small), body)
 
 
 def _on_races(result: Result, options: Options) -> str:
