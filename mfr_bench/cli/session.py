@@ -259,13 +259,14 @@ def _packages(todo) -> dict[str, Any]:
 def manifest(experiment, todo, ready) -> dict[str, Any]:
     """The manifest of a result folder: its experiment, device and run."""
     from .. import environment
+    from ..scene.spec.values import told
 
     return {
         "name": experiment.name, "title": experiment.title, "source": dict(experiment.source),
         "config": experiment.path.name, "scene": experiment.scene.as_dict(), "params": dict(experiment.params),
         "profile": experiment.profile,
-        "sweep": {name: list(values) for name, values in experiment.sweep.items()},
-        "zip": {name: list(values) for name, values in experiment.zip.items()},
+        "sweep": {name: [told(value) for value in values] for name, values in experiment.sweep.items()},
+        "zip": {name: [told(value) for value in values] for name, values in experiment.zip.items()},
         "methods": [{"id": m.id, "label": m.label, "params": dict(m.params)} for m in experiment.methods],
         "measure": experiment.measure.as_dict(), "figures": [f.as_dict() for f in experiment.figures],
         "cells": list(dict.fromkeys(job.key for job in todo)), "device": dict(ready.device),

@@ -13,6 +13,7 @@ from ..errors import UsageError, one_of
 from ..methods import FLOOR
 from ..methods.spec import Method, Value
 from ..scene import Scene
+from ..scene.spec.values import told
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ def _chosen(entries: Sequence[MethodEntry], catalog: Mapping[str, Method],
 def _cell(experiment: Experiment, method: Method, entry: MethodEntry, point: Mapping[str, Any]) -> Cell:
     params = method.complete({**experiment.params, **point, **entry.params})
     with_r = "r" in experiment.params or "r" in point
-    mine = {key: value for key, value in point.items()
+    mine = {key: told(value) for key, value in point.items()
             if "." in key or (key in params and key not in entry.params) or (with_r and key in ("r", "k"))}
     return Cell(experiment.name, entry.id, entry.label, params, scene_at(experiment.scene, experiment.params, point),
                 measure_at(experiment.measure, point), mine, method.k_saves_passes)

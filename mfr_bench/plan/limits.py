@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from ..environment import MIB
 from ..methods.spec import SCENE_FACTS, Fitted, Method, SceneStats
+from ..scene.kinds import kind_of
 from .cells import Cell
 from .expected import expected_stats
 
@@ -33,6 +34,8 @@ def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: 
     """Why a cell is not measured, or None. Without limits only the budget is held against it."""
     variant = catalog[cell.method].variant(cell.params)
     fitted = Fitted(variant, stats)
+    if lacks := kind_of(cell.scene).lacks(cell.scene):
+        return "unsupported", f"needs {lacks}"
     missing = [limits.lacks(f) for f in variant.needs if limits and f not in limits.features]
     missing += [SCENE_FACTS[f] for f in variant.asks if not getattr(stats, f)]
     if missing:

@@ -79,5 +79,5 @@ def _kind_and_size(cell: Cell) -> tuple[tuple, tuple]:
     scene["mean_depth"] = None
     mean = mean_depth(cell.scene) if kind_of(cell.scene).has_mean_depth(cell.scene) else 0
     k = 0 if cell.k_saves_passes else params.pop("k", 0)
-    size = (*scene.pop("size"), *(scene.pop(name) for name in GROWING), mean, k)
+    size = (*scene.pop("size"), *(scene.pop(name, 0) for name in GROWING), mean, k)
     return (cell.method, repr(sorted(params.items())), repr(sorted(scene.items()))), size

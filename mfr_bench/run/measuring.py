@@ -11,6 +11,7 @@ from functools import partial
 from ..measure.sampling import Sampler
 from ..methods.spec import Fitted, Method, SceneStats
 from ..plan import judge
+from ..scene.kinds import kind_of
 from ..store.journal import Partial
 from .bench import Bench
 from .cell import CellWork
@@ -58,6 +59,10 @@ class Measuring:
         self._prepared_by, self._deadline = _deadlines(group.jobs)
         self._live_bytes = min(LIVE_BYTES, LIVE_SHARE * group.most_bytes)
         self.bench.emit(Begun(None, "scene"))
+        if lacks := kind_of(group.jobs[0].cell.scene).lacks(group.jobs[0].cell.scene):
+            for job in group.jobs:
+                self.bench.emit(Finished(job.key, "unsupported", f"needs {lacks}", values={}))
+            return
         try:
             scene = SceneWork(self.bench.device, group.jobs[0].cell.scene, self.bench.split)
         except MemoryError as error:

@@ -69,6 +69,11 @@ def test_lines_beside_faces_are_left_out(tmp_path):
     assert found.rgba.tolist() == [[255, 0, 0, 64]] * 2
 
 
+def test_faces_of_two_corners_are_left_out(tmp_path):
+    found = obj(tmp_path, f"mtllib m.mtl\n{CORNERS}usemtl red\nf 1 2\nf 1 2 3\nf 3\r\nf 2 3 4\n")
+    assert len(found) == 2
+
+
 def test_objects_are_told_apart(tmp_path):
     found = obj(tmp_path, f"mtllib m.mtl\no a\n{CORNERS}usemtl red\nf 1 2 3\nusemtl blue\nf 1 2 4\no b\nf 1 3 4\n")
     assert found.object.tolist() == [0, 0, 1]

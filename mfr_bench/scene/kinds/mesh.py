@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
 
+from ..meshes.packages import FETCH, packaged
 from ..spec.kind import CommonKeys, Described, Fault, FileKeys, Kind
 from ..spec.values import STRICT, Allowed, Text
 
@@ -97,15 +98,20 @@ def _view_agrees(scene: CommonKeys) -> Fault | None:
 
 def _files_are_there(scene: CommonKeys) -> Fault | None:
     for path in paths(scene):
-        if not path.is_file():
+        if not (path.is_file() or packaged(path.name)):
             return ("scene.file", "scene.files"), f"{path}: no such file; allowed: an OBJ, PLY, STL, GLB or glTF file"
     return None
 
 
 def paths(scene: CommonKeys) -> list[Path]:
-    """The files of a scene."""
+    """The files of a scene: beside its config, or those of this name that were fetched."""
     names = [scene.file] if scene.file else [part.file for part in scene.files]
-    return [Path(scene.folder or ".", name) for name in names]
+    return [_place(Path(scene.folder or ".", name), name) for name in names]
+
+
+def _place(path: Path, name: str) -> Path:
+    listed = packaged(name)
+    return path if path.is_file() or not listed else listed[0].folder / name
 
 
 class Mesh(Kind):
@@ -123,8 +129,9 @@ class Mesh(Kind):
     rules = (_one_source, _view_agrees, _files_are_there)
     rows = (Described("`mesh`", "triangles of one's own files", "measured", "measured", "what one renders"),)
     key_words = """\
-- `file`: OBJ with MTL, PLY, STL, GLB or glTF, relative to the config; or `files`, a list of mappings with `file`,
-  `scale`, `rotate` (degrees about x, y, z) and `translate`.
+- `file`: OBJ with MTL, PLY, STL, GLB or glTF, relative to the config, or the name of one that `mfr-bench meshes` lists
+  and `mfr-bench meshes fetch` brings: until then its cells are `unsupported`, and say how to get it. Or `files`, a list
+  of mappings with `file`, `scale`, `rotate` (degrees about x, y, z) and `translate`.
 - `view: {projection: orthographic | perspective, direction: -z | +z | -x | +x | -y | +y}`: where the eye looks; up is
   +y, for ±y it is -z. A perspective view may have `eye` and `target` instead, and `field` in degrees. `fit: true` shows
   all of the mesh, `fit: {box: [x0, y0, x1, y1]}` exactly that rectangle of the plane across the direction. With
@@ -148,12 +155,16 @@ class Mesh(Kind):
     def rejects(self, scene: CommonKeys) -> bool:
         return scene.fragment_probability < 1 or scene.opaque == "depth"
 
-    def record(self, scene: CommonKeys) -> dict[str, Any]:
-        return {"files": [path.name for path in paths(scene)], "digest": _reader().digest(scene)}
+    def lacks(self, scene: CommonKeys) -> str | None:
+        missing = [path.name for path in paths(scene) if not path.is_file()]
+        return f"{', '.join(missing)} on this machine; get it: {FETCH}" if missing else None
 
-    @staticmethod
-    def _estimate(scene: CommonKeys):
-        return _reader().estimate(scene)
+    def record(self, scene: CommonKeys) -> dict[str, Any]:
+        digest = "not fetched" if self.lacks(scene) else _reader().digest(scene)
+        return {"files": [path.name for path in paths(scene)], "digest": digest}
+
+    def _estimate(self, scene: CommonKeys):
+        return _reader().guess(scene) if self.lacks(scene) else _reader().estimate(scene)
 
 
 def _reader():

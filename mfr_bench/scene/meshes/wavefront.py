@@ -16,6 +16,7 @@ from .library import library
 from .textures import NOTE, mean_colour
 
 GREY = 0.7  # of what has no material
+NO_FACE = re.compile(rb"^(?:[lp][ \t].*|f[ \t]+\S+(?:[ \t]+\S+)?[ \t]*\r?)$", re.MULTILINE)  # fewer than three corners
 
 
 def read(path: Path) -> Faces:
@@ -35,9 +36,9 @@ def read(path: Path) -> Faces:
 
 @contextmanager
 def _without_lines(path: Path) -> Iterator[Path]:
-    """The file, or where an OBJ has lines or points beside its faces, which the library refuses, a copy without."""
+    """The file, or a copy of an OBJ without lines, points and faces of two corners, which the library refuses."""
     text = path.read_bytes() if path.suffix.lower() == ".obj" else b""
-    if not re.search(rb"^[lp][ \t]", text, re.MULTILINE):
+    if not NO_FACE.search(text):
         yield path
         return
     with tempfile.TemporaryDirectory() as folder:
@@ -46,7 +47,7 @@ def _without_lines(path: Path) -> Iterator[Path]:
             if material.is_file():
                 shutil.copyfile(material, Path(folder, material.name))
         copy = Path(folder, path.name)
-        copy.write_bytes(re.sub(rb"^[lp][ \t].*$", b"", text, flags=re.MULTILINE))
+        copy.write_bytes(NO_FACE.sub(b"", text))
         yield copy
 
 

@@ -142,6 +142,10 @@ class Kind:
         found = (rule(scene) for rule in (self._too_many, self._no_mean, self._mean_too_high))
         return [*(fault for fault in found if fault), *first]
 
+    def lacks(self, scene: CommonKeys) -> str | None:
+        """What the scene needs and this machine has not, with how to get it; None where nothing is missing."""
+        return None
+
     def record(self, scene: CommonKeys) -> dict[str, Any]:
         """What a record of the scene has in addition to its keys, or instead of them."""
         return {}

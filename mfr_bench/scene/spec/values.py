@@ -58,3 +58,15 @@ def plain(value: Any) -> Any:
     if is_dataclass(value):
         return {key.name: plain(getattr(value, key.name)) for key in fields(value)}
     return [plain(v) for v in value] if isinstance(value, tuple) else value
+
+
+def told(value: Any) -> Any:
+    """A value of an axis as a record holds it: a section of a config, such as a view, as text of the keys it gives."""
+    if is_dataclass(value):
+        given = [(key.name, found) for key in fields(value) if (found := getattr(value, key.name)) != key.default]
+        return ", ".join(f"{name} {_text(found)}" for name, found in given) or "default"
+    return tuple(map(told, value)) if isinstance(value, tuple) else value
+
+
+def _text(value: Any) -> str:
+    return " ".join(map(_text, value)) if isinstance(value, tuple) else str(told(value))
