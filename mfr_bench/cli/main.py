@@ -54,7 +54,7 @@ SECTIONS = {
                                page_command.report, pack_commands.pack, pack_commands.unpack),
     "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, meshes_command.meshes,
                     scene_command.scene, device_commands.render, device_commands.shader, race_command.race),
-    "Add a method": (method_commands.new_method, method_commands.check),
+    "Write configs and methods": (report_commands.schema, method_commands.new_method, method_commands.check),
 }
 WHOLE = 200  # characters of a command's line in the list, which is never cut
 

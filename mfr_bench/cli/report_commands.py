@@ -125,6 +125,32 @@ def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_j
 
 
 @click.command()
+@click.option("--out", metavar="F.json", type=OutPath(dir_okay=False), help="Write it to this file instead.")
+@OUTSIDE
+def schema(out: str | None) -> None:
+    """Print the JSON Schema of a config, for editors.
+
+    An editor with the YAML language server completes keys, methods and parameters, explains them and underlines what
+    is wrong, in a file whose first line names the schema:
+
+    \b
+      # yaml-language-server: $schema=schema.json
+
+    \b
+    Example: mfr-bench schema --out schema.json
+    """
+    from ..config.editor import editor_schema
+    from ..methods import catalog
+
+    text = json.dumps(editor_schema(catalog()), indent=1, ensure_ascii=False)
+    if out is None:
+        say(text)
+    else:
+        write_text(out, text + "\n")
+        say(out)
+
+
+@click.command()
 @click.option("--papers", is_flag=True, help="Print only the names of the papers' experiments.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print docs/experiments.md.")
 @click.option("--kinds", is_flag=True, help="Print what the kinds of scenes say of themselves in docs/scenes.md.")
