@@ -1,7 +1,7 @@
 """JSON Schema of a config file with the methods of a catalog: what an editor completes, explains and underlines.
 
-Made of the declarations that `check` uses: the classes of `model`, the kinds of scenes and figures, parameters of methods.
-What depends on two keys at once is left to `check`.
+Made of the declarations that `check` uses: the classes of `model`, the kinds of scenes and figures, the parameters of
+methods. What depends on two keys at once is left to `check`.
 """
 
 from __future__ import annotations
