@@ -25,6 +25,7 @@ from . import (
     stress_command,
     versus_command,
 )
+from .layout import Formatter
 from .output import let_go_of_stdout, note, prepare_streams, say
 
 EPILOG = """
@@ -35,7 +36,6 @@ Examples:
   mfr-bench table results              the tables of all that was measured
   mfr-bench doctor                     the OpenGL device, and its self-tests
 
-\b
 Exit status: 0 done; 1 a cell crashed, or ran out of time or memory;
 2 the command or a config is wrong; 3 an image is wrong, or race broke a
 promise; 4 compare found a regression; 5 compare could tell nothing, or
@@ -76,6 +76,9 @@ class Commands(click.Group):
             names = self.list_commands(context)
             raise click.UsageError(f"no command {args[0]!r}; {one_of(args[0], names)}")
         return super().resolve_command(context, args)
+
+
+click.Context.formatter_class = Formatter
 
 
 @click.group(cls=Commands, epilog=EPILOG, invoke_without_command=True,

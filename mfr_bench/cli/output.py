@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import sys
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -46,9 +47,14 @@ def say(text: object) -> None:
 
 
 def note(text: object) -> None:
-    """Print on stderr, for whoever may be watching: that it cannot be written stops nothing."""
+    """Print on stderr, for whoever may be watching: that it cannot be written stops nothing.
+
+    A line stays one, but on a terminal that is too narrow for it.
+    """
+    from .layout import wrapped
+
     try:
-        click.echo(text, err=True)
+        click.echo(wrapped(str(text), width()) if sys.stderr.isatty() else text, err=True)
     except OSError:
         _silence(2)
 
@@ -89,8 +95,11 @@ def let_go_of_stdout() -> None:
 def prepare_streams() -> None:
     """Let every process print: a character that its encoding lacks as '?', and to nowhere where a stream is closed.
 
+    A warning is a line without the place in the source that it comes from.
+
     The next file to be opened would else get the number of the closed stream, and its prints.
     """
+    warnings.showwarning = lambda message, *_: note(message)
     for descriptor, name in ((1, "stdout"), (2, "stderr")):
         stream = getattr(sys, name)
         if stream is not None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ..environment import MIB
-from ..methods.spec import SCENE_FACTS, Fitted, Method, SceneStats
+from ..methods.spec import SCENE_FACTS, Fitted, Method, Param, SceneStats, Variant
 from ..scene.kinds import kind_of
 from .cells import Cell
 from .expected import expected_stats
@@ -30,13 +30,33 @@ class Limits:
         return f"{feature}, which fails {self.failed_trials[feature]}" if feature in self.failed_trials else feature
 
 
+def _missing(variant: Variant, limits: Limits) -> list[str]:
+    """What the variant needs and the device lacks; of a number, how large it may be there."""
+    found = [limits.lacks(f) for f in variant.method.needs if f not in limits.features]
+    for param in variant.acting:
+        feature = param.need(variant.params)
+        if feature and feature not in limits.features:
+            most = None if param.choices or param.of or param.real else _most(variant, param, limits)
+            found.append(limits.lacks(feature) + (f": without it {param.name} is at most {most}" if most else ""))
+    return found
+
+
+def _most(variant: Variant, param: Param, limits: Limits) -> int | None:
+    """The largest value below the chosen one that the device allows."""
+    def allowed(value: int) -> bool:
+        feature = param.need({**variant.params, param.name: value})
+        return feature is None or feature in limits.features
+
+    return next(filter(allowed, range(int(variant.params[param.name]), int(param.low) - 1, -1)), None)
+
+
 def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: Limits | None) -> Decision | None:
     """Why a cell is not measured, or None. Without limits only the budget is held against it."""
     variant = catalog[cell.method].variant(cell.params)
     fitted = Fitted(variant, stats)
     if lacks := kind_of(cell.scene).lacks(cell.scene):
         return "unsupported", f"needs {lacks}"
-    missing = [limits.lacks(f) for f in variant.needs if limits and f not in limits.features]
+    missing = _missing(variant, limits) if limits else []
     missing += [SCENE_FACTS[f] for f in variant.asks if not getattr(stats, f)]
     if missing:
         return "unsupported", f"needs {', '.join(missing)}"

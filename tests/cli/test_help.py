@@ -2,10 +2,12 @@
 
 import subprocess
 
+import click
 import pytest
 
 from mfr_bench import __version__
 from mfr_bench.cli.main import cli
+from mfr_bench.cli.output import note
 from mfr_bench.config import shipped
 
 from .conftest import command, environment
@@ -39,6 +41,29 @@ def test_every_command_explains_itself(mfr, name):
 def test_help_fits_80_columns(mfr, monkeypatch, arguments):
     monkeypatch.setenv("COLUMNS", "80")
     assert max(map(len, mfr(*arguments, "--help").out.splitlines())) <= 80
+
+
+@pytest.mark.parametrize("arguments", [[], *([name] for name in COMMANDS)], ids=" ".join)
+@pytest.mark.parametrize("columns", [60, 71])
+def test_help_breaks_no_word_on_a_narrow_terminal(arguments, columns):
+    """Every word and option of the wide help is whole in the narrow one, and no line is left to the terminal."""
+    shown = cli.commands[arguments[0]] if arguments else cli
+    wide, narrow = (shown.get_help(click.Context(shown, info_name="mfr-bench", terminal_width=width, color=False))
+                    for width in (400, columns))
+    assert narrow.split() == wide.split()
+    assert all(len(line) <= columns or len(line.split()) <= 2 for line in narrow.splitlines())
+
+
+def test_a_complaint_breaks_no_word_on_a_narrow_terminal(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "60")
+    said = "mfr-bench run: No such option '--forc'. Did you mean '--force', '--time-budget'?; see mfr-bench run --help"
+    note(said)
+    assert capsys.readouterr().err == said + "\n"  # for programs a line stays a line
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    note(said)
+    shown = capsys.readouterr().err
+    assert shown.split() == said.split()
+    assert max(map(len, shown.splitlines())) <= 60
 
 
 def test_the_version_is_the_packages(mfr):

@@ -76,8 +76,9 @@ def test_memory_is_three_words_a_sample(k, samples):
 
 
 @pytest.mark.parametrize(("method", "params", "reason"), [
-    ("peel-srab", {"samples": 8}, "needs samples_8"), ("kb-sr", {"k": 5}, "needs samples_8"),
-    ("kb-sr", {"k": 32}, "needs samples_32"), ("kb-sr", {"k": 33}, "needs samples_64"),
+    ("peel-srab", {"samples": 8}, "needs samples_8"), ("kb-sr", {"k": 5}, "needs samples_8: without it k is at most 4"),
+    ("kb-sr", {"k": 32}, "needs samples_32: without it k is at most 4"),
+    ("kb-sr", {"k": 33}, "needs samples_64: without it k is at most 4"),
     ("kb-sr", {"k": 4, "multisampling": "off"}, "needs sample_stencil"),
     ("peel-srab", {"samples": 4}, None),
 ])

@@ -310,3 +310,13 @@ def test_a_cell_that_was_not_tried_tells_nothing():
     cell = known(LESS, None).cell
     assert plan.CellOutcome.of(cell, tried).over_limit(cell.measure)
     assert plan.CellOutcome.of(cell, tried | {"reason": f"floor took 3 s a frame; {plan.NOT_TRIED}"}) is None
+
+
+@pytest.mark.parametrize(("method", "reason"), [
+    ("kb", "needs draw_buffers_16: without it k is at most 16"),
+    ("kb-sr", "needs samples_64: without it k is at most 4")])
+def test_a_k_that_the_device_lacks_a_feature_for_is_told_with_the_largest_that_it_allows(method, reason):
+    limits = replace(LIMITS, features=frozenset({"samples_4"}))
+    variant = catalog()[method].variant({"k": 1000})
+    cell = plan.Cell("planted", method, method, variant.params, SCENE, Measure(), {})
+    assert plan.judge(cell, catalog(), plan.expected_stats(SCENE), limits) == ("unsupported", reason)

@@ -50,6 +50,18 @@ def test_what_the_config_no_longer_has_is_left_out_and_told(tmp_path, extra):
     assert (result.folder.path / "results.csv").read_text().count("\n") == 3  # the store has every row
 
 
+def test_a_cell_of_another_default_is_replaced_by_the_planned_one(tmp_path):
+    """An earlier version of a method sorted otherwise by default: the config has one row of it, not two."""
+    old = planted.cell("ab-array", "mine", params={"sort": "hybrid"}, point={"scene.pixel_density": 0.5},
+                       scene={"pixel_density": 0.5})
+    new = planted.cell("ab-array", "mine", params={"sort": "auto"}, point={"scene.pixel_density": 0.5},
+                       scene={"pixel_density": 0.5})
+    made = planted.folder(tmp_path, [new], **CONFIG)
+    made.write_cell(old)
+    (point,) = data.load(ResultFolder(made.path)).points
+    assert (point.label, point.cell["params"]["sort"]) == ("mine", "auto")
+
+
 def test_zipped_values_belong_to_each_other(tmp_path):
     zipped = {"zip": CONFIG["sweep"], "sweep": {}}
     assert loaded(tmp_path / "a", cell("kplus-array", "K+", 0.5, k=4), **zipped).left_out == 0

@@ -8,6 +8,7 @@ import math
 import pytest
 
 from mfr_bench.report import data, tables
+from mfr_bench.report.tables.grid import Grid
 
 from . import planted
 from .planted import cell
@@ -258,3 +259,9 @@ def test_numbers_of_other_figures_are_left_out(tmp_path):
     assert len(set(found.values())) == 1
     nothing = tables.terminal_table(planted.folder(tmp_path / "none", [at(4)], [FIGURE], source={"paper": "kplus2015"}))
     assert "The paper's numbers" not in nothing
+
+
+def test_a_label_of_two_lines_is_one_field_of_a_table():
+    grid = Grid("", "", ("method", "a\nb"), (("x|y\nz", "1"),))
+    assert grid.markdown().splitlines() == ["| method | a b |", "|:-------|----:|", "| x\\|y z |   1 |"]
+    assert grid.text().splitlines() == ["method   a b", "------------", "x|y z      1"]

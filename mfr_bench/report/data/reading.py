@@ -19,7 +19,7 @@ def load(folder: ResultFolder) -> Result:
     manifest = folder.manifest()
     found, config = [each for cell in folder.cells() for each in places(cell)], Config(manifest)
     kept = [cell for cell in found if config.has(cell)]
-    cells = _current(kept)
+    cells = _current(kept, frozenset(manifest.get("cells") or ()))
     floors, labels = Floors(cells), _labels(cells)
     parameters = frozenset(name for cell in cells for name in cell["params"])
     noise = manifest.get("noise_floor_rel") or 0.0
@@ -52,13 +52,19 @@ def _together(values: Iterable[Any]) -> str:
     return "; ".join(dict.fromkeys(str(v) for v in values if v))
 
 
-def _current(cells: Iterable[Cell]) -> list[Cell]:
-    """Without records that a planned cell of the same point replaces (other shaders, drivers or settings)."""
+def _current(cells: Sequence[Cell], planned: frozenset[str]) -> list[Cell]:
+    """Without records that a planned cell of the same point replaces: other shaders, drivers, settings or defaults."""
+    taken = {_identity(cell) for cell in cells if cell["key"] in planned}
     kept: dict[str, Cell] = {}
     for cell in cells:
-        identity = [cell["method"], cell["label"], cell["params"], cell["scene"], cell["point"], device_name(cell)]
-        kept.setdefault(json.dumps(identity, sort_keys=True), cell)
+        if cell["key"] in planned or _identity(cell) not in taken:
+            kept.setdefault(_identity(cell, "params"), cell)
     return list(kept.values())
+
+
+def _identity(cell: Cell, *more: str) -> str:
+    of = {name: cell[name] for name in ("method", "label", "scene", "point", *more)}
+    return json.dumps(of | {"device": device_name(cell)}, sort_keys=True)
 
 
 def _labels(cells: Sequence[Cell]) -> list[str]:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import gc
 import io
+import json
 import multiprocessing
 import os
 import re
+import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -18,7 +20,7 @@ from .. import data, style
 from ..data import Result
 from .build import build
 from .series import Options
-from .sheet import styled
+from .sheet import lacking_glyphs, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -95,7 +97,7 @@ def _draw_all(result: Result, target: Path, processes: int) -> list[Path]:
         for point in result.points:  # read here, to report unreadable files; a forked child's warnings are lost
             _ = point.arrays
     tasks = list(zip(_stems(result, target), result.figures, strict=True))
-    with _uncollected():
+    with _uncollected(), _boxes_told(result):
         if processes > 1 and several:
             _write_shared(result, tasks)
         else:
@@ -122,6 +124,19 @@ def _write_shared(result: Result, tasks: Sequence[tuple[Path, Options]]) -> None
     _write(result, tasks[::2])
     if os.waitpid(child, 0)[1]:
         _write(result, tasks[1::2])  # raises the child's error here
+
+
+@contextmanager
+def _boxes_told(result: Result):
+    """Warn once of the characters that the figures' font lacks, instead of each time that one is drawn."""
+    texts = [str(result.manifest.get("title")), *(point.label for point in result.points),
+             json.dumps(result.figures, ensure_ascii=False)]
+    if lacking := lacking_glyphs("".join(texts)):
+        warnings.warn(f"{result.name}: the font of the figures lacks {' '.join(lacking)}; boxes stand for them",
+                      stacklevel=2)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from")
+        yield
 
 
 @contextmanager

@@ -63,6 +63,15 @@ def _width_per_point(text: str, weight: str) -> float:
     return HINTING * text_to_path.get_text_width_height_descent(text, font, False)[0] / 100
 
 
+def lacking_glyphs(text: str) -> list[str]:
+    """The characters that the figures' font has no glyph for, each once."""
+    from matplotlib.font_manager import FontProperties, findfont, get_font
+
+    _register_fonts()
+    glyphs = get_font(findfont(FontProperties(family=style.RC["font.family"], size=10))).get_charmap()
+    return [c for c in dict.fromkeys(text) if c.isprintable() and not c.isspace() and ord(c) not in glyphs]
+
+
 def widest(texts: Iterable[str], points: float) -> float:
     return max((text_width(text, points) for text in texts), default=0.0)
 

@@ -19,6 +19,11 @@ class Grid:
     rows: tuple[tuple[str, ...], ...]
     left: int = 1  # columns set flush left
 
+    def __post_init__(self) -> None:
+        for name, rows in (("header", (self.header,)), ("rows", self.rows)):
+            one_line = tuple(tuple(" ".join(field.splitlines()) for field in row) for row in rows)
+            object.__setattr__(self, name, one_line if name == "rows" else one_line[0])
+
     def chunks(self, width: int) -> Iterable[Grid]:
         """The grid in pieces of whole columns, each at most `width` wide and with the first column."""
         lengths = self.lengths()
