@@ -38,7 +38,22 @@ from .shared import (
 )
 from .shared.prediction import BINS, fragments_in, largest_k, predict_k
 from .shared.screen_region import TOUCHED, in_screen_region
-from .spec import PAYLOAD_WORDS, UNDER, Buffer, Choice, Counted, Decided, Loop, Method, Param, Params, Pass, State, when
+from .spec import (
+    PAYLOAD_WORDS,
+    UNDER,
+    Buffer,
+    Choice,
+    Counted,
+    Decided,
+    Loop,
+    Method,
+    Param,
+    Params,
+    Pass,
+    State,
+    When,
+    when,
+)
 
 ORDER = 7
 
@@ -49,6 +64,10 @@ CRITERION = Param("criterion", "nearest", "which k fragments are the best: neare
 MEMORY_MB = Param("memory_mb", 200.0, "memory budget M_b in MiB", real=True, low=0, high=2**20)
 HIT_RATIO = Param("hit_ratio", 0.95, "robustness ratio R_h: share of the fragments that should be kept", real=True,
                   low=0, high=1)
+
+SUMS = Param("sums", "pixel", "where the totals of the groups before a pixel's own are added to its address: once for "
+             "each pixel, or for each fragment that is stored, as in the authors' renderer",
+             choices=("pixel", "fragment"))
 
 COUNTER = Buffer("counter", "P", clear="0u", coherent=True, doc="slots taken (upper bits) and fragments counted")
 NODES = Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", clear_heads=True, coherent=True,
@@ -68,6 +87,15 @@ PER_PIXEL = {"EXACT_RANGES": 0}
 
 def store(shader: str = "methods/kplus/store.frag", **more) -> Pass:
     return Pass("store", "geometry", shader, writes=("counter", "semaphore", "nodes"), **more)
+
+
+def by_sums(step: Pass) -> tuple[Pass, ...]:
+    """The pass with the addresses that SUMS gives: whole ones, or places within groups, which need the totals."""
+    def at(value: str) -> When:
+        return when(SUMS.name, value) & step.when if step.when else when(SUMS.name, value)
+
+    return (replace(step, when=at("pixel")),
+            replace(step, reads=(*step.reads, GROUP_TOTAL.name), when=at("fragment")))
 
 
 def kplus(method_id: str, name: str, section: str, summary: str, *params: Param, fixed: tuple[Param, ...],
@@ -94,17 +122,17 @@ def ranged(method_id: str, name: str, section: str, summary: str, counting: tupl
     return Method(
         id=method_id, name=name, family="kplus", source=f"kplus_2015 {section}", summary=summary,
         guarantee="exact k nearest", ties=TIES,
-        params=(*params, SYNC, CULLING, COUNTERS, HASH.at("tile"), OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED,
+        params=(*params, SYNC, CULLING, COUNTERS, HASH.at("tile"), SUMS, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED,
                 REUSE_COUNT, PAYLOAD),
         fixed=(STRUCTURE.at("adaptive"), CRITERION, MAPPING),
         buffers=(COUNTER, ADDRESS, SEMAPHORE, GROUP_TOTAL, RANGES, *buffers),
         steps=in_screen_region(
             *once(clear("counter", "semaphore", shared=("group_total", *(b.name for b in buffers))), *counting,
                   *referencing(bounded=True)),
-            again("referencing", "methods/kplus/empty.frag", "counter", "nodes", reads=("address",),
-                  defines=EXACT_RANGES),
-            *occupied(store(reads=("address",), defines=EXACT_RANGES)),
-            resolve("counter", "address", "nodes", fetch=FETCH, defines=EXACT_RANGES),
+            *by_sums(again("referencing", "methods/kplus/empty.frag", "counter", "nodes", reads=("address",),
+                           defines=EXACT_RANGES)),
+            *occupied(*by_sums(store(reads=("address",), defines=EXACT_RANGES))),
+            *by_sums(resolve("counter", "address", "nodes", fetch=FETCH, defines=EXACT_RANGES)),
         ),
         **more,
     )

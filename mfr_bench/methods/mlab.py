@@ -9,12 +9,15 @@ from dataclasses import replace
 
 from .shared import BOUND, LOCK, PAYLOAD, SEMAPHORE, STAGE, SYNC, K, clear, resolve_sorted
 from .shared.screen_region import TOUCHED, in_screen_region
-from .spec import Buffer, Method, Pass
+from .spec import Buffer, Method, Param, Pass
 
 ORDER = 8
 
 ANY_COLOUR = replace(PAYLOAD, doc="stored colour, straight: 8 bits a channel, or 16-bit floats in two words",
                      choices=("rgba8", "rgba16f"), weakens={})
+
+STORES = Param("stores", "moved", "layers that an insertion writes: those that move, or all, as in the source, which "
+               "keeps them in one structure", choices=("moved", "all"))
 
 METHODS = [
     Method(
@@ -25,7 +28,7 @@ METHODS = [
         guarantee="approximate", words="2*k", ties="kept, in order of arrival",
         failure="a fragment that comes late may belong in front of what was merged; each merge rounds to the payload",
         beside=LOCK, mixes=True, exact_where="n <= k",
-        params=(replace(K, doc="layers per pixel"), BOUND, SYNC, STAGE, TOUCHED, ANY_COLOUR), local="k",
+        params=(replace(K, doc="layers per pixel"), BOUND, STORES, SYNC, STAGE, TOUCHED, ANY_COLOUR), local="k",
         buffers=(SEMAPHORE,
                  Buffer("nodes", "2*k*P", type="FRAGMENT", clear="EMPTY", coherent=True, doc="k layers, sorted")),
         steps=in_screen_region(

@@ -18,7 +18,7 @@ FAULTS = [
     ("ab-array", "methods/array/store.frag", "slot * pixels + p", "slot + p"),
     ("ab-array", "common/sort.glsl", "nearer.x <= moving.x", "nearer.x >= moving.x"),
     ("ab-ll", "methods/list/store.frag", "incoming()", "incoming().yx"),
-    ("ab-sb", "methods/sbuffer/offset.frag", "group + 1u", "group"),
+    ("ab-sb", "methods/sbuffer/sums.glsl", "group + 1u", "group"),
     ("ab-lbuffer", "methods/sbuffer/address.frag", "[pixel_group(p)], count", "[pixel_group(p)], 1u"),
     ("ab-precalc", "methods/precalc/scan_pixels.comp", "block_sum[b] + ", ""),
     ("ab-precalc-fixed", "methods/precalc/address_fixed.frag", "p * uint(N)", "p"),

@@ -275,3 +275,23 @@ def test_the_automatic_sort_is_the_one_for_the_length_of_the_local_array(n, reso
     drawn_last = [p for p in fitted.variant.passes if p.resolver and fitted.needed(p)][-1]
     assert drawn_last.resolver == f"common/resolve_{resolver}.glsl"
     assert fitted.value(drawn_last.defines["LOCAL"]) >= n
+
+
+WAYS_OF_SOURCES = [("kplus-sb", {"sums": "fragment"}), ("kplus-sb-dynamic", {"sums": "fragment"}),
+                   ("mlab", {"stores": "all"})]
+
+
+@pytest.mark.parametrize(("method", "params"), WAYS_OF_SOURCES)
+@pytest.mark.parametrize("more", [{}, {"touched": "bounds"}, {"reuse_count": "on"}])
+def test_the_way_of_the_source_gives_the_same_image(device, method, params, more):
+    """Drawn twice: with reuse_count the second frame uses what the first has counted."""
+    if not all(catalog()[method].param(name) for name in more):
+        pytest.skip(f"{method} has no {', '.join(more)}")
+    scene = staircase([0, 1, 2, 3, 4, 7, 4, 0, 2])
+    images = []
+    for chosen in ({}, params):
+        k = {"k": 4} if catalog()[method].param("k") else {}
+        with drawn(device, method, scene, frames=2, **k, **chosen, **more) as frame:
+            images.append(frame.image())
+            assert frame.lost_fragments() == 0
+    np.testing.assert_array_equal(*images)

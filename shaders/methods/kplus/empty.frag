@@ -7,6 +7,7 @@
 
 void main() {
     uint p = pixel_index();
+    FIND_CELLS(p)
     counter[p] &= COUNTED;
     if (ROOM(p) > 0u) NODE(p, 0u) = NO_FRAGMENT;
 }

@@ -7,6 +7,7 @@
 uint fetch_pixel, fetch_slot, fetch_end;
 
 void fetch_begin(uint p) {
+    FIND_CELLS(p)
     uint count = FETCH_COUNT(p);
     fetch_pixel = p;
     fetch_slot = count < ROOM(p) ? 1u : 0u;

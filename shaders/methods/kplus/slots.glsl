@@ -2,15 +2,25 @@
 // bits of counter[p] are the number of slots taken, the lower bits the number of fragments counted.
 // Invariant: slot 0 stays empty until all other slots are taken, and from then on its fragment only gets better. An
 // outdated value of it may let a fragment through, but never refuses one that belongs into the buffer.
+// Each invocation finds the cells of its pixel first, by FIND_CELLS(p).
 // Buffers: defines NODE for nodes, with EXACT_RANGES by way of address; reads counter.
 const uint COUNTED_BITS = 21u;
 const uint ONE_TAKEN = 1u << COUNTED_BITS;
 const uint COUNTED = ONE_TAKEN - 1u;
 
 #if EXACT_RANGES
-#define NODE(p, slot) nodes[address[p] + (slot)]  // depth bits, RGBA8
 #define ROOM(p) (counter[p] & COUNTED)
+#if SUMS_FRAGMENT
+#include "methods/sbuffer/sums.glsl"
+uint first_cell;
+#define FIND_CELLS(p) first_cell = first_of_range(p, address[p], ROOM(p));
+#define NODE(p, slot) nodes[first_cell + (slot)]  // depth bits, RGBA8
 #else
+#define FIND_CELLS(p)
+#define NODE(p, slot) nodes[address[p] + (slot)]  // depth bits, RGBA8
+#endif
+#else
+#define FIND_CELLS(p)
 #define NODE(p, slot) nodes[(slot) * pixels + (p)]
 #define ROOM(p) BOUND
 #endif

@@ -7,6 +7,7 @@
 
 void main() {
     uint p = pixel_index();
+    FIND_CELLS(p)
     FRAGMENT fragment = incoming();
     bool wanted = !rejected();
 #if CULLING_ON

@@ -4,19 +4,19 @@
 // scanned as in Hillis and Steele 1986.
 layout(local_size_x = SCAN_LANES) in;
 
-shared uint sums[2 * SCAN_LANES];
+shared uint run_sums[2 * SCAN_LANES];
 
 // Returns the sum of `own` over the invocations before this one; `total` is the sum over all of them.
 uint sum_before(uint own, out uint total) {
     uint lane = gl_LocalInvocationIndex, from = 0u, sum = own;
-    sums[lane] = sum;
+    run_sums[lane] = sum;
     for (uint reach = 1u; reach < uint(SCAN_LANES); reach *= 2u) {
         barrier();
-        if (lane >= reach) sum += sums[from + lane - reach];
+        if (lane >= reach) sum += run_sums[from + lane - reach];
         from = uint(SCAN_LANES) - from;
-        sums[from + lane] = sum;
+        run_sums[from + lane] = sum;
     }
     barrier();
-    total = sums[from + uint(SCAN_LANES) - 1u];
+    total = run_sums[from + uint(SCAN_LANES) - 1u];
     return sum - own;
 }

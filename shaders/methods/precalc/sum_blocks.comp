@@ -1,6 +1,6 @@
 // First step of the prefix sum in compute shaders: adds up the counters of each block of pixels.
 // Invariant: afterwards block_sum[b] is the number of fragments of block b.
-// Buffers: reads counter; writes block_sum.
+// Buffers: writes block_sum.
 #include "methods/precalc/counted.glsl"
 
 void main() {
