@@ -260,7 +260,7 @@ def chosen(text: str | None, known: Mapping[str, object], option: str) -> list[s
 def missing() -> str | None:
     """What this machine lacks to make roots and enter them, or None."""
     if not shutil.which("debootstrap"):
-        return "debootstrap is missing; run: sudo apt-get install -y debootstrap"
+        return "debootstrap is missing; run: sudo apt-get install -y debootstrap debian-archive-keyring"
     if subprocess.run(["unshare", "--mount", "true"], capture_output=True, check=False).returncode:
         return "mounting in a root of its own is not allowed; run it as root: sudo make drivers"
     return None

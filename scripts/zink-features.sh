@@ -5,6 +5,7 @@ set -u
 cd "$(dirname "$0")/.." || exit 3
 if ! command -v debootstrap >/dev/null; then
     command -v apt-get >/dev/null && [ "$(id -u)" = 0 ] || exit 3
-    apt-get -qq update && apt-get -qq install -y --no-install-recommends debootstrap || exit 3
+    apt-get -qq update && apt-get -qq install -y --no-install-recommends debootstrap debian-archive-keyring ||
+        exit 3
 fi
 exec scripts/drivers.py --root sid --driver zink --check features --dir "${TMPDIR:-/var/tmp}/mfr-bench-drivers"
