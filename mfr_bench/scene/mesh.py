@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from ..errors import UsageError
 from ..hashing import hash3
 from . import files
 from .colours import alphas
+from .coverage import Estimate, estimate_of
 from .kinds.mesh import Transform, paths
 from .meshes.faces import OPAQUE, Faces, joined
 from .meshes.packages import FETCH, packaged
@@ -24,13 +24,12 @@ from .triangles import Triangles
 
 WANTED = "a mesh file"
 FRAMES = 8  # of an animation: once around
-GRID = 32  # cells along the longer side of the viewport, by which fragments are estimated
 
 
 def mesh(config: Scene, frame: int = 0) -> Triangles:
     """The triangles of a config, as an animation's frame shows them. Raises UsageError for a file that does not do."""
     found = faces_of(config)
-    clip = camera(config, found, frame).clip(found.position)
+    clip = camera_of(config, found.position, frame).clip(found.position)
     side = facing(clip)
     shown = ~found.one_sided | (side >= 0)
     if config.faces != "both":
@@ -79,18 +78,18 @@ def matrix_of(part: Transform) -> np.ndarray:
     return matrix
 
 
-def camera(config: Scene, found: Faces, frame: int) -> Camera:
-    """The camera of an animation's frame. Raises UsageError where it sees nothing."""
+def camera_of(config: Scene, points: np.ndarray, frame: int) -> Camera:
+    """The camera of an animation's frame, before points (…, 3). Raises UsageError where it sees nothing."""
     view, turn = config.view, 2 * math.pi * (frame % FRAMES) / FRAMES
     try:
         if view.eye is not None:
             eye = np.array(view.target) + _around(np.array(view.eye) - np.array(view.target), turn)
             axes = axes_of(tuple(np.array(view.target) - eye))
-            return perspective_camera(found.position, config.size, axes, tuple(eye), view.field)
+            return perspective_camera(points, config.size, axes, tuple(eye), view.field)
         axes = axes_of(DIRECTIONS[view.direction], turn)
         if view.projection == "perspective":
-            return perspective_camera(found.position, config.size, axes, None, view.field)
-        return orthographic_camera(found.position, config.size, axes, None if view.fit is True else view.fit.box)
+            return perspective_camera(points, config.size, axes, None, view.field)
+        return orthographic_camera(points, config.size, axes, None if view.fit is True else view.fit.box)
     except ValueError as error:
         raise UsageError(f"scene.view: {error}; allowed: an eye before the mesh, apart from its target") from None
 
@@ -123,18 +122,6 @@ def _order(config: Scene, clip: np.ndarray, objects: np.ndarray) -> np.ndarray:
     return np.argsort(depth if config.order == "front_to_back" else -depth, kind="stable")
 
 
-# --- what a plan expects before a device has drawn ---
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """About how a mesh covers the viewport. counts: pixels with 0, 1, 2, … fragments, the covered ones only."""
-
-    primitives: int
-    covered: int
-    counts: tuple[float, ...]
-
-
 def guess(config: Scene) -> Estimate:
     """In place of the estimate, where a file is not there yet: its faces are known, a tenth of the pixels is taken."""
     faces = sum(listed[1].faces for path in paths(config) if (listed := packaged(path.name)))
@@ -144,30 +131,5 @@ def guess(config: Scene) -> Estimate:
 
 @lru_cache(maxsize=64)
 def estimate(config: Scene) -> Estimate:
-    """The estimate of a scene: the areas of its triangles, summed in the cells of a coarse grid by their boxes."""
-    made = mesh(config)
-    width, height = config.size
-    cell = max(1, -(-max(width, height) // GRID))
-    columns, rows = -(-width // cell), -(-height // cell)
-    area = np.zeros((rows, columns))
-    boxes, areas = made.boxes, _areas(made)
-    for x in range(columns):
-        wide = np.clip(np.minimum(boxes[:, 2], (x + 1) * cell) - np.maximum(boxes[:, 0], x * cell), 0, None)
-        for y in range(rows) if wide.any() else ():
-            high = np.clip(np.minimum(boxes[:, 3], (y + 1) * cell) - np.maximum(boxes[:, 1], y * cell), 0, None)
-            area[y, x] = (areas * wide * high).sum()
-    deep = area / cell**2
-    pixels = np.minimum(1.0, deep) * cell**2  # covered ones of each cell
-    layers = np.maximum(1, np.rint(deep)).astype(int)
-    counts = np.bincount(layers.ravel(), weights=pixels.ravel(), minlength=2)
-    return Estimate(len(made), max(1, min(width * height, round(pixels.sum()))), tuple(counts))
-
-
-def _areas(made: Triangles) -> np.ndarray:
-    """Area of each triangle on the screen over that of its box; 0 where a corner is behind the eye."""
-    corners = made.position.astype(np.float64)
-    before = (corners[..., 3] > 0).all(axis=1)
-    window = corners[..., :2] / np.where(before[:, None], corners[..., 3], 1.0)[..., None] / 2 * made.viewport
-    one, other = window[:, 1] - window[:, 0], window[:, 2] - window[:, 0]
-    boxes = np.maximum(1, (made.boxes[:, 2:] - made.boxes[:, :2]).prod(axis=1))
-    return np.where(before, np.abs(one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]) / 2, 0.0) / boxes
+    """About how the meshes cover the viewport."""
+    return estimate_of(mesh(config))

@@ -57,6 +57,8 @@ def strips(config: Scene, corners: np.ndarray, seed: int, part_of: np.ndarray | 
     index = np.arange(len(corners), dtype=np.uint64)
     if config.order == "random":
         order = np.argsort(hash3(index, ORDER, seed), kind="stable")
+    elif config.order == "file":
+        order = index
     else:
         depth = corners[..., 2] / corners[..., 3]
         middle = depth[:, 0] + depth[:, 1] + depth[:, 2] + depth[:, 3]

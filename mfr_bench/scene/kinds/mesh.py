@@ -83,7 +83,8 @@ def _one_source(scene: CommonKeys) -> Fault | None:
     return ("scene.file", "scene.files", "scene.kind"), f"{what}; allowed: file, or files with a transform each"
 
 
-def _view_agrees(scene: CommonKeys) -> Fault | None:
+def view_agrees(scene: CommonKeys) -> Fault | None:
+    """Whether the keys of a view go together."""
     view, keys = scene.view, ("scene.view", "scene.kind")
     if (view.eye is None) != (view.target is None):
         return keys, "an eye without a target, or a target without an eye; allowed: both or neither"
@@ -126,7 +127,7 @@ class Mesh(Kind):
     orders = ("random", "front_to_back", "back_to_front", "file", "object")
     alphas = ("material",)
     unused = UNUSED
-    rules = (_one_source, _view_agrees, _files_are_there)
+    rules = (_one_source, view_agrees, _files_are_there)
     rows = (Described("`mesh`", "triangles of one's own files", "measured", "measured", "what one renders"),)
     key_words = """\
 - `file`: OBJ with MTL, PLY, STL, GLB or glTF, relative to the config, or the name of one that `mfr-bench meshes` lists
