@@ -70,7 +70,7 @@ OPTION_FAULTS = [
     ("ab-array", {"touched": "tiles", "resolve": "compute"}, "common/resolve.comp", "at < tile_command",
      "at + 1u < tile_command"),
     ("ab-precalc", {"scan": "fullscreen"}, "methods/precalc/scan.frag", "+", "-"),
-    ("ab-sb", {"mapping": "forward"}, "methods/sbuffer/offset.frag", "group < to", "group <= to"),
+    ("ab-sb", {"mapping": "forward"}, "methods/sbuffer/sums.glsl", "group < to", "group <= to"),
     ("adaptive", {"memory_mb": 0.15}, "methods/adaptive/sums.frag", "count);", "1u);"),
     ("kb-ab-array", {"occupancy": 32}, "common/occupancy/cull.frag", "wanted > 1u", "wanted > 2u"),
     ("kb-multi", {"occupancy": 32}, "common/occupancy/cull.frag", "wanted > 1u", "wanted > 2u"),
