@@ -14,7 +14,10 @@ FILES = sorted(str(p.relative_to(shaders_dir())) for p in shaders_dir().rglob("*
 LINE = re.compile(r"^// Buffers: (.+)$", re.MULTILINE)
 PROBES = [value for module in (capture, probes, selftest, trials) for value in vars(module).values()
           if isinstance(value, Method)]
-LOCAL = {"methods/adaptive/nearest.glsl": {"depths"}}  # a local array has the name of another method's buffer
+LOCAL = {  # a local or shared array has the name of another method's buffer
+    "methods/adaptive/nearest.glsl": {"depths"},
+    **dict.fromkeys(("methods/precalc/block_scan.glsl", "methods/precalc/sum_blocks.comp"), {"sums"}),
+}
 
 
 def buffers(method):
