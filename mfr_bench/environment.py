@@ -1,4 +1,4 @@
-"""What a measurement depends on beside the config: machine, driver, versions, load, clocks. Unknown is None, not 0."""
+"""What a measurement depends on: machine, driver, versions, load, clocks. Unknown is None, not 0."""
 
 from __future__ import annotations
 

@@ -203,8 +203,8 @@ class Matrix:
 
     def _last(self, root: str, driver: str, check: str) -> str:
         lines = self._log(root, driver, check).read_text(errors="replace").splitlines()
-        told = [line for line in lines if " passed" in line or " cells: " in line or line.startswith("version")]
-        return " ".join((told or lines or [""])[-1].split())[:120]
+        summary = [line for line in lines if " passed" in line or " cells: " in line or line.startswith("version")]
+        return " ".join((summary or lines or [""])[-1].split())[:120]
 
 
 def of(driver: str, checks: Sequence[str]) -> list[str]:

@@ -65,9 +65,9 @@ def _by_owner(rows: Sequence[Setting]) -> Mapping[str, list[Setting]]:
 
 def _experiment(experiment: Experiment, rows: Sequence[Setting]) -> str:
     source = f"{experiment.source['paper']} {figure_of(experiment.source)}".strip()
-    told = " ".join(experiment.source.get("readings", ()))
-    return "\n".join([f"### {experiment.name}: {experiment.title} ({source})", "", *([told, ""] if told else []),
-                      _table(COLUMNS, map(_cells, rows))])
+    readings = " ".join(experiment.source.get("readings", ()))
+    head = [f"### {experiment.name}: {experiment.title} ({source})", "", *([readings, ""] if readings else [])]
+    return "\n".join([*head, _table(COLUMNS, map(_cells, rows))])
 
 
 def _cells(row: Setting) -> tuple[str, ...]:
@@ -77,10 +77,10 @@ def _cells(row: Setting) -> tuple[str, ...]:
 
 
 def _claim(claim: Claim) -> tuple[str, ...]:
-    told = [f"read as: {claim.reading}" if claim.reading else "", *(f"or: {r.words}" for r in claim.otherwise),
+    parts = [f"read as: {claim.reading}" if claim.reading else "", *(f"or: {r.words}" for r in claim.otherwise),
             claim.remark, f"not on a software driver: {claim.hardware}" if claim.hardware else ""]
     return (f"`{claim.id}`: {claim.sentence}", claim.source, claim.paper, "; ".join(rule.text for rule in claim.rules),
-            ". ".join(part for part in told if part))
+            ". ".join(part for part in parts if part))
 
 
 def _table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -112,7 +112,7 @@ class Ratio:
         return self.over.each + self.under.each
 
     def named(self, over: Point, under: Point) -> str:
-        """The two sides of a comparison, by what tells them apart."""
+        """The two sides of a comparison, by the values in which they differ."""
         if over.method != under.method:
             return f"{over.method} / {under.method}"
         return f"{over.method} ({words(self.over.where)} / {words(self.under.where)})"

@@ -30,7 +30,7 @@ class Claim:
 
     It holds where every rule does, and fails where one does. `experiments` are the configs of which any one can show
     it. `reading` says how `rules` read what the text leaves open, `otherwise` holds its other readings: they are
-    judged beside it, and a verdict tells where they differ. `hardware` says what a software driver lacks of that to
+    judged as well, and a verdict says if they differ. `hardware` says what a software driver lacks of that to
     which the paper attributes the finding; `gpu_timer` marks what is too short to be timed between two finishes.
     `remark` is what differs from the paper.
     """

@@ -33,10 +33,10 @@ class Frames:
 
     def __init__(self, cells: Iterable[Sequence[float]]):
         """From the samples of the cells, in ms. Cells of one sample tell nothing."""
-        told = [samples for samples in cells if len(samples) > 1 and min(samples) > 0]
-        counts = np.array([len(samples) for samples in told], dtype=np.int64)
-        medians_ms = np.repeat([median(samples) for samples in told], counts)
-        times_ms = np.array([time_ms for samples in told for time_ms in samples])
+        usable = [samples for samples in cells if len(samples) > 1 and min(samples) > 0]
+        counts = np.array([len(samples) for samples in usable], dtype=np.int64)
+        medians_ms = np.repeat([median(samples) for samples in usable], counts)
+        times_ms = np.array([time_ms for samples in usable for time_ms in samples])
         distances = _distances(times_ms, medians_ms, np.repeat(counts, counts))
         by_median = np.lexsort((distances, medians_ms))
         self._medians_ms = medians_ms[by_median]

@@ -121,13 +121,13 @@ class Comparison:
 
     @property
     def untold(self) -> bool:
-        """Whether the comparison cannot vouch for the new side: cells are missing, or of no cell was anything told."""
-        told = any(v.verdict in TOLD or any(c.worse is not None for c in v.changes) for v in self.verdicts)
-        return bool(self.counts.get(MISSING) or not told)
+        """Whether the comparison cannot vouch for the new side: cells are missing, or no cell is decided."""
+        decided = any(v.verdict in TOLD or any(c.worse is not None for c in v.changes) for v in self.verdicts)
+        return bool(self.counts.get(MISSING) or not decided)
 
     @property
     def doubtful(self) -> bool:
-        """Whether something could not be told: a cell that is unclear or missing, a machine that moved."""
+        """Whether something is undecided: a cell that is unclear or missing, a machine that moved."""
         return bool(self.untold or self.counts.get(UNCLEAR) or (self.moved and not self.absolute))
 
 

@@ -13,7 +13,7 @@ from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist, median
 
-COMMON_LEAST = 5  # methods in a scene, from which on what they have in common can be told from what one of them did
+COMMON_LEAST = 5  # methods in a scene, from which on what they have in common differs from what one of them did
 SPREAD_LEAST = 20  # cells, from which on they show their own spread
 PRIOR_CELLS = 10  # cells' worth of evidence that the noise floors are
 LEAST = 1e-6  # deviation: no clock tells times apart to one in a million

@@ -89,12 +89,12 @@ def _devices(results: Iterable[Result]) -> Iterable[tuple[str, str]]:
 
 
 def _environment(results: Iterable[Result]) -> dict[str, Any]:
-    """What the runs tell of where they ran; of several the last."""
+    """What the runs say about the place where they ran; of several the last."""
     found: dict[str, Any] = {}
     for result in results:
         for part in ("environment", "versions"):
-            told = result.manifest.get(part)
-            found |= told if isinstance(told, dict) else {}
+            stated = result.manifest.get(part)
+            found |= stated if isinstance(stated, dict) else {}
         found["timer"] = result.manifest.get("timer", found.get("timer"))
     return found
 

@@ -40,7 +40,7 @@ class Measure(_Plain):
     """When a measurement is enough, and what it may take.
 
     repeat_images: untimed frames whose distinct images are counted; with 1 none are. counters: whether the work of
-    each pass is counted, in a frame of its own. keep: arrays of a cell to be kept beside its numbers.
+    each pass is counted, in a frame of its own. keep: arrays of a cell to store with its numbers.
 
     time_limit_s: of a cell's frames. hard_limit_s: of everything done for a cell, which is then ended; None means
     120 s and ten time limits. memory_budget_mb: of what a method allocates, known beforehand. hard_limit_mb: of main

@@ -1,4 +1,4 @@
-"""The contract that every method is held to: what its declaration says, and what its shaders draw.
+"""The contract that every method has to keep: what its declaration says, and what its shaders draw.
 
     variants     the variants of a method that are checked; no GL
     preprocess   the lines of a shader that its compiler sees

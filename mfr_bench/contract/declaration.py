@@ -69,7 +69,7 @@ def resources_explained(variants: Iterable[Variant]) -> Iterator[str]:
 
 
 def shaders_show_contents(method: Method) -> Iterator[str]:
-    """Check that the GLSL of a pass says beside each block what is in it."""
+    """Check that the GLSL of a pass says behind each block what is in it."""
     variant = method.variant({})
     docs = {b.name: b.doc for b in variant.buffers}
     for step, found in stages_of(variant):
@@ -112,7 +112,7 @@ def words_explained(method: Method, variants: Iterable[Variant]) -> Iterator[str
     differs = [label(v) for v in plain for k in (7, 8)
                if sum(Fitted(with_k(v, k), SIZES).memory_bytes().values()) != Fitted(with_k(v, k), SIZES).model_bytes()]
     if differs and not method.beside:
-        yield f"{differs[0]} allocates other than its words say; `beside` has to tell why"
+        yield f"{differs[0]} allocates other than its words say; `beside` has to say why"
 
 
 def shader_is_short(path: str) -> Iterator[str]:
@@ -120,7 +120,7 @@ def shader_is_short(path: str) -> Iterator[str]:
     text = read(path)
     lines = text.splitlines()
     if not lines[:1] or not lines[0].startswith("// "):
-        yield f"{path}:1: opens with no comment that tells its contract"
+        yield f"{path}:1: opens with no comment that states its contract"
     if len(lines) > MOST_LINES:
         yield f"{path}: has {len(lines)} lines, allowed: {MOST_LINES}"
     mains = len(re.findall(r"^void main\(\)", text, re.MULTILINE))

@@ -83,14 +83,14 @@ class GuardedFrame(Frame):
 
 
 def variant_of(method: Method) -> Variant:
-    """The variant with room for K fragments where the method has a k, and emulated atomics where it needs wide ones."""
-    wide = method.param("atomic64")
+    """The variant with room for K fragments where the method has a k, and 64-bit atomics emulated."""
+    atomics = method.param("atomic64")
     return method.variant(({"k": K} if method.param("k") else {})
-                          | ({"atomic64": "emulated"} if wide and wide.acts is None else {}))
+                          | ({"atomic64": "emulated"} if atomics and atomics.acts is None else {}))
 
 
 def broken(device, variant: Variant, config: SceneConfig, untold: int = 0) -> list[str]:
-    """The buffers behind which two frames have written; the method is told of `untold` fragments less per pixel."""
+    """The buffers behind which two frames have written; the method knows of `untold` fragments less per pixel."""
     scene = generate(config)
     quads, canvas = SceneBuffer(device, scene), Canvas(device, config.size)
     stats = true_stats(device, quads, canvas)
@@ -107,11 +107,11 @@ def broken(device, variant: Variant, config: SceneConfig, untold: int = 0) -> li
 
 
 def keeps_to_its_buffers(device, method: Method) -> Iterator[str]:
-    """Every count of fragments, and one that the method was not told of."""
+    """Every count of fragments, and one that the method does not know of."""
     variant = variant_of(method)
     if not runs_here(device, variant):
         return
     for name, config in SCENES.items():
         yield from (f"{name}: something is written behind {buffer}" for buffer in broken(device, variant, config))
-    yield from (f"one fragment per pixel more than told: something is written behind {buffer}"
+    yield from (f"one fragment per pixel more than the method knows of: something is written behind {buffer}"
                 for buffer in broken(device, variant, SCENES["one over"], untold=1))

@@ -28,7 +28,7 @@ def refused(variant: Variant, config: SceneConfig, stats) -> bool:
 
 
 class Held:
-    """Images of a variant held against its promise. `promised`: the scenes where it makes one; `faults`: lines."""
+    """Images of a variant, checked against its promise. `promised`: the scenes where it makes one; `faults`: lines."""
 
     def __init__(self, device, variant: Variant, scenes: Mapping[str, SceneConfig]):
         self.device, self.variant = device, variant
@@ -78,7 +78,7 @@ def option(device, variant: Variant) -> Iterator[str]:
 
 
 def deep_variants(method: Method) -> list[Variant]:
-    """The default with k = 16, and with emulated atomics where it has wide ones."""
+    """The default with k = 16, and with emulated 64-bit atomics where it has them."""
     choices = [{}, {"atomic64": "emulated"}] if method.param("atomic64") else [{}]
     return [with_k(method.variant(chosen), 16) for chosen in choices]
 

@@ -73,6 +73,6 @@ def _of_images(device, method: Method) -> Sequence[tuple[str, Lines]]:
         ("every k", lambda: images.all_ks(device, method)),
         ("exact where it says so", lambda: images.exact_where_it_says(device, method, found)),
         ("fifty frames give one image", lambda: images.frames_are_alike(images.fifty_frames(device, method), method)),
-        ("what is held is counted", lambda: images.counts_what_it_holds(device, method)),
+        ("what is stored is counted", lambda: images.counts_what_it_holds(device, method)),
         ("nothing is written outside a buffer", lambda: guards.keeps_to_its_buffers(device, method)),
     )

@@ -16,8 +16,8 @@ def variants(method: Method, numbers: Mapping[str, Value] | None = None) -> list
     chosen = [{}] + [{**_acting(p.acts, c), p.name: c}
                      for p in method.params for c in (*p.choices, *p.of) if c != p.default]
     chosen += [{name: value} for name, value in (numbers or {}).items()]
-    wide = method.param("atomic64")
-    if wide and wide.acts is None:
+    atomics = method.param("atomic64")
+    if atomics and atomics.acts is None:
         chosen += [{**params, "atomic64": "emulated"} for params in chosen if "atomic64" not in params and params]
     return [method.variant(params) for params in chosen]
 

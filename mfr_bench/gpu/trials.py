@@ -78,10 +78,10 @@ OPERATIONS = {stage: probe_method(
 ) for stage, (kind, ending) in STAGES.items()}
 OPERATIONS64 = {stage: probe_method(
     f"64-bit atomics in {stage}",
-    Pass("apply", kind, f"probe/operations64.{ending}", writes=("wide", "signed_wide", "before"),
+    Pass("apply", kind, f"probe/operations64.{ending}", writes=("words64", "signed64", "before"),
          groups="1" if kind == "compute" else None, defines={"INVOCATIONS": INVOCATIONS}),
-    buffers=(Buffer("wide", "4", type="uint64_t", coherent=True),
-             Buffer("signed_wide", "2", type="int64_t", coherent=True),
+    buffers=(Buffer("words64", "4", type="uint64_t", coherent=True),
+             Buffer("signed64", "2", type="int64_t", coherent=True),
              Buffer("before", f"6*{INVOCATIONS}", type="uvec2")), params=(ATOMIC64,),
 ) for stage, (kind, ending) in STAGES.items()}
 
@@ -171,11 +171,11 @@ def operations64(device: Device) -> Outcome:
 
 def _operations64(device: Device, method: Method) -> dict[str, bool]:
     start = np.array([0, 0, EMPTY, EMPTY], dtype=np.uint32)
-    with _drawn(device, SCENE, method, wide=start, signed_wide=np.zeros(2, np.uint32)) as frame:
-        wide, after = frame.words("wide").reshape(2, 2), frame.words("signed_wide")
+    with _drawn(device, SCENE, method, words64=start, signed64=np.zeros(2, np.uint32)) as frame:
+        words64, after = frame.words("words64").reshape(2, 2), frame.words("signed64")
         before = frame.words("before").reshape(3, INVOCATIONS, 2)
     chain = [tuple(map(int, pair)) for pair in (*before[2], after)]
-    return {"max": bool((wide[0] == INVOCATIONS).all()), "min": bool((wide[1] == 1).all()),
+    return {"max": bool((words64[0] == INVOCATIONS).all()), "min": bool((words64[1] == 1).all()),
             "exchange": sorted(chain) == [(i, i) for i in range(INVOCATIONS + 1)]}
 
 
@@ -188,14 +188,13 @@ def _all(right: Mapping[str, Mapping[str, bool]]) -> Outcome:
 
 def blending(device: Device) -> Outcome:
     """Whether each way of blending that methods use is right in each format that they use it in."""
-    wrong = [_told(formats, state) for formats, state in BLENDED if not _blends(device, formats, state)]
-    told = f"wrong: {', '.join(wrong)}" if wrong else f"{len(BLENDED)} of {len(BLENDED)} ways right"
-    return not wrong, told
+    wrong = [_words_of(formats, state) for formats, state in BLENDED if not _blends(device, formats, state)]
+    return not wrong, f"wrong: {', '.join(wrong)}" if wrong else f"{len(BLENDED)} of {len(BLENDED)} ways right"
 
 
-def _told(formats: tuple[str, ...], state: State) -> str:
+def _words_of(formats: tuple[str, ...], state: State) -> str:
     blends = [state.blend] if state.blend else list(state.blends)
-    return " beside ".join(" ".join((format, *blend)) for format, blend in zip(formats, blends, strict=True)) + (
+    return " and ".join(" ".join((format, *blend)) for format, blend in zip(formats, blends, strict=True)) + (
         f", alpha {' '.join(state.blend_alpha)}" if state.blend_alpha else "")
 
 
@@ -203,7 +202,7 @@ def _blends(device: Device, formats: tuple[Format, ...], state: State) -> bool:
     names = ("blended", "beside")[:len(formats)]
     defines = {"BESIDE": len(formats) - 1}
     method = probe_method(
-        f"blending {_told(formats, state)}",
+        f"blending {_words_of(formats, state)}",
         Pass("blend", "geometry", "probe/blend.frag", into=names, state=state, defines=defines,
              clears=dict.fromkeys(names, (START,) * 4)),
         Pass("show", "fullscreen", "probe/show_blended.frag", reads=names, into=(IMAGE,), defines=defines),

@@ -82,7 +82,7 @@ class Sampler:
     def turn(self) -> Iterator[None]:
         """A frame at a time of one turn: all of the warm-up with the first batch, then a batch.
 
-        So the batches of methods that take turns stand beside each other, however long each took to warm up.
+        So the batches of methods that take turns are drawn close to each other, however long each took to warm up.
         """
         while not self.warm and not self.stop_reason:
             yield

@@ -60,7 +60,7 @@ FURTHEST_CUT = Param("furthest_cut", 0.5, "depth; a cut further behind would sav
 
 DIRECT, PLANES, DENSE, RANGES = "direct", "planes", "dense", "ranges"
 
-SPARE = 1 / 20  # of the memory of exact ranges and two words per pixel, that `dense` may take beside it
+SPARE = 1 / 20  # of the memory of exact ranges and two words per pixel, that `dense` may take in addition
 
 NETWORKS = (2, 4, 8, 16, 32, 64)  # fragments of each sorting network; deeper pixels are swept
 HALVES = 64  # places of two networks: both halves of a pixel, or 32 fragments kept and 32 that are new

@@ -10,7 +10,7 @@ HEAD = """# The methods
 
 Every method that mfr-bench runs, from its own declaration (`mfr-bench methods --markdown` prints this page). Words are
 32-bit words per pixel by the paper's formula; n is the most fragments of any pixel, f the fragments of a pixel, f_k at
-most k of them, F all fragments of the frame, P the pixels. What stands beside the words: occupancy takes 3 words per
+most k of them, F all fragments of the frame, P the pixels. In addition to the words, occupancy takes 3 words per
 pixel and one for every 32 intervals, backwards memory allocation one, a payload of two words one more per fragment;
 `touched: tiles` takes one per tile of 16x16 pixels and 8 per frame.
 Whether a device runs a method, `mfr-bench methods` says.
@@ -107,8 +107,8 @@ def as_markdown(methods: Iterable[Method]) -> str:
     lines += _table(("id", "guarantee", "error at most, units of 2^-24", "words", "passes", "needs"),
                     ((f"`{m.id}`", _promise(m), _bound(m), f"`{m.words}`",
                       ", ".join(m.pass_names), _needs(m)) for m in methods))
-    lines += ["", "## What is allocated beside the words, or how they are used", ""]
-    lines += _table(("id", "beside the words"), ((f"`{m.id}`", m.beside) for m in methods if m.beside))
+    lines += ["", "## What is allocated in addition to the words, or how they are used", ""]
+    lines += _table(("id", "in addition to the words"), ((f"`{m.id}`", m.beside) for m in methods if m.beside))
     lines += ["", "## What buffers and targets contain", "", CONTENTS, ""]
     lines += _table(("name", "size", "contents", "methods"), _contents(methods))
     lines += ["", "## Why some take more than thrice the time of the fastest A-buffer", ""]

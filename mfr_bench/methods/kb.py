@@ -146,7 +146,7 @@ METHODS = [
         params=(replace(K32, needs_where=AT_ONCE), SAMPLES_PER_PASS, MULTISAMPLING, replace(OCCUPANCY, acts=AT_ONCE),
                 *RESOLVE_OPTIONS, TOUCHED), local="k",
         beside="3 words for each sample that k leaves unused: samples come in powers of two from 4. With per_pass the "
-               "samples of one pass, beside what peel-srab has: a word for each of them, an array of k fragments, and "
+               "samples of one pass, and what peel-srab has: a word for each of them, an array of k fragments, and "
                "for each pixel where the next pass resumes and how many fragments it has",
         targets=(*routed_targets(SAMPLES), replace(ARRIVALS, samples=SAMPLES, when=IN_PASSES)),
         buffers=tuple(replace(b, words=words, when=IN_PASSES) for b, words in (

@@ -78,7 +78,7 @@ HISTOGRAM = Buffer("histogram", str(BINS), clear="0u", doc="pixels with 1, 2, â€
 
 SLOTTED_WORDS = "counter and semaphore are the 2 words; with an interlock only the counter"
 RANGED_WORDS = ("the 3 words are address, semaphore, and a counter of both the fragments counted and the slots taken; "
-                f"beside them {SHARED_COUNTERS}")
+                f"in addition {SHARED_COUNTERS}")
 TIES = "kept; for the k-th place the lesser payload stays"
 FETCH = "methods/kplus/fetch.glsl"
 EXACT_RANGES = {"EXACT_RANGES": 1}

@@ -1,6 +1,6 @@
 """Linked lists of fragments: unsorted with a sorting resolve, or kept sorted by the insertion.
 
-Words beside those of kplus_2015, Table 1 (3f + 1), by option:
+Words in addition to those of kplus_2015, Table 1 (3f + 1), by option:
 - `allocation: paged`: whole pages of 4 cells per pixel, and one word per pixel for its next cell and the lock.
 - `packed: on`, `insert: max64`: 64-bit records for cells and heads, 3f + 2; gpupro5_ch1 has no formula.
 - `atomic64: emulated`: a lock per pixel.
@@ -137,7 +137,7 @@ METHODS = [
         summary="linked lists of pages of 4 fragments; a lock per pixel only while a page is taken",
         guarantee="exact all", words=f"(2 + 1/{PAGE})*paged({PAGE})/P + 1", ties="kept, in no fixed order",
         beside=f"a link per page in place of one per cell, Crassin's page, counter and lock of a pixel in one word; "
-               f"beside them {SPARE_CELLS}",
+               f"in addition {SPARE_CELLS}",
         params=(*RESOLVE_OPTIONS, TOUCHED, PAYLOAD), fixed=(ALLOCATION.at("paged"), ONE_LIST), capacity=GROWN_IN_PAGES,
         buffers=(COUNTER, PLACE, Buffer("page_link", f"ceil(capacity/{PAGE})",
                                         doc="value of `place` before each page was taken"), CELLS),

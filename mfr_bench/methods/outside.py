@@ -78,14 +78,14 @@ def sources() -> list[Source]:
 
 def _loaded(source: Source) -> Loaded:
     """Ask a process of its own what the source declares; whatever becomes of that process is one line."""
-    told = source.folder or source.module
+    place = source.folder or source.module
     with tempfile.TemporaryFile() as answer:
-        arguments = [str(answer.fileno()), "folder" if source.folder else "module", told, ":".join(sys.path)]
+        arguments = [str(answer.fileno()), "folder" if source.folder else "module", place, ":".join(sys.path)]
         try:
             ended = subprocess.run([sys.executable, "-c", PROGRAM, *arguments], stdin=subprocess.DEVNULL,
                                    capture_output=True, pass_fds=[answer.fileno()], timeout=LONGEST_S, check=False)
         except subprocess.TimeoutExpired:
-            return Loaded(source, mistakes=(f"{told}:1: does not end within {LONGEST_S:g} s when it is imported",))
+            return Loaded(source, mistakes=(f"{place}:1: does not end within {LONGEST_S:g} s when it is imported",))
         answer.seek(0)
         content = answer.read()
     try:
@@ -93,14 +93,14 @@ def _loaded(source: Source) -> Loaded:
     except Exception:  # noqa: BLE001 - half an answer, or none
         said = ended.stderr.decode(errors="replace").strip().splitlines()
         last = f": {said[-1]}" if said else ""
-        return Loaded(source, mistakes=(f"{told}:1: its import ends the process (status {ended.returncode}){last}",))
+        return Loaded(source, mistakes=(f"{place}:1: its import ends the process (status {ended.returncode}){last}",))
 
 
-def _checked(source: Source, told: Any) -> Loaded:
-    package = {"name": source.name, "version": source.version, "hash": str(told["hash"])}
-    methods = tuple(replace(method, package=package) for method in told["methods"] if isinstance(method, Method))
-    shaders = Path(told["shaders"]) if told["shaders"] else None
-    return Loaded(source, methods, shaders, tuple(map(str, told["mistakes"])))
+def _checked(source: Source, answer: Any) -> Loaded:
+    package = {"name": source.name, "version": source.version, "hash": str(answer["hash"])}
+    methods = tuple(replace(method, package=package) for method in answer["methods"] if isinstance(method, Method))
+    shaders = Path(answer["shaders"]) if answer["shaders"] else None
+    return Loaded(source, methods, shaders, tuple(map(str, answer["mistakes"])))
 
 
 class Reader(pickle.Unpickler):

@@ -1,7 +1,7 @@
-"""The process that imports one package or folder of methods, and tells what it declares as data.
+"""The process that imports one package or folder of methods, and answers with what it declares, as data.
 
-The only place where such code runs beside what an installed package does of its own. What is told is a pickle of plain
-values and declarations: `methods`, `shaders`, `hash`, `mistakes`.
+The only place where such code runs, apart from what an installed package does by itself. It answers with a pickle of
+plain values and declarations: `methods`, `shaders`, `hash`, `mistakes`.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ from .pictures import data_uri
 from .write import template
 
 ERROR_RATE = 0.02  # of a whole page: the chance that it shows a change where there is none, night by night independent
-MATTERS = 0.02  # smallest relative difference of two medians that is told
+MATTERS = 0.02  # smallest relative difference of two medians that is reported
 LEAST_NIGHTS = 3  # on either side of a change
 DRAWN = 6  # cells in a chart: those that moved most
 INCHES, DOTS = (7.2, 2.6), 110

@@ -13,7 +13,7 @@ from typing import Any
 from . import Cell
 from .forecast import Rates
 
-FIGURES_S = 2.0  # of an experiment's tables and figures, beside what each cell takes
+FIGURES_S = 2.0  # of an experiment's tables and figures, in addition to what each cell takes
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ def _most(variant: Variant, param: Param, limits: Limits) -> int | None:
 
 
 def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: Limits | None) -> Decision | None:
-    """Why a cell is not measured, or None. Without limits only the budget is held against it."""
+    """Why a cell is not measured, or None. Without limits only the budget is checked."""
     variant = catalog[cell.method].variant(cell.params)
     fitted = Fitted(variant, stats)
     if lacks := kind_of(cell.scene).lacks(cell.scene):

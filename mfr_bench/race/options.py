@@ -29,7 +29,7 @@ def base(method: Method) -> dict[str, Value]:
 
 
 def others(param: Param) -> tuple[Value, ...]:
-    """Values of a parameter beside its default, by which invocations may meet in other ways."""
+    """Values of a parameter other than its default, by which invocations may meet in other ways."""
     if param.name in SAME_ACCESSES:
         return ()
     if param.choices:

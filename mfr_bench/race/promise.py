@@ -25,7 +25,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class Promised:
-    """The kind of promise, and the error that it allows of a channel beside rounding."""
+    """The kind of promise, and the error that it allows of a channel in addition to rounding."""
 
     kind: Kind
     error: float = 0.0

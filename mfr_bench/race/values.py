@@ -88,7 +88,7 @@ class Sites:
 
 @dataclass(frozen=True)
 class Stage:
-    """What the translator has to know of a stage beside its text."""
+    """What the translator has to know of a stage in addition to its text."""
 
     number: int  # of the pass
     slots: Mapping[str, int]  # by the name of a storage buffer in this pass

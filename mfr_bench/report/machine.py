@@ -78,5 +78,5 @@ def _write(suite: ET.Element, case: Case) -> None:
     made = ET.SubElement(suite, "testcase", {"classname": case.suite, "name": case.name,
                                                       "time": f"{case.seconds:.6f}"})
     if case.outcome != "passed":
-        told = ET.SubElement(made, case.outcome, {"message": case.message})
-        told.text = case.message
+        child = ET.SubElement(made, case.outcome, {"message": case.message})
+        child.text = case.message

@@ -1,6 +1,6 @@
 """The settings of the papers' experiments: what a paper prints, what the config has, and why they differ.
 
-One file, results/reference/settings.csv, a row per setting. A row with a key is held to its config by a test.
+One file, results/reference/settings.csv, a row per setting. A test compares each row that has a key with its config.
 """
 
 from __future__ import annotations

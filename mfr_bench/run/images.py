@@ -40,12 +40,12 @@ class Images:
         self._count_lost()
         self._bench.device.check(f"{self._method}: sampling")
         if self.conformance:
-            self._hold_against_promise(self._frame.image())
+            self._check_against_promise(self._frame.image())
 
     def distinct(self) -> int | None:
         """Different images of the scene on the device, where more than one frame is asked for and images compare.
 
-        Each of them is held against the promise. Images that differ in tied pixels alone count as one.
+        Each of them is checked against the promise. Images that differ in tied pixels alone count as one.
         """
         wanted = self._measure.repeat_images
         if wanted == 1 or not self.conformance:
@@ -60,7 +60,7 @@ class Images:
             with self._phases.checking():
                 images.add(hashlib.sha256(image).digest())
             if len(images) > seen:
-                self._hold_against_promise(image)
+                self._check_against_promise(image)
                 untied.add(hashlib.sha256(self._scene.untied(self._variant, image)).digest())
         self._count_lost()
         return len(untied)
@@ -85,7 +85,7 @@ class Images:
     def _conformance(self, image: np.ndarray) -> dict[str, float | int]:
         return self._scene.conformance(self._variant, image) if self.promised else {}
 
-    def _hold_against_promise(self, image: np.ndarray) -> None:
+    def _check_against_promise(self, image: np.ndarray) -> None:
         """Check an image against the promise; the worst of all images that are checked counts."""
         with self._phases.checking():
             again = self._conformance(image)

@@ -94,7 +94,7 @@ class Worker:
         if self._cause or status is None:
             return self._cause or ("crashed", "it does not end")
         if status == -signal.SIGKILL and kernel_kills() > self._kills:
-            return "out_of_memory", f"the kernel ended it for lack of memory when it held {self._held / MIB:,.0f} MiB"
+            return "out_of_memory", f"the kernel ended it for lack of memory when it had {self._held / MIB:,.0f} MiB"
         what = f"killed by {signal.Signals(-status).name}" if status < 0 else f"ended with exit status {status}"
         return "crashed", ": ".join(filter(None, [what, self._last_line()]))
 

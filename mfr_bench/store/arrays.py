@@ -1,4 +1,4 @@
-"""Arrays that a cell keeps beside its numbers: DIR/cells/<key>.npz, written whole, for figures that show pixels.
+"""Arrays that a cell stores with its numbers: DIR/cells/<key>.npz, written whole, for figures that show pixels.
 
 `columns.ARRAYS` lists them with their types.
 """

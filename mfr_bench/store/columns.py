@@ -175,7 +175,7 @@ DERIVED = (
 
 @dataclass(frozen=True)
 class Array:
-    """An array that a cell may keep beside its numbers, one value or one pixel for each pixel of the viewport."""
+    """An array that a cell may store with its numbers, one value or one pixel for each pixel of the viewport."""
 
     name: str
     type: str  # of numpy

@@ -1,5 +1,5 @@
 // Trial of 64-bit atomics in compute shaders: one group applies them.
-// Buffers: updates wide and signed_wide; writes before.
+// Buffers: updates words64 and signed64; writes before.
 #include "probe/operations64.glsl"
 
 layout(local_size_x = INVOCATIONS) in;

@@ -1,5 +1,5 @@
 // Trial of 64-bit atomics in fragment shaders: the first INVOCATIONS pixels apply them.
-// Buffers: updates wide and signed_wide; writes before.
+// Buffers: updates words64 and signed64; writes before.
 #include "common/pixel.glsl"
 #include "probe/operations64.glsl"
 

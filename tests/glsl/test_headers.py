@@ -16,7 +16,7 @@ PROBES = [value for module in (capture, probes, selftest, trials) for value in v
           if isinstance(value, Method)]
 LOCAL = {  # a local or shared array has the name of another method's buffer
     "methods/adaptive/nearest.glsl": {"depths"},
-    **dict.fromkeys(("methods/precalc/block_scan.glsl", "methods/precalc/sum_blocks.comp"), {"sums"}),
+    "methods/precalc/block_scan.glsl": {"sums"},
 }
 
 

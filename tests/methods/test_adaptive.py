@@ -31,7 +31,7 @@ FEW = SceneConfig(size=(64, 64), depth_complexity=6, seed=3)
 @pytest.mark.parametrize(("layers", "area", "fragments", "path"), [
     (0, 0, None, DIRECT), (1, 100, None, DIRECT), (1, 100, 30, DIRECT),
     (4, 100, None, RANGES), (4, 100, 400, DENSE), (4, 50, 200, DENSE), (4, 100, 300, RANGES),
-    (4, 100, 377, DENSE), (4, 100, 375, RANGES),  # a twentieth of 2f + 2 words beside
+    (4, 100, 377, DENSE), (4, 100, 375, RANGES),  # a twentieth of 2f + 2 words in addition
 ])
 def test_the_plan(layers, area, fragments, path):
     assert plan(Known(layers, area, 100, fragments), {}).path == path
@@ -45,7 +45,7 @@ def test_a_frame_whose_primitives_all_fill_the_rectangle_has_planes_from_the_fir
 @pytest.mark.parametrize(("fragments", "reach", "capacity"), [
     (None, 300, None), (300, 300, 300), (300, 320, 320), (300, 321, None), (300, None, None)])
 def test_ranges_need_not_be_counted_first_where_the_geometry_cannot_have_many_more(fragments, reach, capacity):
-    """A twentieth of 2f + 2 words beside, here 20 fragments."""
+    """A twentieth of 2f + 2 words in addition, here 20 fragments."""
     assert plan(Known(8, 100, 100, fragments, reach=reach), {}).capacity == capacity
 
 

@@ -93,7 +93,7 @@ def test_probe_offsets_are_drawn_anew_before_each_frame(device):
 
 
 def test_fragments_are_counted_by_blending(device):
-    """sbuffer_2012 §3.1: the same counts, image and order of passes; a texture of one word per pixel beside."""
+    """sbuffer_2012 §3.1: the same counts, image and order of passes; and a texture of one word per pixel."""
     found = {}
     for counting in ("atomic", "blended"):
         with drawn(device, "ab-sb", UNEVEN, frames=2, counting=counting) as frame:

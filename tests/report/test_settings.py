@@ -67,7 +67,7 @@ def test_the_methods_of_every_experiment_are_held():
     assert {row.of for row in settings() if row.key == "methods"} == named
 
 
-UNPRINTED = {"seed", "kind", "colours"}  # of a scene; what stands in for a model is told beside the layout or the mean
+UNPRINTED = {"seed", "kind", "colours"}  # of a scene; what stands in for a model is stated with the layout or the mean
 
 
 def set_by(name: str) -> set[str]:

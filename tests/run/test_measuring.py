@@ -189,7 +189,7 @@ def test_progress_is_told_in_cells(run):
     assert shares[-1] == {}  # nothing is in hand any more
 
 
-# --- what a cell keeps beside its numbers --------------------------------------------------------
+# --- what a cell stores with its numbers ----------------------------------------------------------
 
 
 def test_a_cell_keeps_the_arrays_that_are_asked_for(run, tmp_path):

@@ -1,4 +1,4 @@
-"""Arrays beside cells: what is kept comes back, in its type; what another program left is no stumbling block."""
+"""Arrays of cells: what is stored comes back, in its type; what another program left is no stumbling block."""
 
 from __future__ import annotations
 

@@ -33,5 +33,5 @@ def predict_k(counts: Sequence[int], fragments: int, hit_ratio: float, room: flo
 
 
 def fragments_in(memory_mb: float, pixels: int, fragment_bytes: int, pixel_bytes: int) -> float:
-    """Fragments for which a budget in MiB has room beside what every pixel takes (Eq. 7)."""
+    """Fragments for which a budget in MiB has room after what every pixel takes (Eq. 7)."""
     return (memory_mb * MIB - pixel_bytes * pixels) / fragment_bytes

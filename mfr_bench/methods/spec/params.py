@@ -48,7 +48,7 @@ class Param:
         return f"a whole number from {self.low} to {self.high}"
 
     def need(self, chosen: Params) -> str | None:
-        """The feature that a device must have for the value that is chosen beside those of other parameters."""
+        """The feature that a device must have for the chosen value together with those of other parameters."""
         holds = self.needs_where is None or self.needs_where.holds(chosen)
         return self._said(self.needs, chosen[self.name]) if holds else None
 

@@ -26,9 +26,9 @@ def _grid(block: Block) -> Grid:
     entries = [(cut(point.label), point, str(place)) for points in columns
                for place, point in enumerate(points, start=1) if point.label in partners]
     grid = block.pivot("Places that change", NOTE, entries)
-    told = {cut(label): ", ".join(map(cut, others)) for label, others in partners.items()}
+    against = {cut(label): ", ".join(map(cut, others)) for label, others in partners.items()}
     return Grid(grid.title, grid.note, (*grid.header, "changes places with"),
-                tuple((*row, told[row[0]]) for row in grid.rows))
+                tuple((*row, against[row[0]]) for row in grid.rows))
 
 
 def _timed(block: Block, value: object) -> list[Point]:
