@@ -29,10 +29,11 @@ def write_report(folder) -> list[Path]:
     """Everything that is derived from a result folder's cells: CSV, tables, figures."""
     from ..report import write_figures
 
-    return [*_write_tables(folder), *write_figures(folder)]
+    return [*write_tables_of(folder), *write_figures(folder)]
 
 
-def _write_tables(folder) -> list[Path]:
+def write_tables_of(folder) -> list[Path]:
+    """The CSV files and tables of a result folder."""
     from ..report import write_tables
     from ..store import derive
 
@@ -121,7 +122,7 @@ def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_j
         say("\n".join(terminal_table(folder, width()) for folder in results).rstrip("\n"))
     hand_over(results, as_json, junit, summary)
     for folder in results:  # after all are shown: a folder may be there only to be read
-        _write_tables(folder)
+        write_tables_of(folder)
 
 
 @click.command()

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from ..glsl.digest import glsl_hash
 from ..methods.spec import Method, Variant
 from ..plan import Cell, expected_stats
-from ..store import key
+from ..store.record import cell_key
 
 Shaders = tuple[Variant, str]  # the geometry, which has a vertex shader of its own
-GUARDS = ("hard_limit_s", "hard_limit_mb")  # settings that end a cell, and change no number of one that ends well
 
 
 @dataclass(frozen=True)
@@ -38,10 +37,8 @@ def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[s
         method = catalog[cell.method]
         shaders = method.variant(cell.params), expected_stats(cell.scene).geometry
         code = codes.get(shaders) or codes.setdefault(shaders, glsl_hash(*shaders))
-        settings = {name: value for name, value in cell.measure.as_dict().items() if name not in GUARDS}
-        outside = {"package": [method.package["name"], method.package["hash"]]} if method.package else {}
-        name = key({**outside, "method": cell.method, "params": dict(cell.params), "glsl": code,
-                    "scene": cell.scene.as_dict(), "measure": settings,
-                    "renderer": device["renderer"], "version": device["version"], "timer": timer})
+        name = cell_key({"method": cell.method, "params": dict(cell.params), "glsl_hash": code,
+                         "scene": cell.scene.as_dict(), "measure": cell.measure.as_dict(), "device": device,
+                         "package": method.package}, timer)
         found.append(Job(cell, name, code, method.package))
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import hashlib
 import os
 from collections.abc import Iterable, Mapping
 from contextlib import contextmanager, suppress
@@ -135,7 +136,7 @@ class ResultFolder:
 
     def cells(self) -> list[Cell]:
         """Every usable cell: those of the manifest in its order, then the others by key."""
-        found = [name.removesuffix(".json") for name in self._names() if KEY_FILE.fullmatch(name)]
+        found = [name.removesuffix(".json") for name in self.names() if KEY_FILE.fullmatch(name)]
         planned = {k: i for i, k in enumerate(map(str, self.manifest().get("cells", [])))}
         found.sort(key=lambda k: (planned.get(k, len(planned)), k))
         return [cell for cell in map(self.cell, found) if cell is not None]
@@ -150,16 +151,35 @@ class ResultFolder:
                 raise FileNotFoundError(name) from None
             return pack.read(name)
 
-    def _names(self) -> list[str]:
+    def write_content(self, name: str, content: bytes) -> None:
+        """Store a file of the cells as it is, durably: a record that was checked elsewhere, or its arrays."""
+        write_file(self.cells_path / name, content, durable=True)
+
+    def write_replicate(self, key: str, content: bytes) -> None:
+        """Keep the record that one of several devices gave of a cell, under a name that its content determines."""
+        path = self._replicates / f"{key}.{hashlib.sha256(content).hexdigest()[:16]}.json"
+        if not path.exists():
+            write_file(path, content, durable=True)
+
+    def replicates(self, key: str) -> list[bytes]:
+        """The records of a cell that several devices gave, where a merge kept them."""
+        return [path.read_bytes() for path in sorted(self._replicates.glob(f"{key}.*.json"))]
+
+    @property
+    def _replicates(self) -> Path:
+        return self.path / "replicates"
+
+    def names(self) -> list[str]:
         """Names of the files of cells and arrays, loose or packed, sorted; what else stands there is named."""
         pack = self._packed()
-        loose = self._loose()
+        loose = self.loose()
         for name in loose:
             if not (is_cell_file(name) or name.endswith(".damaged")):
                 self.skip(self.cells_path / name, "not named as a cell file")
         return sorted(filter(is_cell_file, {*loose, *(pack.names if pack else ())}))
 
-    def _loose(self) -> list[str]:
+    def loose(self) -> list[str]:
+        """Names of all files in cells/, sorted. Raises StoreError where it cannot be read."""
         try:
             return sorted(entry.name for entry in os.scandir(self.cells_path) if not entry.name.startswith("."))
         except FileNotFoundError:
@@ -190,7 +210,7 @@ class ResultFolder:
             raise StoreError(f"{self.pack_path}: cannot be read; allowed: a pack that 'mfr-bench pack' wrote; "
                              "move it elsewhere, then run the same command again")
         files = self._read_packed()
-        loose = self._loose()
+        loose = self.loose()
         for name in filter(KEY_FILE.fullmatch, loose):
             key = name.removesuffix(".json")
             if self.has(key):
@@ -207,7 +227,7 @@ class ResultFolder:
         """
         if self._packed() is None and self.pack_path.exists():
             raise StoreError(f"{self.pack_path}: cannot be read; nothing was unpacked")
-        files, loose = self._read_packed(), set(self._loose())
+        files, loose = self._read_packed(), set(self.loose())
         for name, content in files.items():
             if name not in loose:
                 write_file(self.cells_path / name, content, durable=True)
@@ -257,7 +277,7 @@ class ResultFolder:
     def refuse_newer(self) -> None:
         """Raise StoreError where a newer program wrote the manifest or a cell, before anything is measured."""
         self._refuse_newer(self.path / "manifest.json")
-        for name in self._names():
+        for name in self.names():
             if KEY_FILE.fullmatch(name):
                 self._refuse_newer(self.cells_path / name)
 

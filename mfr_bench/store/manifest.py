@@ -57,7 +57,7 @@ MANIFEST = {
     "packages": list_of(mapping_of(scalar)), "environment": mapping_of(lambda value: True),
     "split_s": mapping_of(is_number),
     "calibration": mapping_of(lambda value: True), "calibration_end": mapping_of(lambda value: True),
-    "noise_floor_rel": lambda value: is_number(value) and value >= 0,
+    "merged": list_of(mapping_of(lambda value: True)), "noise_floor_rel": lambda value: is_number(value) and value >= 0,
 }
 
 

@@ -49,6 +49,25 @@ def key(parts: Mapping[str, Any]) -> str:
     return hashlib.sha256(canonical.encode()).hexdigest()[:KEY_DIGITS]
 
 
+GUARDS = ("hard_limit_s", "hard_limit_mb")  # settings that end a cell, and change no number of one that ends well
+
+
+def cell_key(cell: Mapping[str, Any], timer: str) -> str:
+    """The key of a cell: its method with GLSL and parameters, scene, settings, device, driver and timer.
+
+    `cell` is a record, or what it will hold: `method`, `params`, `glsl_hash`, `scene`, `measure`, `device` (`renderer`,
+    `version`), and `package` (`name`, `hash`) where a package from outside brings the method. Labels, points, UUIDs and
+    the version of a package are no part.
+    """
+    package, device = cell.get("package"), cell.get("device")
+    device = device if isinstance(device, Mapping) else {}
+    outside = {"package": [package["name"], package["hash"]]} if package else {}
+    settings = {name: value for name, value in cell["measure"].items() if name not in GUARDS}
+    return key({**outside, "method": cell["method"], "params": cell["params"], "glsl": cell.get("glsl_hash"),
+                "scene": cell["scene"], "measure": settings, "renderer": device.get("renderer"),
+                "version": device.get("version"), "timer": timer})
+
+
 def plain(value: Any) -> Any:
     """JSON can hold no infinity (a PSNR without error has one) and no NaN: 'inf' and null stand for them."""
     if isinstance(value, Mapping):

@@ -1,0 +1,115 @@
+"""The records that a result folder brings to a merge, each held to the key that names it."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ..store import KEY_FILE, ResultFolder
+from ..store.record import SCHEMA, Cell, cell_key, fault, parsed
+
+REPEATED = frozenset({  # what another run of the same cell gives anew
+    "warmup_ms", "samples_ms", "passes", "measured", "device"})
+REPEATED_VALUES = frozenset({
+    "samples", "time_ms", "time_ms_low", "time_ms_high", "noisy", "stop_reason", "repeats", "sessions",
+    "distinct_images"})
+NODE = ("uuid", "pci")  # of a device: what tells equal ones apart
+
+
+@dataclass(frozen=True)
+class Copy:
+    """One record of a cell: its bytes, those of its arrays, and the folder that has them."""
+
+    key: str
+    content: bytes
+    arrays: bytes | None
+    source: Source = field(repr=False)
+
+    @property
+    def digest(self) -> str:
+        """Name of the content: equal copies have equal digests."""
+        return hashlib.sha256(self.content).hexdigest()
+
+    @property
+    def cell(self) -> Cell:
+        return parsed(self.content)
+
+    @property
+    def node(self) -> tuple[str | None, ...]:
+        """What tells the device that measured it from equal ones: UUID and PCI address."""
+        device = _device(self.cell)
+        return tuple(device.get(name) for name in NODE)
+
+    @property
+    def result(self) -> dict[str, Any]:
+        """What every repetition of the cell agrees on: the record without times and the node."""
+        kept = {name: value for name, value in self.cell.items() if name not in REPEATED}
+        values = {name: value for name, value in kept["values"].items() if name not in REPEATED_VALUES}
+        device = {name: value for name, value in _device(self.cell).items() if name not in NODE}
+        return kept | {"values": values, "device": device}
+
+
+@dataclass(frozen=True)
+class Source:
+    """A result folder to merge: its manifest and the digest of that."""
+
+    folder: ResultFolder
+    manifest: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, folder: ResultFolder) -> Source:
+        return cls(folder, folder.manifest())
+
+    @property
+    def name(self) -> str:
+        return str(self.manifest.get("name") or self.folder.path.name)
+
+    @property
+    def slug(self) -> str:
+        """Name of the device, which names the folder above the set."""
+        device = self.manifest.get("device")
+        return str((device.get("slug") if isinstance(device, Mapping) else device) or "unknown-device")
+
+    def copies(self) -> Iterator[Copy | str]:
+        """Every record of the folder, or a line on what keeps it from being one. Nothing in the folder is changed."""
+        for name in filter(KEY_FILE.fullmatch, self.folder.names()):
+            key = name.removesuffix(".json")
+            wrong, content = self._read(name)
+            yield f"{self.folder.path}: cell {key}: {wrong}; left out" if wrong else Copy(
+                key, content, self._arrays(key), self)
+
+    def contradiction(self, copy: Copy) -> str | None:
+        """What of a record contradicts its own key or its folder, or None."""
+        cell, timer = copy.cell, self.manifest.get("timer")
+        device = _device(cell)
+        if device.get("slug") not in (None, self.slug):
+            return f"was measured on {device['slug']}, its folder on {self.slug}"
+        if timer is not None and cell_key(cell, timer) != copy.key:
+            return "is not what its key names (method, shaders, parameters, scene, settings, device, driver, timer)"
+        return None
+
+    def _read(self, name: str) -> tuple[str | None, bytes]:
+        try:
+            content = self.folder.content(name)
+            cell = parsed(content)
+        except (OSError, ValueError) as error:
+            return f"cannot be read: {error}", b""
+        if isinstance(cell, dict) and cell.get("schema") != SCHEMA:
+            return f"has schema {cell.get('schema')!r}, this program reads {SCHEMA}", b""
+        wrong = fault(cell)
+        if wrong is None and f"{cell['key']}.json" != name:
+            wrong = f"is the record of {cell['key']}"
+        return wrong, content
+
+    def _arrays(self, key: str) -> bytes | None:
+        try:
+            return self.folder.content(f"{key}.npz")
+        except (OSError, ValueError):
+            return None
+
+
+def _device(cell: Cell) -> Mapping[str, Any]:
+    device = cell.get("device")
+    return device if isinstance(device, Mapping) else {"slug": device}

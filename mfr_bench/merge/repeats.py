@@ -1,0 +1,104 @@
+"""One cell measured by several equal devices: samples that are told equal are added up, others are kept apart."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+from ..stats import ratio_interval, sampled_interval
+from ..store import ResultFolder
+from ..store.record import parsed, text
+from .copies import Copy, Source
+
+EQUIVALENT = 0.05  # relative: samples are added up where the interval of every ratio lies within it
+
+
+@dataclass(frozen=True)
+class Settled:
+    """What becomes of a key: content of its cell and arrays, the records that it was made of, and a line on that."""
+
+    content: bytes
+    arrays: bytes | None
+    originals: tuple[bytes, ...] = ()  # where several devices measured it
+    said: str | None = None
+
+
+def settled(key: str, copies: Sequence[Copy], target: ResultFolder) -> Settled | str:
+    """One record for a key, or a line on why there can be none. Neither depends on the order of `copies`."""
+    earlier = [Copy(key, content, None, Source.of(target)) for content in target.replicates(key)]
+    made = _made_of(earlier)
+    parts = {copy.digest: copy for copy in (*earlier, *copies) if copy.digest not in made}
+    ordered = [copy for _, copy in sorted(parts.items())]
+    if len(ordered) == 1:
+        return Settled(ordered[0].content, ordered[0].arrays)
+    if wrong := _contradiction(key, ordered):
+        return wrong
+    contents = tuple(copy.content for copy in ordered)
+    content, pooled = _joined([parsed(content) for content in contents], contents)
+    how = (f"samples of {len(contents)} devices are added up" if pooled else
+           f"{len(contents)} devices differ by more than {EQUIVALENT:.0%}: the one with most samples stands, "
+           "the others are kept in replicates/")
+    arrays = next((copy.arrays for copy in sorted(copies, key=lambda c: c.digest) if copy.arrays), None)
+    return Settled(content, arrays, contents, f"cell {key}: {how}")
+
+
+def _made_of(earlier: Sequence[Copy]) -> set[str]:
+    """Digest of the record that a merge before added up from these, which is no measurement of its own."""
+    contents = tuple(copy.content for copy in sorted(earlier, key=lambda copy: copy.digest))
+    if not contents:
+        return set()
+    joined, _ = _joined([parsed(content) for content in contents], contents)
+    return {hashlib.sha256(joined).hexdigest()} - {copy.digest for copy in earlier}
+
+
+def _contradiction(key: str, copies: Sequence[Copy]) -> str | None:
+    """Why records of one key cannot be repetitions of one measurement, or None."""
+    for first, other in combinations(copies, 2):
+        both = f"cell {key} differs between {first.source.folder.path} and {other.source.folder.path}"
+        names = _differing(first.result, other.result)
+        if names:
+            return f"{both} in {', '.join(names)}; allowed: one of them"
+        if first.node == other.node:
+            return (f"{both} in its times, and nothing tells the devices apart (UUID, PCI address, node); "
+                    "allowed: one of them")
+    return None
+
+
+def _differing(one: Mapping[str, Any], other: Mapping[str, Any]) -> list[str]:
+    names = [f"values.{name}" for name in sorted({*one["values"], *other["values"]})
+             if one["values"].get(name) != other["values"].get(name)]
+    return names + [name for name in sorted({*one, *other} - {"values"}) if one.get(name) != other.get(name)]
+
+
+def _joined(cells: Sequence[dict[str, Any]], contents: Sequence[bytes]) -> tuple[bytes, bool]:
+    """The record of all samples together where they are equivalent, else the one with most samples."""
+    if _equivalent([cell.get("samples_ms") or [] for cell in cells]):
+        return text(_pooled(cells)), True
+    most = max(range(len(cells)), key=lambda i: (len(cells[i].get("samples_ms") or ()), contents[i]))
+    return contents[most], False
+
+
+def _equivalent(samples: Sequence[Sequence[float]]) -> bool:
+    """Whether the interval of each set's ratio to all others together lies within EQUIVALENT of 1."""
+    for i, own in enumerate(samples):
+        others = [value for j, each in enumerate(samples) if j != i for value in each]
+        low, _, high = ratio_interval(own, others)
+        if low is None or high is None or low < 1 / (1 + EQUIVALENT) or high > 1 + EQUIVALENT:
+            return False
+    return True
+
+
+def _pooled(cells: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    first = cells[0]
+    samples = [value for cell in cells for value in cell["samples_ms"]]
+    low, middle, high = sampled_interval(samples)
+    passes = {name: [value for cell in cells for value in (cell.get("passes") or {}).get(name, [])]
+              for name in dict.fromkeys(name for cell in cells for name in cell.get("passes") or {})}
+    values = first["values"] | {
+        "samples": len(samples), "time_ms": middle, "time_ms_low": low, "time_ms_high": high,
+        "sessions": sum(cell["values"].get("sessions") or 1 for cell in cells)}
+    device = dict(first.get("device") or {}) | {"uuid": None, "pci": None}
+    return first | {"values": values, "samples_ms": samples, "passes": passes, "device": device}

@@ -1,0 +1,87 @@
+"""The merged set on disk: cells byte for byte, a manifest of all manifests, the originals of what was added up."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..store.pack import remove, write_pack
+from .plan import Merged
+
+DESIGN = ("scene", "params", "sweep", "zip", "methods", "measure")  # what makes one config of a name another
+
+
+@dataclass(frozen=True)
+class Written:
+    """How many cells a set has now, and how many of them are new in its folder."""
+
+    cells: int
+    new: int
+
+
+def write_set(merged: Merged) -> Written:
+    """Write the cells, their originals and the manifest of a set. Raises StoreError; a merge again then goes on.
+
+    The caller has the folder's lock.
+    """
+    folder, files = merged.folder, {}
+    for key, cell in merged.cells.items():
+        files[f"{key}.json"] = cell.content
+        files |= {f"{key}.npz": cell.arrays} if cell.arrays else {}
+        for content in cell.originals:
+            folder.write_replicate(key, content)
+    there = {name: folder.content(name) for name in folder.names()}
+    new = {name: content for name, content in files.items() if there.get(name) != content}
+    if merged.packed and (new or not folder.pack_path.exists() or folder.loose()):
+        write_pack(folder.pack_path, {**there, **files})
+        remove([folder.cells_path / name for name in folder.loose() if name in {**there, **files}])
+    elif not merged.packed:
+        for name, content in new.items():
+            folder.write_content(name, content)
+    manifest = joined_manifest(source.manifest for source in merged.sources)
+    if manifest != folder.manifest():
+        folder.write_manifest(manifest)
+    return Written(len(merged.cells), sum(name.endswith(".json") and name not in there for name in new))
+
+
+def joined_manifest(manifests: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
+    """One manifest for a set: what all agree on, every cell and figure, and each manifest whole under `merged`.
+
+    It depends on the set of manifests alone: merging in another order, in steps or again gives the same one.
+    """
+    parts: dict[str, Mapping[str, Any]] = {}
+    for manifest in manifests:
+        for part in manifest.get("merged") or [manifest]:
+            parts[_digest(part)] = part
+    ordered = [part for _, part in sorted(parts.items(), key=lambda pair: (str(pair[1].get("started")), pair[0]))]
+    first = dict(ordered[0])
+    if len(ordered) == 1:
+        return first
+    joined = first | {
+        "cells": list(dict.fromkeys(key for part in ordered for key in part.get("cells") or ())),
+        "figures": _distinct(figure for part in ordered for figure in part.get("figures") or ()),
+        "noise_floor_rel": max(part.get("noise_floor_rel") or 0.0 for part in ordered) or None,
+        "split_s": _sums([part.get("split_s") or {} for part in ordered]), "merged": ordered}
+    if any(part.get(name) != first.get(name) for part in ordered for name in DESIGN):
+        joined.pop("methods", None)  # without them every cell belongs to the set
+    if any(part.get("device") != first.get("device") for part in ordered):
+        joined["device"] = {name: value for name, value in dict(first.get("device") or {}).items()
+                            if all((part.get("device") or {}).get(name) == value for part in ordered)}
+    return joined
+
+
+def _digest(part: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(part, sort_keys=True).encode()).hexdigest()
+
+
+def _distinct(values: Iterable[Any]) -> list[Any]:
+    found = {json.dumps(value, sort_keys=True): value for value in values}
+    return list(found.values())
+
+
+def _sums(parts: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    return {name: round(sum(part.get(name, 0.0) for part in parts), 3)
+            for name in dict.fromkeys(name for part in parts for name in part)}
