@@ -24,6 +24,7 @@ from . import (
     run_command,
     scene_command,
     stress_command,
+    twochannel_command,
     versus_command,
 )
 from .layout import Formatter
@@ -54,7 +55,8 @@ SECTIONS = {
                                compare_command.compare, claims_command.claims, report_commands.conformance,
                                page_command.report, pack_commands.pack, pack_commands.unpack, merge_command.merge),
     "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, meshes_command.meshes,
-                    scene_command.scene, device_commands.render, device_commands.shader, race_command.race),
+                    scene_command.scene, device_commands.render, device_commands.shader, race_command.race,
+                    twochannel_command.twochannel),
     "Write configs and methods": (report_commands.schema, method_commands.new_method, method_commands.check),
 }
 WHOLE = 200  # characters of a command's line in the list, which is never cut

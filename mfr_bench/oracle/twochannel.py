@@ -106,8 +106,13 @@ def errors(rgba: np.ndarray) -> dict[str, float]:
     and that which comes back, degrees; colours without light have none.
     """
     before, after = light(rgba[:, :3]), np.square(straight(rgba)[:, :3])
+    return {"luminance_error": float(np.abs((after - before) @ LUMINANCE).max(initial=0.0)),
+            "hue_error": angle(before, after)}
+
+
+def angle(before: np.ndarray, after: np.ndarray) -> float:
+    """The mean angle between the light (n, 3) of colours before and after, degrees; black has none."""
     lengths = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
     seen = lengths > 0
     cosine = np.sum(before * after, axis=1)[seen] / lengths[seen]
-    return {"luminance_error": float(np.abs((after - before) @ LUMINANCE).max(initial=0.0)),
-            "hue_error": float(np.degrees(np.arccos(np.clip(cosine, -1, 1))).mean()) if seen.any() else 0.0}
+    return float(np.degrees(np.arccos(np.clip(cosine, -1, 1))).mean()) if seen.any() else 0.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..hashing import WORD, hash3
+from .materials import MATERIALS, texels
 from .parameters import Scene
 from .streams import ALPHA, BLEND, COLOUR, LUMINANCE
 
@@ -29,6 +30,8 @@ def _any(index: np.ndarray, seed: int) -> np.ndarray:
 
 def _of_set(name: str, index: np.ndarray, seed: int) -> np.ndarray:
     """Hues of a set at hashed luminances: light adds up, and is the square of what 8 bits hold (gamma 2)."""
+    if name in MATERIALS:
+        return texels(name, index, seed)
     choice = hash3(index, BLEND, seed)
     if name == "plane":
         blend = (choice / WORD)[:, None]

@@ -11,12 +11,11 @@ from ..hashing import hash3
 from .colours import rgba
 from .flat import submission
 from .layouts import depths
+from .noise import heights
 from .parameters import Scene
 from .pieces import Pieces
 from .spec.kind import MAX_PRIMITIVES
 from .streams import HILL, PIXEL
-
-FINE = 2**12  # steps of the noise at a corner of its lattice: products with two weights stay whole in 64 bits
 
 
 def histogram(config: Scene, _frame: int = 0) -> Pieces:
@@ -35,25 +34,11 @@ def depth_map(config: Scene) -> np.ndarray:
     """int64 (H, W): the depth complexity of each pixel; the histogram of all is `pixels`."""
     width, height = config.size
     pixel = np.arange(width * height, dtype=np.uint64)
-    rank = np.lexsort((hash3(pixel, PIXEL, config.seed), _hills(config).ravel()))
+    hills = heights(config.size, config.cluster, HILL, config.seed).ravel()
+    rank = np.lexsort((hash3(pixel, PIXEL, config.seed), hills))
     found = np.empty(width * height, dtype=np.int64)
     found[rank] = np.repeat(np.arange(len(config.pixels)), config.pixels)
     return found.reshape(height, width)
-
-
-def _hills(config: Scene) -> np.ndarray:
-    """int64 (H, W): hashed heights at the corners of a lattice as wide as a cluster, linear between them."""
-    width, height = config.size
-    step = config.cluster
-    columns = width // step + 2
-    y, x = np.divmod(np.arange(height), step), np.divmod(np.arange(width), step)
-    found = np.zeros((height, width), dtype=np.int64)
-    for down in (0, 1):
-        for across in (0, 1):
-            corner = (y[0][:, None] + down) * columns + x[0] + across
-            weight = (y[1] if down else step - y[1])[:, None] * (x[1] if across else step - x[1])
-            found += weight * (hash3(corner.astype(np.uint64), HILL, config.seed) % FINE).astype(np.int64)
-    return found
 
 
 def _rectangles(depth: np.ndarray) -> Iterator[np.ndarray]:

@@ -48,8 +48,8 @@ Share = Annotated[float, Interval(gt=0, le=1), Allowed("a number above 0, up to 
 Unit = Annotated[float, Interval(ge=0, le=1), Allowed("a number from 0 to 1")]
 Alpha = Annotated[tuple[Unit, Unit], Predicate(lambda pair: pair[0] <= pair[1]),
                   OneOrTwo("a number from 0 to 1, or two such numbers, the lower first")]
-Colours = Annotated[str, Predicate(re.compile(r"any|plane|hues-[1-9][0-9]?").fullmatch),
-                    Allowed("any | plane | hues-N with N from 1 to 99")]
+Colours = Annotated[str, Predicate(re.compile(r"any|plane|grass|rock|sand|hues-[1-9][0-9]?").fullmatch),
+                    Allowed("any | plane | grass | rock | sand | hues-N with N from 1 to 99")]
 Seed = Annotated[int, Interval(ge=0, lt=2**32), Allowed("a whole number from 0 to 4294967295")]
 
 
