@@ -13,8 +13,11 @@ from .options import JSON, OUTSIDE, MethodName, OutPath, method
 from .output import say
 
 BROKEN = 3
-OF_MODES = {"--campaign": ("pairs", "jobs", "out")}  # options that only these ways to run have
-OF_ALL = ("fragments", "schedules", "scenes", "seed", "as_json", "method_folders")
+OF_MODES = {  # what each of these ways to run takes
+    "--campaign": ("campaign", "pairs", "jobs", "out", "fragments", "schedules", "scenes", "seed", "as_json"),
+    "--hazards": ("hazards", "jobs", "out", "schedules", "seed"),
+}
+ONLY_THERE = ("pairs", "jobs", "out")
 SCHEDULES = 20_000
 
 
@@ -42,18 +45,21 @@ SCHEDULES = 20_000
               "changes what runs concurrently, on strong and weak memory and in lockstep, as many schedules each; a "
               "line for each.")
 @click.option("--pairs", is_flag=True, help="With --campaign: also any two such options at once.")
-@click.option("--jobs", type=click.IntRange(1), metavar="N", help="With --campaign: how many run side by side; one for "
-              "each core unless given.")
+@click.option("--hazards", is_flag=True, help="Simulate what METHOD, or every method, loses where it promises nothing: "
+              "a table of shares by fragments, k and number in flight, and for all a figure.")
+@click.option("--jobs", type=click.IntRange(1), metavar="N", help="With --campaign or --hazards: how many run side by "
+              "side; one for each core unless given.")
 @click.option("--out", type=OutPath(), default="results/races", show_default=True, metavar="DIR",
-              help="With --campaign: the folder of races.csv; what it holds with as many schedules is not run again.")
+              help="With --campaign: the folder of races.csv; what it holds with as many schedules is not run again. "
+              "With --hazards: where the simulated table and figure go.")
 @click.option("--replay", metavar="WORD", help="Run the one schedule that an earlier run has printed.")
 @JSON
 @OUTSIDE
 @click.pass_context
 def race(context: click.Context, method_id: str, overrides: tuple[str, ...], fragments: str, schedules: int, scenes:
          int, seed: int, ties: bool, weak: bool, no_dependencies: bool, warp: int | None, moved_returns: bool,
-         ordered: bool, helpers: bool, exhaustive: int | None, campaign: bool, pairs: bool, jobs: int | None, out:
-         str, replay: str | None, as_json: bool) -> None:
+         ordered: bool, helpers: bool, exhaustive: int | None, campaign: bool, pairs: bool, hazards: bool, jobs: int
+         | None, out: str, replay: str | None, as_json: bool) -> None:
     """Run the GLSL of METHOD under an adversarial scheduler.
 
     Without a GPU: its shaders are translated to C++ and every load, store and atomic may be interrupted by any other
@@ -64,6 +70,7 @@ def race(context: click.Context, method_id: str, overrides: tuple[str, ...], fra
     Examples: mfr-bench race kplus-array --set k=2 --fragments 4
               mfr-bench race lin-pre --weak --json
               mfr-bench race all --campaign --schedules 100000 --out results/races
+              mfr-bench race all --hazards
     """
     from ..race.campaign import run, small_variant
     from ..race.check import How
@@ -71,12 +78,16 @@ def race(context: click.Context, method_id: str, overrides: tuple[str, ...], fra
     from ..race.scenes import parse_counts
 
     counts = parse_counts(fragments)
-    _held_to(context, "--campaign" if campaign else None)
+    _held_to(context, "--campaign" if campaign else "--hazards" if hazards else None)
+    if hazards:
+        _hazards(method_id, schedules, seed, jobs, Path(out))
+        return
     if campaign:
         _campaign(context, _chosen(method_id), counts, How(schedules, seed), scenes, 1 + pairs, jobs, out, as_json)
         return
     if method_id == "all":
-        raise UsageError("METHOD is missing; allowed: a method that 'mfr-bench methods' lists, or --campaign for all")
+        raise UsageError("METHOD is missing; allowed: a method that 'mfr-bench methods' lists; all methods only with "
+                         f"{' or '.join(OF_MODES)}")
     variant = small_variant(method(method_id, "METHOD"), overrides)
     how = How(schedules, seed, weak, not no_dependencies, warp or 0, moved_returns, exhaustive is not None,
               exhaustive or 0, ordered, helpers)
@@ -91,13 +102,13 @@ def _held_to(context: click.Context, mode: str | None) -> None:
     given = {p.name: p.opts[0] for p in context.command.params if isinstance(p, click.Option) and p.name is not None
              and context.get_parameter_source(p.name) is click.core.ParameterSource.COMMANDLINE}
     if mode is None:
-        stray = [option for name, option in given.items() if any(name in of for of in OF_MODES.values())]
+        stray = [option for name, option in given.items() if name in ONLY_THERE]
         if stray:
             raise UsageError(f"{', '.join(stray)}: allowed only with {' or '.join(OF_MODES)}")
         return
-    stray = [option for name, option in given.items() if name not in (*OF_MODES[mode], *OF_ALL, mode.strip("-"))]
+    stray = [option for name, option in given.items() if name not in (*OF_MODES[mode], "method_folders")]
     if stray:
-        raise UsageError(f"{', '.join(stray)}: not allowed with {mode}, which chooses the machines and options itself")
+        raise UsageError(f"{', '.join(stray)}: not allowed with {mode}, which chooses machines and options itself")
 
 
 def _chosen(method_id: str):
@@ -132,3 +143,20 @@ def _campaign(context: click.Context, chosen, counts, how, scenes: int, together
         say(campaign_end(lines))
     if any(line.broken for line in lines):
         context.exit(BROKEN if any(line.violations for line in lines) else 1)
+
+
+def _hazards(method_id: str, schedules: int, seed: int, at_once: int | None, folder: Path) -> None:
+    """Writes the simulated table, and for all methods the simulated figure; prints the table."""
+    from ..methods import catalog
+    from ..race.hazards import as_markdown, write
+    from ..race.hazards import hazards as simulated
+    from ..race.picture import panels
+    from ..race.picture import write as draw
+
+    found = list(simulated(_chosen(method_id), schedules, seed, at_once))
+    if not found:
+        raise UsageError(f"{method_id} promises its image with every option: there are no hazards to count")
+    say(as_markdown(found))
+    say(write(found, folder))
+    for path in draw(panels(catalog(), at_once), folder) if method_id == "all" else ():
+        say(path)

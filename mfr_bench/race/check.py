@@ -7,6 +7,7 @@ import subprocess
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 
@@ -153,6 +154,19 @@ class Checker:
         words = ["replay", *(w for w in how.words[1:])]
         return _failure(self._run(words, self._allowed(), self._bounds(), deviations), self.scene.viewport)
 
+    def picture(self, drawn: Quads, inside: Sequence[Sequence[int]], how: How) -> np.ndarray:
+        """float64 (count, 4): the colours of pixels with these fragments of a scene, one schedule for each.
+
+        The frame has one pixel, and room for the most fragments of any.
+        """
+        depths, codes = drawn.depth.view(np.uint32).tolist(), _payloads(drawn, self.variant.two_channel)[1].tolist()
+        rows = [[str(len(of)), *(f"0 0 {depths[i]} {codes[i]} {i} 0" for i in of)] for of in inside]
+        lines = [*self._scene_lines(), *_image_lines(()), *_image_lines(()), str(len(rows)), *chain.from_iterable(rows)]
+        colours = self._told(["picture", *how.words[1:]], lines)["colours"]
+        if failed := [colour for colour in colours if isinstance(colour[0], str)]:
+            raise MfrError(f"{self.variant.method.id}: {failed[0][0]} in {len(failed)} pixels, which have no colour")
+        return np.array(colours, dtype=np.float64)
+
     def _allowed(self) -> np.ndarray:
         """The images that are right; none where no promise is given by images."""
         if self.promised.kind is Kind.WITHIN:
@@ -174,6 +188,10 @@ class Checker:
              deviations: Sequence[Deviation] = ()) -> dict:
         lines = [*self._scene_lines(), *_image_lines(images), *_image_lines(bounds),
                  *(" ".join(map(str, d)) for d in deviations)]
+        return self._told(words, lines)
+
+    def _told(self, words: list[str], lines: Iterable[str]) -> dict:
+        """What the program answers."""
         may = ["may-lose"] if self.promised.counted else []
         command = [str(self.built.program), *words, *may, f"scene={self.scene.seed}"]
         done = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True, check=False)

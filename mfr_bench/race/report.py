@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import combinations
+from dataclasses import dataclass, replace
+from itertools import combinations, zip_longest
 from typing import Any
 
 import numpy as np
@@ -30,7 +30,9 @@ SAID = {
     "barrier": "invocations wait at a barrier that others never reach",
     "grown": "more was asked for than the scene has",
 }
+NEVER_WRITTEN = 0xA5A5A5A5  # what a word is before anybody writes it
 MATCH = 2e-5  # of a channel: an image of known fragments
+MOST_STEPS = 400  # of a printed trace; of a longer one, the beginning and the end are printed
 MOST_EXPLAINED = 6  # fragments of a pixel, of which all selections are tried
 WORD_NAMES = {2: "xy", 3: "xyz", 4: "xyzw"}
 
@@ -44,6 +46,7 @@ class Step:
     place: str  # file:line
     source: str
     operation: str
+    times: int = 1  # in a row
 
 
 def selections(checker: Checker, failure: Failure) -> Iterator[tuple[int, tuple[int, ...], tuple[int, ...] | None]]:
@@ -75,7 +78,33 @@ def _composited(checker: Checker, fragments: Sequence[int]) -> np.ndarray:
 def steps(checker: Checker, events: Sequence[Event]) -> list[Step]:
     """The trace of the passes whose fragments meet in memory."""
     describe = _Describer(checker)
-    return [made for event in events if (made := describe.step(event))]
+    found: list[Step] = []
+    for event in _stores_at_once(events):
+        made = describe.step(event)
+        if made and found and made == replace(found[-1], times=1):
+            found[-1] = replace(found[-1], times=found[-1].times + 1)
+        elif made:
+            found.append(made)
+    return found
+
+
+def _stores_at_once(events: Sequence[Event]) -> Iterator[Event]:
+    """The events; a store that reaches memory at once is one of them, on weak memory any other is on its way."""
+    weak = any(event.operation == "reaches_memory" for event in events)
+    before: Event | None = None
+    for event, following in zip_longest(events, events[1:]):
+        stored = event.operation == "store" and weak
+        if stored and not (following and _arrives(event, following)):
+            yield replace(event, stale=True)
+        elif not (before and event.operation == "reaches_memory" and _arrives(before, event)):
+            yield event
+        before = event
+
+
+def _arrives(stored: Event, event: Event) -> bool:
+    """Whether an event is the arrival of what the event before it stored."""
+    return (stored.operation, event.operation) == ("store", "reaches_memory") and (
+        stored.fiber, stored.site, stored.buffer, stored.word) == (event.fiber, event.site, event.buffer, event.word)
 
 
 class _Describer:
@@ -86,7 +115,8 @@ class _Describer:
                          for b in checker.frame.buffers}
         _, codes = _payloads(checker.scene, checker.variant.two_channel)
         depths = checker.scene.depth.view(np.uint32).tolist()
-        self.known = {0xFFFFFFFF: "empty", **{d: f"depth of f{i}" for i, d in enumerate(depths)},
+        self.known = {0xFFFFFFFF: "empty", NEVER_WRITTEN: "never written",
+                      **{d: f"depth of f{i}" for i, d in enumerate(depths)},
                       **{int(c): f"colour of f{i}" for i, c in enumerate(codes.tolist())}}
 
     def step(self, event: Event) -> Step | None:
@@ -108,8 +138,10 @@ class _Describer:
         before, after = self._value(event.before), self._value(event.after)
         if event.operation == "load":
             return f"load {where}: {after}" + (" (an earlier value)" if event.stale else "")
-        if event.operation in ("store", "reaches_memory"):
-            return f"{event.operation.replace('_', ' ')} {where} = {after}"
+        if event.operation == "store":
+            return f"store {where} = {after}" + (", on its way" if event.stale else "")
+        if event.operation == "reaches_memory":
+            return f"reaches memory only now: {where} = {after}"
         changed = f"{before} -> {after}" if event.before != event.after else f"{before}, unchanged"
         return f"{event.operation} {where}: {changed}"
 
@@ -177,7 +209,7 @@ def text(found: Found) -> str:
         return headline(found)
     checker, failure = found.checker, found.failure
     return "\n".join([headline(found), "", *_fragment_lines(checker), *_pixel_lines(checker, failure), "",
-                      *_trace_lines(steps(checker, failure.events)), "",
+                      *_trace_lines(steps(checker, failure.events)), *_end_lines(checker, failure), "",
                       f"again: --replay {written(checker.scene.seed, failure.deviations)}"])
 
 
@@ -200,14 +232,29 @@ def _pixel_lines(checker: Checker, failure: Failure) -> Iterator[str]:
 def _trace_lines(trace: Sequence[Step]) -> Iterator[str]:
     width = max((len(s.place) for s in trace), default=0)
     before: Step | None = None
-    for s in trace:
+    left_out = len(trace) - MOST_STEPS
+    for at, s in enumerate(trace):
+        if left_out > 0 and at == MOST_STEPS // 2:
+            yield f"  ... {left_out} accesses more ..."
+        if left_out > 0 and MOST_STEPS // 2 <= at < MOST_STEPS // 2 + left_out:
+            continue
         if before is None or s.step != before.step:
             yield f"pass {s.step}"
         new = before is None or (s.fragment, s.place) != (before.fragment, before.place)
         if new:
             yield f"  {s.fragment:4}{s.place:{width}}  {s.source}"
-        yield f"      {'':{width}}    {s.operation}"
+        yield f"      {'':{width}}    {s.operation}{f', {s.times} times' if s.times > 1 else ''}"
         before = s
+
+
+def _end_lines(checker: Checker, failure: Failure) -> Iterator[str]:
+    """The access at which the schedule failed, where it is one that the trace lacks."""
+    if failure.what.startswith("out_of_bounds") and failure.site >= 0:
+        number, line = checker.built.sites[failure.site]
+        shown = checker.frame.passes[number]
+        place = locator(shown.own)(line)
+        yield f"  f{failure.fiber}  {place}  {source_line(shown, place)}"
+        yield f"      {SAID[failure.what]}, at word {failure.value}"
 
 
 def record(found: Found) -> dict[str, Any]:

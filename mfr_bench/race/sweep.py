@@ -91,7 +91,7 @@ def sweep(wanted: Sequence[Job], folder: Path, at_once: int | None = None) -> It
     """
     known = {line.identity: line for line in read(folder)}
     lines = list(known.values())
-    with ThreadPoolExecutor(at_once or len(os.sched_getaffinity(0))) as pool:
+    with ThreadPoolExecutor(at_once or cores()) as pool:
         running = [pool.submit(_line, job, known) for job in wanted]
         try:
             for each in running:
@@ -102,6 +102,11 @@ def sweep(wanted: Sequence[Job], folder: Path, at_once: int | None = None) -> It
                 yield line
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
+
+
+def cores() -> int:
+    """Cores that this process may use."""
+    return len(os.sched_getaffinity(0))
 
 
 def _line(job: Job, known: Mapping[tuple[object, ...], Line]) -> Line:

@@ -188,13 +188,20 @@ enum Mode { RANDOM, PRIORITY, EXHAUSTIVE, REPLAY, SEQUENTIAL };
 struct Options {
     Mode mode = RANDOM;
     bool weak = false, dependencies = true, trace = false, ordered = false, late = false, one_failure = true, may_lose = false;
+    bool robust = false;                          // out of bounds a load gives 0 and a store is dropped
     int warp = 0, bound = 2, in_flight = 0;       // the last: fragments of a geometry pass at a time, 0 for all
     uint64_t seed = 1, schedules = 1000;
 };
 
 struct Random {
     uint64_t s;
-    explicit Random(uint64_t seed) : s(seed * 0x9E3779B97F4A7C15ull + 0x1234567ull) { next(); next(); }
+    explicit Random(uint64_t seed) : s(mixed(mixed(seed + 1))) { s += s == 0; }
+    static uint64_t mixed(uint64_t a) {  // splitmix64: seeds side by side give sequences that have nothing in common
+        a += 0x9E3779B97F4A7C15ull;
+        a = (a ^ a >> 30) * 0xBF58476D1CE4E5B9ull;
+        a = (a ^ a >> 27) * 0x94D049BB133111EBull;
+        return a ^ a >> 31;
+    }
     uint32_t next() {
         s ^= s << 13; s ^= s >> 7; s ^= s << 17;
         return uint32_t(s * 0x2545F4914F6CDD1Dull >> 32);

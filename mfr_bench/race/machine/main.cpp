@@ -303,16 +303,17 @@ void allocate() {
 void picture() {
     unsigned count;
     if (std::scanf("%u", &count) != 1) std::exit(2);
+    m.options.robust = true;
     std::printf("{\"colours\": [");
     for (unsigned i = 0; i < count; ++i) {
         m.fragments.clear();
         read_fragments();
         if (m.fibers.size() < m.fragments.size()) m.fibers.resize(m.fragments.size());
-        m.options.mode = i % 2 ? PRIORITY : RANDOM;
+        m.options.mode = Random::mixed(i) % 2 ? PRIORITY : RANDOM;
         begin_schedule(i, std::max<uint64_t>(10, m.steps));
-        draw_frame();
         if (i) std::printf(", ");
-        print_floats(image());
+        if (draw_frame()) print_floats(image());
+        else std::printf("[\"%s\"]", m.failure);
     }
     std::printf("]}\n");
 }

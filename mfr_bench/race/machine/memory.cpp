@@ -30,9 +30,10 @@ static Bound bound_of(int slot) {
 
 static std::vector<uint32_t>& store_of(int slot) { return slot >= SHARED_SLOT ? m.shared : m.memory; }
 
-static uint32_t checked(int slot, const Bound& b, Uint at, int site, bool writes) {
+static bool dropped(const Bound& b, Uint at) { return m.options.robust && at.v >= b.words; }
+
+static uint32_t checked(const Bound& b, Uint at, int site, bool writes) {
     if (at.v >= b.words) fail(writes ? "out_of_bounds_write" : "out_of_bounds_read", site, at.v);
-    (void)slot;
     return b.first + at.v;
 }
 
@@ -133,8 +134,8 @@ static Uint load_at(int slot, Uint at, int site) {
     point();
     Bound b = bound_of(slot);
     Fiber& f = *m.current;
-    if (f.in.helper) return Uint(0);
-    uint32_t address = checked(slot, b, at, site, false);
+    if (f.in.helper || dropped(b, at)) return Uint(0);
+    uint32_t address = checked(b, at, site, false);
     bool stale = false;
     Uint value = m.options.weak && slot < SHARED_SLOT && !m.solo ? weak_load(f, b, address, at.since, stale)
                                                                  : Uint(store_of(slot)[address], m.clock);
@@ -147,8 +148,8 @@ static void store_at(int slot, Uint at, Uint value, int site) {
     point();
     Bound b = bound_of(slot);
     Fiber& f = *m.current;
-    if (f.in.helper) return;
-    uint32_t address = checked(slot, b, at, site, true);
+    if (f.in.helper || dropped(b, at)) return;
+    uint32_t address = checked(b, at, site, true);
     f.last_site = -1;
     log(STORE, site, name_of(slot), at.v, store_of(slot)[address], value.v);
     if (m.options.weak && slot < SHARED_SLOT && !m.solo) {
@@ -208,8 +209,8 @@ Uint atomic_word(Op op, int slot, Uint at, Uint value, Uint compare, int site) {
     point();
     Bound b = bound_of(slot);
     Fiber& f = *m.current;
-    if (f.in.helper) return Uint(0);
-    uint32_t address = checked(slot, b, at, site, true);
+    if (f.in.helper || dropped(b, at)) return Uint(0);
+    uint32_t address = checked(b, at, site, true);
     drain_own(f, address);
     uint32_t old = store_of(slot)[address], now = result_of(op, old, value.v, compare.v);
     if (now != old) write_now(slot, address, now);
@@ -224,8 +225,8 @@ U64 atomic_wide(Op op, int slot, Uint at, U64 value, U64 compare, int site) {
     point();
     Bound b = bound_of(slot);
     Fiber& f = *m.current;
-    if (f.in.helper) return U64(0);
-    uint32_t low = checked(slot, b, at * Uint(2), site, true), high = low + 1;
+    if (f.in.helper || dropped(b, at * Uint(2))) return U64(0);
+    uint32_t low = checked(b, at * Uint(2), site, true), high = low + 1;
     drain_own(f, low);
     drain_own(f, high);
     uint64_t old = m.memory[low] | uint64_t(m.memory[high]) << 32, now = result_of(op, old, value.v, compare.v);

@@ -118,7 +118,7 @@ class Maps:
                       style="italic", fontsize=style.SMALL_PT)
             return None
         if not self.scaled:
-            axes.imshow(_over_checks(array), origin="lower", interpolation="nearest", aspect="auto")
+            axes.imshow(over_checks(array), origin="lower", interpolation="nearest", aspect="auto")
             return None
         return axes.imshow(array.astype("float32"), origin="lower", interpolation="nearest", aspect="auto",
                            cmap=style.MAP_COLOURS, vmin=0.0, vmax=self.highest)
@@ -149,7 +149,7 @@ class Maps:
         return found
 
 
-def _over_checks(image: Any) -> Any:
+def over_checks(image: Any) -> Any:
     """Premultiplied RGBA (H, W, 4) uint8 over a checkerboard: float RGB."""
     import numpy as np
 
