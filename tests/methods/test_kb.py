@@ -53,7 +53,7 @@ def rounds(frame, count, damage=None):
             damage(slots)
             frame.allocation.named("nodes").write(slots.tobytes())
         frame._run(loop.passes[1], i, None)
-    frame._run(frame.variant.steps[-1], 0, None)
+    frame._run(frame.running[-1], 0, None)
     return missing
 
 
@@ -100,7 +100,7 @@ def test_a_torn_slot_reads_as_empty(device):
         assert coded(words & 0x3FFFFFFF, colours.astype(np.uint64)).tolist() == words.tolist()
         torn = np.roll(colours, 1)
         frame.allocation.named("colours").write(torn.tobytes())
-        frame._run(frame.variant.steps[-1], 0, None)
+        frame._run(frame.running[-1], 0, None)
         whole = coded(words & 0x3FFFFFFF, torn.astype(np.uint64)) == words
         assert not whole.all()
         depth = (words & 0x3FFFFFFF).astype(np.uint32).view(np.float32)
