@@ -1,4 +1,4 @@
-"""What other programs and notebooks may rely on: results as data frames, and a plot of them (docs/api.md)."""
+"""The interface for other programs and notebooks: results as data frames, and a plot of them (docs/api.md)."""
 
 from __future__ import annotations
 

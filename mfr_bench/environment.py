@@ -1,4 +1,4 @@
-"""What a measurement depends on: machine, driver, versions, load, clocks. Unknown is None, not 0."""
+"""The environment that a measurement depends on: machine, driver, versions, load, clocks. Unknown is None, not 0."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Run = Callable[[Sequence[str]], "str | None"]
 
 
 def ask(command: Sequence[str]) -> str | None:
-    """What a program prints; None where it is missing, fails, or does not answer in time."""
+    """The output of a program; None where it is missing, fails, or does not answer in time."""
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S, check=False)
     except (OSError, subprocess.SubprocessError, UnicodeDecodeError):
@@ -59,7 +59,7 @@ def _version(package: str) -> str | None:
 
 
 def lasting(device: Mapping[str, str], run: Run = ask) -> dict[str, Any]:
-    """What stays as it is for a run: device and driver, CPU, kernel, the program's revision.
+    """The facts that stay as they are for a run: device and driver, CPU, kernel, the program's revision.
 
     `device` holds the GL strings: renderer, vendor, version.
     """
@@ -70,7 +70,7 @@ def lasting(device: Mapping[str, str], run: Run = ask) -> dict[str, Any]:
 
 
 def passing(device: Mapping[str, str], run: Run = ask) -> dict[str, Any]:
-    """What changes meanwhile: the load averages of 1, 5 and 15 minutes, and the GPU's state where the driver tells."""
+    """The state that changes meanwhile: load averages of 1, 5 and 15 minutes; the GPU's, if the driver reports it."""
     return {"load": load(), "gpu": nvidia(device, run)}
 
 
@@ -173,7 +173,7 @@ def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str
 
 
 def _held_back(tree: Mapping[str, Any]) -> dict[str, str]:
-    """Why the GPU's clocks were lowered at either end of a run; nothing if the driver does not report it."""
+    """The reasons for lowered clocks of the GPU at either end of a run; empty if the driver does not report it."""
     ends = (_entry(_entry(tree, part), "gpu") for part in PASSING)
     reported = [reasons for gpu in ends if isinstance(reasons := gpu.get("throttle_reasons"), list)]
     causes = sorted({str(reason) for reasons in reported for reason in reasons} - {"idle"})

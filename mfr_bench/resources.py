@@ -1,4 +1,4 @@
-"""Where the files that come with the package are: inside it when installed, beside it in the repository."""
+"""Finds the files that come with the package: inside it when installed, next to it in the repository."""
 
 from __future__ import annotations
 

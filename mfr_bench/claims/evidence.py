@@ -41,7 +41,7 @@ class Bound:
         return (self.low is not None and high < self.low) or (self.high is not None and low > self.high)
 
     def margin(self, value: float) -> float:
-        """How far inside the bound a positive value is, relative to the limits; negative outside."""
+        """The distance of a positive value from the bound's nearest limit, relative to the limits; negative outside."""
         inside = [value / self.low - 1] if self.low else []
         outside = [self.high / value - 1] if self.high and value else []
         return min([*inside, *outside], default=0.0)
@@ -152,7 +152,7 @@ def decided(interval: Interval, bound: Bound, noise: float) -> tuple[Outcome, st
 
 
 def refusal(*points: Point) -> tuple[Outcome, str] | None:
-    """Why cells cannot be compared: refused by the device or the budget, or not measured to the end."""
+    """The reason why cells cannot be compared: refused by the device or the budget, or not measured to the end."""
     for point in points:
         if point.status != "ok":
             outcome = Outcome.LEFT_OUT if point.ending.refused else Outcome.UNCLEAR

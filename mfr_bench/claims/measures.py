@@ -1,4 +1,4 @@
-"""What rules compare: times, and what is counted exactly."""
+"""The quantities that rules compare: times, and exact counts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a claim can say of memory: bytes against a formula, and cells that run out of it."""
+"""Rules about memory: bytes against a formula, and cells that run out of it."""
 
 from __future__ import annotations
 

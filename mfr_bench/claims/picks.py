@@ -1,4 +1,4 @@
-"""Which cells a rule compares: by method, parameters, scene and point; never by label."""
+"""Picks of the cells that a rule compares: by method, parameters, scene and point; never by label."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Where = Mapping[str, Any]  # name of a coordinate -> value, or Condition
 
 @dataclass(frozen=True)
 class Condition:
-    """What a coordinate must be. `words` follow its name: 'k at least 32'."""
+    """A condition on a coordinate. `words` follow its name: 'k at least 32'."""
 
     words: str
     holds: Callable[[Any, Point], bool]

@@ -51,7 +51,7 @@ def _labelled(label: str, text: str, width: int) -> str:
 
 
 def _lines(verdict: Verdict) -> Iterable[tuple[str, str]]:
-    """What is said of a verdict, under its labels; what was measured follows its rule."""
+    """The lines of a verdict, each with its label; a measurement follows its rule."""
     claim = verdict.claim
     yield "claim", claim.sentence
     yield "source", claim.source

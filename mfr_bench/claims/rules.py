@@ -1,4 +1,4 @@
-"""What a claim can say of measurements. A rule gives comparisons for each run; it knows no claim.
+"""Rules about measurements. A rule gives comparisons for each run; it knows no claim.
 
 Every rule has `text`, which is printed beside the verdict; `needs`, what it looks for in a run; and `each`, the
 methods of which every one must be found there.

@@ -15,7 +15,7 @@ UNKNOWN = "unknown device"
 
 @dataclass(frozen=True)
 class Run:
-    """What one folder holds of one device. Only cells of one run are ever compared with each other."""
+    """The cells of one folder and one device. Only cells of one run are ever compared with each other."""
 
     experiment: str  # name of the config
     folder: str

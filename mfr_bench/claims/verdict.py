@@ -50,7 +50,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Finding:
-    """What the runs of a device show of one rule."""
+    """The outcome of one rule in the runs of a device."""
 
     rule: Rule
     comparisons: tuple[Evidence, ...]
@@ -80,7 +80,7 @@ class Finding:
 
     @property
     def reason(self) -> str:
-        """Why the rule is unclear."""
+        """The reason why the rule is unclear."""
         if self.outcome is not Outcome.UNCLEAR:
             return ""
         if self.deciding:
@@ -96,7 +96,7 @@ class Finding:
 
     @property
     def text(self) -> str:
-        """What was measured: 'holds: kb-ps / kplus-heap 3.12 [3.01, 3.20] at 1024×1024, n 128, k 64'."""
+        """The measurement in words: 'holds: kb-ps / kplus-heap 3.12 [3.01, 3.20] at 1024×1024, n 128, k 64'."""
         found = self.deciding or next(iter(self.tested), None)
         if found is None:
             return self.reason
@@ -128,7 +128,7 @@ class Verdict:
 
     @property
     def decided_by(self) -> str:
-        """How the sentence was read, where another reading that can be tested has another verdict."""
+        """The reading of the sentence, if another reading that can be tested has another verdict."""
         apart = [f"'{reading.words}': {verdict}" for reading, verdict, _ in self.others
                  if verdict not in (self.verdict, NOT_TESTABLE)]
         return f"the reading decides: '{self.claim.reading}', but by {'; by '.join(apart)}" if apart else ""

@@ -103,7 +103,7 @@ def advise(context: click.Context, targets: tuple[str, ...], max_error: float, m
 
 
 def _config_of(result) -> str:
-    """What `run` takes to measure the result again: a shipped config, or the file it was measured with."""
+    """The argument of `run` that measures the result again: a shipped config, or the file it was measured with."""
     from ..config import shipped
 
     name = str(result.manifest.get("config") or f"{result.name}.yaml")
@@ -123,7 +123,7 @@ def _results(targets: Iterable[str]) -> list[Path]:
 
 
 def _of_config(target: str) -> list[Path]:
-    """Where the config's experiments were measured, on any device."""
+    """The folders with results of the config's experiments, on any device."""
     from ..config import load
     from ..methods import catalog
 

@@ -86,7 +86,7 @@ def methods(as_json: bool, markdown: bool, rounding: bool, device: str) -> None:
 
 
 def _method_record(declared, device, reason: str | None) -> dict:
-    """What `methods --json` says of a method; `supported` is null where there is no device."""
+    """The entry of a method in `methods --json`; `supported` is null where there is no device."""
     missing = [device.limits.lacks(f) for f in declared.variant({}).needs if device and f not in device.features]
     return {
         "id": declared.id, "name": declared.name, "family": declared.family, "source": declared.source,

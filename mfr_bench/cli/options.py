@@ -94,7 +94,7 @@ class PassName(click.ParamType):
 
 
 class OutPath(click.Path):
-    """Where to write: an empty name, as an unset variable gives it, is none."""
+    """The folder to write to: an empty name, as an unset variable gives it, is none."""
 
     def convert(self, value, param, context):
         if not value:

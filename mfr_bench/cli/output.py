@@ -1,4 +1,4 @@
-"""What commands print. A reader that stops reading ends the output, never the work or its exit status."""
+"""Prints what commands say. A reader that stops reading ends the output, never the work or its exit status."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def ending(out: str, *endings: str, option: str = "--out") -> str:
 
 
 def place(point: Mapping[str, Any]) -> str:
-    """Where a cell stands in its sweep: 'size=96×96 k=8'."""
+    """The place of a cell in its sweep: 'size=96×96 k=8'."""
     from ..report.data import plain
 
     return " ".join(f"{name.removeprefix('scene.')}={plain(value)}" for name, value in point.items())

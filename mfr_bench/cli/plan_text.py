@@ -49,7 +49,7 @@ def _predicted(forecast, cells: Sequence[Any]) -> list[str]:
 
 
 def _forecast(known, ready):
-    """What results of the device foretell: those of the run, those beside it, and those below results/."""
+    """The forecast by results of the device: of the run, of the folders next to it, and of those below results/."""
     from ..run.ledger import relatives
 
     return forecast_of([*known, *relatives(Path("results") / ready.device["slug"], known)], ready)

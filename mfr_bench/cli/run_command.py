@@ -78,7 +78,7 @@ def with_scene(configs: Sequence[str], overrides: Sequence[str], scene: Sequence
 
 
 def exit_status(statuses: set[str], wrong_images: bool = True) -> int:
-    """What a run ends with whose cells have these statuses; without `wrong_images` those of measured cells are 0."""
+    """The exit status of a run by its cells' statuses; without `wrong_images` those of measured cells are 0."""
     from ..store.status import STATUSES
 
     endings = [STATUSES[name] for name in statuses]

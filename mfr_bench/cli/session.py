@@ -19,7 +19,7 @@ OF_THE_MEASURING = ("started", "calibration", "versions", "environment", "calibr
 
 @dataclass(frozen=True)
 class Choices:
-    """What the options of a run say."""
+    """The options of a run."""
 
     out: str | None
     force: bool
@@ -50,7 +50,7 @@ def sources(plans, folders, choices: Choices):
 
 
 def forecast_of(folders, ready):
-    """What the results of these folders foretell of the device."""
+    """The forecast for the device by the results of these folders."""
     from ..plan.forecast import Forecast, rates_of
 
     mine = [(folder.manifest(), [row for row in folder.cells() if _of_the_device(row, ready.device)])
@@ -158,7 +158,7 @@ class Session:
             raise DeviceError(f"{error}; {self._kept(parts)}") from None
 
     def _time_left(self, groups, parts: Sequence[Part]):
-        """What the run will take, by what results of the device foretell."""
+        """The time that the run will take, by earlier results of the device."""
         from ..methods import catalog
         from ..plan import expected_stats, judge
         from ..plan.budget import end_s
@@ -171,7 +171,7 @@ class Session:
         return TimeLeft(forecast, cells, end_s(len(parts), len(cells), self.split.seconds["start-up"], forecast.rates))
 
     def _at_the_end(self, parts: Sequence[Part]) -> None:
-        """What is to be compared with the start of the run: the timer and the device's speed, load and clocks."""
+        """The state to compare with the start of the run: the timer and the device's speed, load and clocks."""
         from ..environment import passing
         from ..measure.calibration import disagreement
 
@@ -213,7 +213,7 @@ class Session:
 
 
 def _of_the_measuring(before: Mapping[str, Any], now: Mapping[str, Any], all_kept: bool) -> dict[str, Any]:
-    """What a new manifest takes over from the one before it."""
+    """The parts that a new manifest takes over from the one before it."""
     same_place = all(before.get(name) == now[name] for name in ("device", "timer"))
     names = OF_THE_MEASURING if all_kept else ("noise_floor_rel",) if same_place else ()
     return {name: before[name] for name in names if name in before}
@@ -226,7 +226,7 @@ def left_out(sheet) -> dict[str, int]:
 
 
 def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
-    """How an experiment ended, and where its results are."""
+    """The lines that say how an experiment ended and where its results are."""
     from ..report.data import percent
 
     statuses = ", ".join(f"{count} {status}" for status, count in sorted(sheet.counts.items(), key=_ok_first))

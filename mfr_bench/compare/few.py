@@ -1,4 +1,4 @@
-"""How far the median of a cell's samples may be from the cell's own, however few they are.
+"""Bounds the distance of the median of a cell's samples from the cell's own, however few they are.
 
 An order-statistic interval needs 6 samples, and with few more one stalled frame makes it as wide as the stall. So the
 noise is pooled: the samples of all cells of both runs, each over its cell's median, show how far single frames lie
@@ -57,7 +57,7 @@ class Frames:
         return math.sqrt(weight * own**2 + (1 - weight) * PRIOR_DEVIATION**2)
 
     def burst(self, time_ms: float) -> float:
-        """How far the slowest in a hundred frames that take about so long lie from the median, logarithmic.
+        """The logarithmic distance from the median of the slowest in a hundred frames of about this time.
 
         A burst of load that outlasts the sampling of a cell does that to all of its frames.
         """
@@ -85,7 +85,7 @@ def _distances(times_ms: np.ndarray, medians_ms: np.ndarray, counts: np.ndarray)
 
 @cache
 def _quantile(share: float) -> float:
-    """How many deviations hold this share of a normal distribution."""
+    """The number of deviations that hold this share of a normal distribution."""
     return NormalDist().inv_cdf((1 + share) / 2)
 
 

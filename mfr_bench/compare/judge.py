@@ -181,11 +181,11 @@ class _Timed:
         return (min(found), max(found)) if any(self._noise.common) else None
 
     def _moved(self, number: int) -> float:
-        """What became of a cell, apart from what became of all."""
+        """The change of a cell, apart from the change of all."""
         return self._shifts[number].log_ratio - (0.0 if self._absolute else self._noise.common[number])
 
     def _distance(self, number: int) -> float:
-        """How many deviations a cell moved, as the outer cells count them."""
+        """The number of deviations by which a cell moved, as the outer cells count them."""
         return self._moved(number) / self._noise.deviations[number] / self._noise.stretch
 
     def _beyond_noise(self, number: int) -> bool:
@@ -208,7 +208,7 @@ class _Timed:
         return together > self._critical and mine > SUPPORT and support > TOGETHER
 
     def _burst_reach(self, number: int) -> float:
-        """How far a cell that nothing supports may move by a burst of load that outlasts its sampling, logarithmic.
+        """The logarithmic distance that a burst of load longer than its sampling may move a cell without support.
 
         That is several times the noise between runs, or the length of its tails; or what it did to the slowest frames.
         What the cell's own samples leave open is statistics and counts once.
@@ -247,7 +247,7 @@ def _samples(entry: Entry) -> list[float]:
 
 
 def _shift(before: Entry, after: Entry, frames: Frames) -> Shift | None:
-    """What became of a cell that has samples on both sides, of one timer; `frames`: of all cells."""
+    """The verdict on a cell that has samples on both sides, of one timer; `frames`: of all cells."""
     over, under = _samples(after), _samples(before)
     if not over or not under or before.point.row["timer"] != after.point.row["timer"]:
         return None
@@ -274,7 +274,7 @@ def _without_times(before: Point, after: Point) -> tuple[str | None, str]:
 
 
 def _changes(before: Entry, after: Entry) -> list[Change]:
-    """What is counted and not as it was: status, image, memory."""
+    """The counted values that are not as they were: status, image, memory."""
     b, a = before.point, after.point
     found = []
     if b.status != a.status:

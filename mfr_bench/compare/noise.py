@@ -1,4 +1,4 @@
-"""How far two runs of the same thing are apart: more than the intervals within each tell.
+"""Estimates how far two runs of the same thing are apart: more than the intervals within each tell.
 
 A run's clock, its load and the places of its buffers in memory are drawn anew with each run, and no number of frames
 within one run averages over them. What is common to all methods of a scene is taken out; what is left between the
@@ -24,7 +24,7 @@ TAILS = ((0.8, 1.0), (0.9, 1.0), (0.95, 0.9))  # quantile of the distances, and 
 
 @dataclass(frozen=True)
 class Shift:
-    """What became of one cell: logarithm of the ratio of its times, and the standard error of that within the runs.
+    """The change of one cell: logarithm of the ratio of its times, and the standard error of that within the runs.
 
     `burst`: logarithm of how many times as long the slowest frames of such a time are.
     """
@@ -69,7 +69,7 @@ def estimate(shifts: Sequence[Shift], floor: float, alike: bool = True) -> Noise
 
 
 def _common(shifts: Sequence[Shift]) -> tuple[float, ...]:
-    """For each cell what its scene has in common: the median over methods of their medians; 0 where methods are few."""
+    """The change common to each cell's scene: the median over methods of their medians; 0 where methods are few."""
     scenes: dict[Hashable, dict[Hashable, list[float]]] = defaultdict(lambda: defaultdict(list))
     for shift in shifts:
         scenes[shift.scene][shift.method].append(shift.log_ratio)
@@ -103,7 +103,7 @@ def _between(rest: Sequence[float], errors: Sequence[float], floor: float) -> fl
 
 
 def _stretch(distances: Sequence[float]) -> float:
-    """How far out the outer cells are, over how far a normal distribution has them; what is more is no noise."""
+    """The distance of the outer cells, over that where a normal distribution has them; what is more is no noise."""
     normal = NormalDist()
     found = (weight * distances[math.ceil(share * len(distances)) - 1] / normal.inv_cdf((1 + share) / 2)
              for share, weight in TAILS)

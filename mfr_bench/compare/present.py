@@ -44,7 +44,7 @@ def as_csv(found: Comparison) -> str:
 
 
 def as_text(found: Comparison, width: int, whole: bool = False) -> str:
-    """What is not the same, what is missing, how the machines differ; with `whole` every cell."""
+    """The text of what differs, what is missing, and how the machines differ; with `whole` every cell."""
     parts = ["\n".join(textwrap.fill(line, width) for line in _about(found))]
     parts += ["\n".join([grid.title, *textwrap.wrap(f"({grid.note})", width),
                          "\n\n".join(chunk.text() for chunk in grid.chunks(width))]) for grid in _grids(found, whole)]

@@ -69,7 +69,7 @@ def load_side(path: str) -> Side:
 
 
 def identity(experiment: str, point: Point) -> Identity:
-    """What older results do not have of parameters and scene was then as the defaults are now."""
+    """Completes parameters and scene of older results: what they lack was then as the defaults are now."""
     cell, method = point.cell, catalog().get(point.cell["method"])
     params = (method.complete({}) if method else {}) | cell["params"]
     return json.dumps([experiment, cell["method"], params, PLAIN_SCENE | cell["scene"]], sort_keys=True)
@@ -89,7 +89,7 @@ def _devices(results: Iterable[Result]) -> Iterable[tuple[str, str]]:
 
 
 def _environment(results: Iterable[Result]) -> dict[str, Any]:
-    """What the runs say about the place where they ran; of several the last."""
+    """The environment that the runs state; of several the last."""
     found: dict[str, Any] = {}
     for result in results:
         for part in ("environment", "versions"):

@@ -19,7 +19,7 @@ Axes = Mapping[str, tuple]
 
 
 def point_count(sweep: Axes, zipped: Axes) -> int:
-    """How many points there are, without making them."""
+    """The number of points, without making them."""
     return math.prod(len(v) for v in sweep.values()) * (len(next(iter(zipped.values()))) if zipped else 1)
 
 

@@ -282,7 +282,7 @@ class _Checker:
             for point in points(self.axes["sweep"], self.axes["zip"]))
 
     def _contradictions(self, scene: Scene | None, measure: Measure | None, along: Iterable[Mapping[str, Any]]) -> None:
-        """What is wrong with values that are each allowed, at the points or, without any, in the config itself."""
+        """The faults of values that are each allowed, at the points or, without any, in the config itself."""
         along = list(along)
         scenes = {scene_at(scene, self.params, point) for point in along} or {scene} if scene else ()
         measures = {measure_at(measure, point) for point in along} or {measure} if measure else ()

@@ -1,4 +1,4 @@
-"""What a config says, as frozen values; the annotations are the rules that `check` holds them to."""
+"""A config as frozen values; the annotations are the rules that `check` holds them to."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ LIMITS_LONG = 10  # time limits that a cell may take at most: a frame of nearly 
 
 @dataclass(frozen=True, kw_only=True)
 class Measure(_Plain):
-    """When a measurement is enough, and what it may take.
+    """The settings that say when a measurement is enough, and what it may take.
 
     repeat_images: untimed frames whose distinct images are counted; with 1 none are. counters: whether the work of
     each pass is counted, in a frame of its own. keep: arrays of a cell to store with its numbers.

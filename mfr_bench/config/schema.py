@@ -121,7 +121,7 @@ def _choices(hint: Any) -> tuple:
 
 
 def allowed(hint: Any) -> str:
-    """What a field's annotation takes, in words."""
+    """The values that a field's annotation allows, in words."""
     if get_origin(hint) is Annotated:
         return next(m.text for m in hint.__metadata__ if isinstance(m, Allowed))
     if get_origin(hint) in (Union, UnionType):

@@ -18,7 +18,7 @@ Path = tuple[str | int, ...]  # keys and list indices from the top of a config
 
 @dataclass(frozen=True)
 class Place:
-    """Where a value was written. The file is `--set`, without a line, for an override."""
+    """The place where a value was written. The file is `--set`, without a line, for an override."""
 
     file: str
     line: int
@@ -67,7 +67,7 @@ class Document:
     places: dict[Path, Place] = field(default_factory=dict)
 
     def place(self, path: Path) -> Place:
-        """Where `path` was written; for what is missing, the line of what should hold it."""
+        """The place where `path` was written; for what is missing, the line of what should hold it."""
         for length in range(len(path), -1, -1):
             found = self.places.get(path[:length])
             if found:

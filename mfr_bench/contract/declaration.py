@@ -1,4 +1,4 @@
-"""What a declaration has to say, and what its shaders have to look like; no GL."""
+"""Checks what a declaration says, and what its shaders look like; no GL."""
 
 from __future__ import annotations
 

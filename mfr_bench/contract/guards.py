@@ -59,7 +59,7 @@ class _Fenced:
 
     @property
     def mglo(self):
-        """What attributes and indirect commands are read from."""
+        """The buffers from which attributes and indirect commands are read."""
         return self._buffer.mglo
 
     def bind_to_storage_buffer(self, binding):

@@ -16,14 +16,14 @@ Lines = Callable[[], Iterable[str]]
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a check found: nothing, or a line for each fault."""
+    """The findings of a check: nothing, or a line for each fault."""
 
     name: str
     faults: tuple[str, ...]
 
 
 def missing_features(device, method: Method) -> list[str]:
-    """What the device lacks for the method at its defaults."""
+    """The features that the device lacks for the method at its defaults."""
     return [device.limits.lacks(f) for f in method.variant({}).needs if f not in device.features]
 
 

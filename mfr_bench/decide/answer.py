@@ -21,7 +21,7 @@ MOST_SHOWN = 8  # lines of a list in the text form
 
 @dataclass(frozen=True)
 class Answer:
-    """What the race says. `config`: the file of its config, for the command that measures the winner in full."""
+    """The outcome of the race. `config`: the file of its config, for the command that measures the winner in full."""
 
     question: Question
     result: Result
@@ -48,7 +48,7 @@ class Answer:
 
     @cached_property
     def chances(self) -> dict[str, float]:
-        """For each finalist the chance that it is the fastest of all: what dropping the fastest may take is in it."""
+        """The chance of each finalist to be the fastest of all: what dropping the fastest may take is in it."""
         race = Elimination([p.cell["key"] for p in self.finalists])
         samples = {p.cell["key"]: p.cell["samples_ms"] for p in self.finalists}
         for times in zip(*samples.values(), strict=False):

@@ -1,4 +1,4 @@
-"""Which methods may keep a question's bounds, by what they declare; and for each of the others the reason."""
+"""Finds the methods that may keep a question's bounds, by what they declare; and for each of the others the reason."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a scene's oracle tells before anything is measured: how many of the nearest layers keep an error."""
+"""Asks a scene's oracle, before anything is measured, how many of the nearest layers keep an error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `mfr-bench decide` is asked, parsed from the words of its options."""
+"""The question of `mfr-bench decide`, parsed from the words of its options."""
 
 from __future__ import annotations
 

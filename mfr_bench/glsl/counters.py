@@ -130,7 +130,7 @@ class _Accesses:
         self.found = re.compile(rf"(?P<buffer>\b(?:{words})\[)|(?P<macro>\b(?:{macros})\()|(?P<fetch>{_FETCH.pattern})")
 
     def _defining(self, text: str) -> set[int]:
-        """Where accessors are defined, and what they stand for: their uses are what is counted."""
+        """The lines that define accessors, and each accessor with what it stands for: its uses are counted."""
         return {match.start(group) for match in _ACCESSOR.finditer(text) if match[2] in self.names for group in (1, 2)}
 
     def rewritten(self, text: str) -> str:
@@ -153,7 +153,7 @@ class _Accesses:
         return f"reads({inner}, {self.names[name].words}u, 0u)" if name in self.names else inner
 
     def _indexed(self, text: str, match: re.Match[str], end: int) -> str:
-        """What stands in the brackets, or between those of a macro, counted by what is done with the element."""
+        """The text in the brackets, or between those of a macro, counted by what is done with the element."""
         inner = self.rewritten(text[match.end():end])
         before, after = text[max(0, match.start() - 40):match.start()], text[end + 1:end + 20]
         name = match[0][:-1]

@@ -146,7 +146,7 @@ def _diagnostics(words: set[str], counted: bool) -> list[str]:
 
 
 def _storage(variant: Variant) -> dict[str, counters.Stored]:
-    """What the variant's shaders may access, by the names that they have there."""
+    """The resources that the variant's shaders may access, by the names that they have there."""
     found: dict[str, counters.Stored] = {}
     for buffer in variant.buffers:
         wider = variant.payload_words - 1 if buffer.type in ("FRAGMENT", "PAYLOAD") else 0

@@ -106,5 +106,5 @@ class Allocation:
 
 
 def _copy(ref: str, iteration: int, copies: int) -> int:
-    """Which copy a ref names: `.current` is iteration i's own, `.previous` the one of the iteration before."""
+    """The copy that a ref names: `.current` is iteration i's own, `.previous` the one of the iteration before."""
     return (iteration + (split_ref(ref)[1] == "previous")) % copies

@@ -26,7 +26,7 @@ MOST_ERRORS = 16  # that GL remembers; a lost context has one without end
 
 @dataclass(frozen=True)
 class Trials:
-    """How a device finds out what its driver gets wrong. Trials draw on it, so they are given by whoever opens it.
+    """The way to find out what the driver gets wrong. Trials draw on it, so they are given by whoever opens it.
 
     failed: of each offered feature that a trial finds wrong, the trial and what it found. points_need_a_flush: whether
     points that a dispatch has listed are right only behind a flush.

@@ -79,7 +79,7 @@ def _opened(entry: EglDevice) -> Device:
 
 
 def _why(entry: EglDevice, error: Exception) -> str:
-    """Why a device cannot be opened, in one line."""
+    """The reason why a device cannot be opened, in one line."""
     reason = " ".join(str(error).split())
     denied = entry.node and os.path.exists(entry.node) and not os.access(entry.node, os.R_OK | os.W_OK)
     return f"{reason} (no permission for {entry.node}: is the user in the group render?)" if denied else reason

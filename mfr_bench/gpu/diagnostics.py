@@ -36,7 +36,7 @@ class Diagnostics:
         return value
 
     def work(self) -> Counter[str]:
-        """What counting programs have counted since `reset_work`, by the names of `glsl.counters.WORK`."""
+        """The counts of counting programs since `reset_work`, by the names of `glsl.counters.WORK`."""
         counted = self._read(2 * WORD * len(WORK), WORK_OFFSET)
         low, high = counted[::2].astype(object), counted[1::2].astype(object)
         return Counter(dict(zip(WORK, low + 2**32 * high, strict=True)))

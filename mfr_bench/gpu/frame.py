@@ -307,7 +307,7 @@ class Frame:
             return self.diagnostics.map().reshape(self.stats.H, self.stats.W).copy()
 
     def work(self) -> Counter[str]:
-        """What counting programs have counted since `reset_work`, by the names of `glsl.counters.WORK`."""
+        """The counts of counting programs since `reset_work`, by the names of `glsl.counters.WORK`."""
         return self.diagnostics.work()
 
     def reset_work(self) -> None:

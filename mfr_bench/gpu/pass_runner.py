@@ -34,7 +34,7 @@ from .uniforms import Uniforms
 
 
 class FrameResources(Protocol):
-    """What a pass needs to know of its frame: the device, what is allocated, the scene, and the part of the screen.
+    """The parts of a frame that a pass needs: the device, what is allocated, the scene, and the part of the screen.
 
     region: left, bottom, width and height in pixels of what bounds the geometry. band: the part of it that a loop over
     bands leaves the pass, or None.

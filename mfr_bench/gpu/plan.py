@@ -1,4 +1,4 @@
-"""What a frame runs: its passes with their bindings, and the barriers between them. Made and printed without GL.
+"""The plan of a frame: its passes with their bindings, and the barriers between them. Made and printed without GL.
 
 `gpu.frame` executes it.
 """

@@ -1,4 +1,4 @@
-"""How fast a device copies and fills, as a yardstick for what methods read, write and shade."""
+"""Measures how fast a device copies and fills, as a yardstick for what methods read, write and shade."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _filled(device: Device) -> float:
 
 
 def _per_second(device: Device, work: Callable[[], object]) -> float:
-    """How often a second the work is done, at best; what it takes longer for the first time is left out."""
+    """The rate of the work per second, at best; what it takes longer for the first time is left out."""
     work()
     times, count = _time(device, work, 1), 1
     while times < LONG_ENOUGH_S and count < 2**12:

@@ -34,7 +34,7 @@ class Attribute:
 
 @dataclass(frozen=True)
 class Layout:
-    """How the primitives of a geometry reach the device.
+    """The way that the primitives of a geometry reach the device.
 
     mode and vertices: GL's mode, and vertices of a primitive. per_vertex: whether a record is one vertex of a
     primitive; else it is a whole primitive, drawn as an instance.

@@ -1,4 +1,4 @@
-"""What a device does right, found by trying: atomics, side effects, barriers, mutual exclusion, timers.
+"""Tests of a device that show what it does right: atomics, side effects, barriers, mutual exclusion, timers.
 
 The tests are small methods, declared and run like the methods under test.
 """
@@ -119,7 +119,7 @@ def _finding(name: str, test: Callable[[], tuple[bool, str]]) -> SelfTestOutcome
 
 @dataclass(frozen=True)
 class Calibration:
-    """Which timer to trust, and the times on work of known size that say so."""
+    """The timer to trust, and the times on work of known size that show it."""
 
     timer: str
     wall_ms: tuple[float, ...]

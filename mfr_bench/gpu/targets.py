@@ -49,7 +49,7 @@ class Texture:
         return int(4 * FORMAT_WORDS[self.format]) * self.size[0] * self.size[1] * self.samples * max(1, self.layers)
 
     def attach(self, attachment: int) -> None:
-        """To the bound framebuffer; the layers of an array to successive attachments."""
+        """Attaches the target to the bound framebuffer; the layers of an array to successive attachments."""
         for layer in range(self.layers):
             self.gl.glFramebufferTextureLayer(rawgl.FRAMEBUFFER, attachment + layer, self.name, 0, layer)
         if not self.layers:
@@ -60,7 +60,7 @@ class Texture:
         self.gl.glBindTexture(self.target, self.name)
 
     def bind_image(self, unit: int) -> None:
-        """For a compute pass to write."""
+        """Binds the target as an image for a compute pass to write."""
         self.gl.glBindImageTexture(unit, self.name, 0, False, 0, rawgl.WRITE_ONLY, rawgl.FORMATS[self.format])
 
     def release(self) -> None:

@@ -102,7 +102,7 @@ class Trial:
 
     @property
     def costs(self) -> str | None:
-        """What a failure costs; None: any result may be wrong."""
+        """The cost of a failure; None: any result may be wrong."""
         if self.avoided:
             return "avoided by all methods"
         return f"methods that need {self.feature} are unsupported" if self.feature else None

@@ -1,4 +1,4 @@
-"""What a frame's passes do, counted by programs of their own in a frame that is not timed."""
+"""The work of a frame's passes, counted by programs of their own in a frame that is not timed."""
 
 from __future__ import annotations
 

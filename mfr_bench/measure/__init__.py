@@ -1,1 +1,1 @@
-"""How often to measure, and when it is enough. Knows neither GL nor files."""
+"""Decides how often to measure, and when it is enough. Knows neither GL nor files."""

@@ -11,7 +11,7 @@ LONG_ENOUGH_MS = 2.0  # below this the wall clock sees mostly the round trip to 
 
 
 def disagreement(start: Mapping[str, Any], end: Mapping[str, Any]) -> str | None:
-    """What two calibrations (timer, wall_ms, gpu_ms) do not agree in, or None."""
+    """The difference between two calibrations (timer, wall_ms, gpu_ms) in words, or None."""
     if start.get("timer") != end.get("timer"):
         return f"at the start the {start.get('timer')} timer was to be trusted, at the end the {end.get('timer')} timer"
     times = f"{end.get('timer')}_ms"

@@ -142,7 +142,7 @@ class Elimination:
         return all(high is not None and high <= 1 + self.indifference for high in highs)
 
     def chances(self, seed: int = 0) -> dict[str, float]:
-        """For each method that is left the chance that it is the fastest, by resampling the rounds.
+        """The chance of each method that is left to be the fastest, by resampling the rounds.
 
         What a round's times have in common is divided out. Methods that left share what `chance` allows; it is not
         in these numbers.

@@ -65,7 +65,7 @@ class Sampler:
 
     @property
     def share(self) -> float:
-        """How much of the most frames or time that it may take has been taken."""
+        """The share of the frames or the time that it may take which has been taken."""
         if self.stop_reason:
             return 1.0
         return min(1.0, max(self.spent_s / self.measure.time_limit_s, len(self.samples_ms) / self.measure.max_samples))

@@ -1,4 +1,4 @@
-"""Where the wall time of a run goes, by kind of work."""
+"""Splits the wall time of a run, by kind of work."""
 
 from __future__ import annotations
 

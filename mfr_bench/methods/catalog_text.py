@@ -66,7 +66,7 @@ def _size(resource: Buffer | Target) -> str:
 
 
 def _added(method: Method) -> dict[str, Buffer | Target]:
-    """What single choices of parameters add to the buffers and targets that the method declares, by name."""
+    """The resources that single choices of parameters add to the method's declared ones, by name."""
     declared = {r.name for r in (*method.buffers, *method.targets)}
     chosen = [{p.name: choice} for p in method.params for choice in (*p.choices, *p.of)]
     variants = (method.variant(params) for params in ({}, *chosen))

@@ -31,7 +31,7 @@ PLAIN = {"builtins": {"set", "frozenset", "slice", "complex", "bytearray"}, "fun
 
 @dataclass(frozen=True)
 class Source:
-    """Where methods come from: an entry point's module, or a folder. `name` is that of its package."""
+    """The source of methods: an entry point's module, or a folder. `name` is that of its package."""
 
     name: str
     version: str | None
@@ -41,7 +41,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Loaded:
-    """What a source declares: its methods in order, its folder of GLSL, and a line for each mistake."""
+    """The declarations of a source: its methods in order, its folder of GLSL, and a line for each mistake."""
 
     source: Source
     methods: tuple[Method, ...] = ()
@@ -58,7 +58,7 @@ def use(folders: Sequence[str]) -> None:
 
 @cache
 def loaded() -> tuple[Loaded, ...]:
-    """What every source declares, the installed packages first."""
+    """The declarations of every source, the installed packages first."""
     return tuple(_loaded(source) for source in sources())
 
 

@@ -68,7 +68,7 @@ def _patch_counts(scene: Quads, grid: Grid) -> np.ndarray:
 
 
 def stats_of(scene: Quads) -> SceneStats:
-    """What the scene asks of a method: its fragments, counted."""
+    """The demand of the scene on a method: its fragments, counted."""
     grid = _grid(scene)
     counts, areas = _patch_counts(scene, grid), grid.areas
     return scene_stats(scene, counts, areas)

@@ -1,4 +1,4 @@
-"""How far an image is from the float64 oracle. Images are (H, W, 4), premultiplied over transparent black."""
+"""Measures how far an image is from the float64 oracle. Images are (H, W, 4), premultiplied over transparent black."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What compositing loses to rounding, without any device: a pixel's layers in the arithmetic of choice.
+"""Shows what compositing loses to rounding, without any device: a pixel's layers in the arithmetic of choice.
 
 The device's own resolves round the same way (shaders/common/accumulate.glsl); docs/accuracy.md has the bounds.
 """

@@ -44,7 +44,7 @@ def main() -> None:
 
 
 def told_by_folder(folder: Path) -> dict[str, Any]:
-    """What the files of a folder declare; of a project's folder, those of the one folder in it that has such files."""
+    """The declarations of a folder's files; of a project's folder, those of the one folder in it with such files."""
     if not folder.is_dir():
         return _nothing(f"{folder}: is no folder; allowed: a folder with declarations of methods")
     inside = [below for below in sorted(folder.iterdir()) if below.is_dir() and list(below.glob("*.py"))]
@@ -72,7 +72,7 @@ def _import_folder(folder: Path) -> None:
 
 
 def told_by_module(name: str) -> dict[str, Any]:
-    """What the module or package of an entry point declares."""
+    """The declarations of the module or package of an entry point."""
     try:
         module = importlib.import_module(name)
     except Exception as error:  # noqa: BLE001 - as above
@@ -117,7 +117,7 @@ def _hidden_shaders(shaders: Path) -> Iterator[str]:
 
 
 def _troubles(method: Method) -> Iterator[str]:
-    """What keeps a method from being measured at all: functions of its own, shaders that are not there, formulas."""
+    """The faults that keep a method from being measured: functions of its own, missing shaders, formulas."""
     try:
         pickle.dumps(method)
         foreign = _foreign_functions(method)

@@ -1,4 +1,4 @@
-"""What the page says, as plain data for its template: nothing here knows HTML."""
+"""The content of the page, as plain data for its template: nothing here knows HTML."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def without_paths(text: Any) -> str:
 
 
 def experiment(result: Result, anchor: str, figures: Sequence[Path]) -> Experiment:
-    """What the page says of a result. figures: the PNG files of its figures, in their order."""
+    """The content of the page about a result. figures: the PNG files of its figures, in their order."""
     axes = tuple(axis for axis in result.axes if data.bare(axis) != "device")
     return Experiment(
         anchor=anchor, name=result.name, title=str(result.manifest.get("title") or result.name),

@@ -30,7 +30,7 @@ class ShaderEntry:
 
 @dataclass(frozen=True)
 class Shaders:
-    """What the page shows.
+    """The shaders that the page shows.
 
     packed: zlib, base64 and JSON of `texts`, and for each entry its rows of pass, stage and number of the text.
     """

@@ -58,7 +58,7 @@ def _experiment(result: Result, anchor: str, draw: bool) -> Experiment:
 
 
 def _verdicts(folders: Iterable[ResultFolder]) -> list[dict[str, object]]:
-    """What the papers' sentences come to here; those that cannot be tested stand last."""
+    """The verdicts on the papers' sentences; those that cannot be tested stand last."""
     found = [verdict.record() | {"findings_text": [finding.text for finding in verdict.findings]}
              for verdict in judge_all(CLAIMS, load_runs(folders))]
     tested = [v for v in found if v["verdict"] in ("holds", "does not hold")]

@@ -24,7 +24,7 @@ class TimeBudget:
     begun: float
 
     def deadline(self, experiments: int, cells: int, start_s: float, rates: Rates) -> float:
-        """When measuring has to stop, so that the last calibration and the reports of so many cells are in time.
+        """The time to stop measuring, so that the last calibration and the reports of so many cells are in time.
 
         Twice what they should take is set aside for them, but at most half of the budget.
         """
@@ -41,7 +41,7 @@ def end_s(experiments: int, cells: int, start_s: float, rates: Rates) -> float:
 
 
 def coarseness(cells: Sequence[Cell]) -> list[int]:
-    """How fine a look at the axes needs each cell of an experiment: 0 for the ends of every axis.
+    """The look at the axes, coarse to fine, that each cell of an experiment belongs to: 0 for the ends of every axis.
 
     1 adds the middle of each, 2 the quarters, and so on. A cell is as fine as the finest of its places.
     """

@@ -1,4 +1,4 @@
-"""How long a run will take, before it starts: from what was measured on the device, else from its calibration. Pure.
+"""Forecasts the time of a run: from what was measured on the device, else from its calibration. Pure.
 
 A cell's time is that of its frames, which the sampling rules bound, and of what surrounds them: shaders to compile,
 images to compare. docs/measurement.md says what each is taken from.
@@ -44,7 +44,7 @@ class Rates:
     round_ns: float = 0.5  # one round of the calibration's arithmetic in one pixel
 
     def around_s(self, stats: SceneStats) -> float:
-        """What surrounds a cell's frames while it is measured."""
+        """The time that surrounds a cell's frames while it is measured."""
         return self.compile_s + self.pixel_s * stats.P + self.store_s
 
     @property
@@ -114,7 +114,7 @@ class Forecast:
                 Record(row["values"].get("fragments") or 0, replace(frame, source=ALIKE)))
 
     def frame(self, cell: Cell, stats: SceneStats) -> FrameTime:
-        """What a frame of the cell should take."""
+        """The time that a frame of the cell should take."""
         known = self._exact.get(_identity(cell.method, cell.params, cell.scene.as_dict()))
         return known or self._alike(cell.method, stats) or self._calibrated(stats)
 

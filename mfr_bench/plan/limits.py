@@ -1,4 +1,4 @@
-"""What a device, a method or a budget forbids, found before anything is allocated."""
+"""The cells that a device, a method or a budget forbids, found before anything is allocated."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Decision = tuple[Literal["unsupported", "over_budget"], str]
 
 @dataclass(frozen=True)
 class Limits:
-    """What a device allows."""
+    """The limits and features of a device."""
 
     features: frozenset[str]
     max_block_bytes: int  # largest shader storage block
@@ -31,7 +31,7 @@ class Limits:
 
 
 def _missing(variant: Variant, limits: Limits) -> list[str]:
-    """What the variant needs and the device lacks; of a number, how large it may be there."""
+    """The first thing that the variant needs and the device lacks; of a number, how large it may be there."""
     found = [limits.lacks(f) for f in variant.method.needs if f not in limits.features]
     for param in variant.acting:
         feature = param.need(variant.params)
@@ -51,7 +51,7 @@ def _most(variant: Variant, param: Param, limits: Limits) -> int | None:
 
 
 def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: Limits | None) -> Decision | None:
-    """Why a cell is not measured, or None. Without limits only the budget is checked."""
+    """The reason why a cell is not measured, or None. Without limits only the budget is checked."""
     variant = catalog[cell.method].variant(cell.params)
     fitted = Fitted(variant, stats)
     if lacks := kind_of(cell.scene).lacks(cell.scene):

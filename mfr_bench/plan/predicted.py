@@ -16,7 +16,7 @@ NOT_TRIED = "--try-hopeless measures it all the same"  # ends the reason of ever
 
 @dataclass(frozen=True)
 class CellOutcome:
-    """How a cell has ended: its status, its median frame and its fastest one, warm-up included, if it has any."""
+    """The end of a cell: its status, its median frame and its fastest one, warm-up included, if it has any."""
 
     cell: Cell
     status: str

@@ -23,7 +23,7 @@ Seconds = dict[str, float]  # by kind: frames that records foretell, frames that
 
 @dataclass
 class TimeLeft:
-    """What the cells of a run have taken and will take. `elapsed_s` of every call counts from the same moment on.
+    """The time that a run's cells have taken and will take. `elapsed_s` of every call counts from the same moment on.
 
     cells: those that are to be measured, by key. end_s: what follows the last of them.
     """
@@ -91,6 +91,6 @@ class TimeLeft:
 
     @property
     def share(self) -> float:
-        """How much of the time that was foretold at the start is over, by the cells that are done."""
+        """The part of the time that was foretold at the start which is over, by the cells that are done."""
         whole_s = sum(self._first_s.values())
         return 1 - sum(self._first_s[key] for key in self._left) / whole_s if whole_s else 1.0

@@ -55,7 +55,7 @@ class FramePass:
 
 @dataclass(frozen=True)
 class FrameStep:
-    """What runs next: a pass by its number, in which iteration, and where to go on once its counting sees none."""
+    """The next step: a pass by its number, in which iteration, and where to go on once its counting sees none."""
 
     step: int
     iteration: int = 0
@@ -165,7 +165,7 @@ def locator(source: StageSource) -> Callable[[int], str]:
 
 
 def record(frame: Frame, only: str | None = None) -> dict:
-    """What the machine reads of a variant, for other tools: passes in order (or those of one name), buffers, params."""
+    """The parts of a variant that the machine reads: passes in order (or those of one name), buffers, params."""
     return {
         "method": frame.variant.method.id, "params": frame.variant.params,
         "passes": [_pass_record(p) for p in _in_order(frame) if only in (None, p.step.name)],

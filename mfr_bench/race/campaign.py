@@ -22,7 +22,7 @@ ACCESS_BITS = 20  # of a choice's key; the bits above are the step of the frame
 
 @dataclass(frozen=True)
 class Found:
-    """What the schedules of all scenes showed, and the first broken promise with the checker that found it."""
+    """The outcome of the schedules of all scenes, and the first broken promise with the checker that found it."""
 
     schedules: int
     seconds: float

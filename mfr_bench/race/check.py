@@ -26,7 +26,7 @@ ROUNDING = 1e-5  # of a channel: what float32 may make of the few fragments of a
 
 @dataclass(frozen=True)
 class How:
-    """How schedules are chosen, and what the machine is like.
+    """The choice of schedules, and the properties of the machine.
 
     warp: lanes of a warp in lockstep, 0 for none. late: branches with a return end where the shader does.
     bound: with `exhaustive`, deviations from running on. dependencies: a load is no older than the load that its
@@ -88,7 +88,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run of schedules showed. `complete`: all schedules within the bound."""
+    """The outcome of a run of schedules. `complete`: all schedules within the bound."""
 
     schedules: int
     seconds: float

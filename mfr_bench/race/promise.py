@@ -1,4 +1,4 @@
-"""What a variant promises of its image in a scene, as the race machine can check it."""
+"""The promise of a variant about its image in a scene, as the race machine can check it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _WITHIN = re.compile(r"up\s+to 1 - `?(\w+)`?")
 
 
 class Kind(Enum):
-    """How an image is judged."""
+    """The way in which an image is judged."""
 
     EXACT = "the image that it promises"
     WITHIN = "an image within the bound that it promises"
@@ -33,7 +33,7 @@ class Promised:
 
 
 def promised(variant: Variant, stats: SceneStats) -> Promised:
-    """What holds of the variant's image, whatever the schedule."""
+    """The promise about the variant's image that holds whatever the schedule."""
     method, weak = variant.method, variant.weaknesses
     if variant.scope.get("sync") == "none":
         return Promised(Kind.NONE)

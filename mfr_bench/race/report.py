@@ -258,7 +258,7 @@ def _end_lines(checker: Checker, failure: Failure) -> Iterator[str]:
 
 
 def record(found: Found) -> dict[str, Any]:
-    """What `race --json` prints."""
+    """The object that `race --json` prints."""
     checker, failure = found.checker, found.failure
     broken = failure is not None and not checker.promises_nothing
     return {

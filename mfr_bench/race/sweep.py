@@ -37,7 +37,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Line:
-    """What became of a job, a line of the table. `code`: hash of the code that ran."""
+    """The outcome of a job, a line of the table. `code`: hash of the code that ran."""
 
     method: str
     params: str  # JSON, of those that are not at their defaults

@@ -77,7 +77,7 @@ def _slots(p: FramePass) -> dict[str, int]:
 
 
 def _locations(p: FramePass) -> dict[str, int]:
-    """By the names of the outputs in the shader. A target of several layers takes as many locations."""
+    """The outputs by their names in the shader. A target of several layers takes as many locations."""
     found, location = {}, 0
     for ref in p.outputs:
         name = base_of(ref)[0]

@@ -67,7 +67,7 @@ SETS = "xyzw", "rgba", "stpq"
 
 @dataclass(frozen=True)
 class Buffered:
-    """What a name means where it is memory: a slot, the element's type, and for a single word its place."""
+    """The meaning of a name that is memory: a slot, the element's type, and for a single word its place."""
 
     slot: str
     element: str  # in C++
@@ -88,7 +88,7 @@ class Sites:
 
 @dataclass(frozen=True)
 class Stage:
-    """What the translator has to know of a stage in addition to its text."""
+    """The facts about a stage that the translator needs in addition to its text."""
 
     number: int  # of the pass
     slots: Mapping[str, int]  # by the name of a storage buffer in this pass
@@ -190,7 +190,7 @@ class Values:
         return any(name in scope for scope in self.scopes)
 
     def buffered(self, e: Expression) -> tuple[Buffered, str, str | None] | None:
-        """Where memory is meant: what it is, its index in C++, and the member of the element."""
+        """The memory that is meant: what it is, its index in C++, and the member of the element."""
         match e:
             case Index(base=Name(name=name), index=index) if name in self.memory and not self._is_local(name):
                 return self.memory[name], f"Uint({self.value(index)})", None

@@ -1,4 +1,4 @@
-"""Which measured method to take: the fastest that keeps an error and a memory budget, and how sure that is."""
+"""Names the measured method to take: the fastest that keeps an error and a memory budget, and how sure that is."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ IDLE_BUDGET = 8  # a memory limit of so many times what anything takes was meant
 
 @dataclass(frozen=True)
 class Bounds:
-    """What an image and its memory may cost; `memory_mib` None is no limit."""
+    """The limits of an image's error and memory; `memory_mib` None is no limit."""
 
     metric: str  # a key of METRICS
     most_error: float
@@ -46,7 +46,7 @@ class Bounds:
 
 @dataclass(frozen=True)
 class Advice:
-    """What the cells of one scene say. `kept` are those within the limits, the fastest first."""
+    """The answer by the cells of one scene. `kept` are those within the limits, the fastest first."""
 
     experiment: str
     device: str
@@ -65,7 +65,7 @@ class Advice:
 
     @property
     def warnings(self) -> list[str]:
-        """Why the answer may have nothing to do with the question."""
+        """The reasons why the answer may not fit the question."""
         used = [p.measure("memory_mib")[1] for p in self.measured if p.measure("memory_mib")[1] is not None]
         limit = self.limits.memory_mib
         if limit is None or not used or max(used) * IDLE_BUDGET > limit:
@@ -130,7 +130,7 @@ def advise(results: Iterable[Result], limits: Bounds, like: Mapping[str, Any] | 
 
 
 def _factor(wanted: Any, here: Any) -> float | None:
-    """How many times a measured value is from the one wanted, at least 1; of viewports by pixels; None for words."""
+    """The factor between a measured value and the one wanted, at least 1; of viewports by pixels; None for words."""
     if isinstance(wanted, tuple) and isinstance(here, tuple) and len(wanted) == len(here) == 2:
         wanted, here = (a * b for a, b in (wanted, here)) if isinstance(wanted[0], int) else map(sum, (wanted, here))
     numbers = all(isinstance(v, (int, float)) and v > 0 for v in (wanted, here))
@@ -138,7 +138,7 @@ def _factor(wanted: Any, here: Any) -> float | None:
 
 
 def _apart(advice: Advice, like: Mapping[str, Any]) -> float:
-    """How far a scene is from the one asked for: doublings of each number, and one for each word that differs."""
+    """The distance of a scene from the one asked for: doublings of each number, and one for each word that differs."""
     total = 0.0
     for name, wanted in like.items():
         here = advice.place.points[0].at(name)

@@ -1,4 +1,4 @@
-"""Where each method breaks along a stressor: the first level at which a cell is not as promised, and how."""
+"""Finds where each method breaks along a stressor: the first level at which a cell is not as promised, and how."""
 
 from __future__ import annotations
 

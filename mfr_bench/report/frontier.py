@@ -1,4 +1,4 @@
-"""What nothing measured beats in both cost and error, scene by scene, and tables of it.
+"""The frontier of cells that none beats in both cost and error, scene by scene, and tables of it.
 
 An error below that of ROUNDING comes from float32 arithmetic: such errors count as equal, so that of exact methods only
 the cheapest stands on a frontier.
@@ -49,7 +49,7 @@ class ScenePoints:
 
 
 def equal(error: str) -> str:
-    """Which errors count as equal, in words."""
+    """The errors that count as equal, in words."""
     return f"errors below {ROUNDING[error]:g} count as equal" if error in ROUNDING else "errors as they are"
 
 

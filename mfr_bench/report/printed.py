@@ -114,7 +114,7 @@ def _alike(row: Printed, point: Point) -> bool:
 
 
 def _scale(row: Printed, points: Sequence[Point]) -> int:
-    """How many times smaller each side is here: the number that most of the quantity's viewports, all scaled, meet."""
+    """The factor by which each side is smaller here: the one that most of the quantity's scaled viewports meet."""
     here = {(p.row["width"], p.row["height"]) for p in points}
     printed = {(r.width, r.height) for r in find(paper=row.paper, quantity=row.quantity) if r.width and r.height}
     met = {scale: sum((w * scale, h * scale) in printed for w, h in here) for scale in range(1, MOST_TIMES + 1)}
@@ -144,13 +144,13 @@ def _places(row: Printed) -> list[str]:
 
 
 def _shared(members: Sequence[Printed]) -> str:
-    """What all of several numbers were printed for."""
+    """The conditions that all of several numbers were printed for."""
     first, *others = map(_places, members)
     return ", ".join(part for part in first if others and all(part in other for other in others))
 
 
 def names(members: Sequence[Printed]) -> list[str]:
-    """For each number what it is of: 'memory · FreePipe · 640×480'; what all of a quantity share is left out."""
+    """The subject of each number: 'memory · FreePipe · 640×480'; what all of a quantity share is left out."""
     of_quantity: dict[str, list[Printed]] = {}
     for row in members:
         of_quantity.setdefault(row.quantity, []).append(row)
@@ -160,7 +160,7 @@ def names(members: Sequence[Printed]) -> list[str]:
 
 
 def here_text(row: Printed, points: Sequence[Point]) -> str:
-    """What was measured of it: one cell's value with its place, or the range of several; empty where nothing was."""
+    """The measured counterpart: one cell's value with its place, or the range of several; empty where nothing was."""
     found = [(HERE[row.quantity](m.point)[1], m) for m in matches(row, points) if m.point.status == "ok"]
     found = [(value, m) for value, m in found if value is not None]
     if not found:

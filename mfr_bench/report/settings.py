@@ -54,7 +54,7 @@ def settings() -> tuple[Setting, ...]:
 
 
 def value_of(key: str, experiment: Experiment, cells: Iterable[Cell]) -> str:
-    """What a config has at a key, each value once in the order of its cells: '4; 8; 16'.
+    """The values that a config has at a key, each value once in the order of its cells: '4; 8; 16'.
 
     Keys are `methods` (their labels), `scene.NAME`, `measure.NAME`, `figure.NAME` (of the first figure),
     `figure.1.NAME` (of the second), `[LABEL] NAME` (a parameter of a series) and `NAME` (one of any method, or r).

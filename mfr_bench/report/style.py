@@ -1,4 +1,4 @@
-"""How figures look: colours, markers, hatches, type sizes. The one place to restyle every figure."""
+"""The look of figures: colours, markers, hatches, type sizes. The one place to restyle every figure."""
 
 from __future__ import annotations
 

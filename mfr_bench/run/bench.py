@@ -1,4 +1,4 @@
-"""What the cells of a process share: the device, the timer, and the receiver of the events of their measurement."""
+"""The bench that the cells of a process share: the device, the timer, and the receiver of events."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class CellWork:
 
     @property
     def share(self) -> float:
-        """How much of the most frames or time that it may take has been taken."""
+        """The share of the frames or the time that it may take which has been taken."""
         return 0.0 if self.done else min(s.share for s in self.samplers)
 
     @property
@@ -172,7 +172,7 @@ class CellWork:
         return found | fragment_shares(self.frame, self.variant, self.scene.shown)
 
     def _details(self) -> dict[str, Any]:
-        """What the record has besides its columns: every sample, the times of passes, buffers, frames, counters."""
+        """The parts of the record that are no columns: every sample, the times of passes, buffers, frames, counters."""
         every = [Fitted(self.variant, stats) for stats in self.scene.frames]
         found = {"warmup_ms": self.sampler.warmup_ms, "samples_ms": self.sampler.samples_ms, "passes": self.passes,
                  "buffers": self.frame.memory_bytes, "frames": frame_values(every)}

@@ -58,7 +58,7 @@ class Race:
             self._end(self._cells[key], reason, finish)
 
     def _rounds(self, race: Elimination, finish: Step) -> str:
-        """Why the rounds ended."""
+        """Draw the rounds, and return why they ended."""
         while race.left and not race.decided:
             if len(race.rounds) >= self._measure.max_samples:
                 return "most samples"

@@ -1,4 +1,4 @@
-"""What the process that measures and its parent say to each other. Plain values, which pickle."""
+"""The messages between the process that measures and its parent. Plain values, which pickle."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Stop:
 
 @dataclass(frozen=True)
 class Go:
-    """What was sent until `Synced` is kept."""
+    """Everything that was sent until `Synced` is kept."""
 
 
 CHECK = "check"  # phase in which the harness compares images: no time of the method, and within none of its limits

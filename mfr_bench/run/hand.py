@@ -1,4 +1,4 @@
-"""What the worker has in hand: the cell and its phase, the time that each cell has taken, and the limits that hold."""
+"""The work that the worker has in hand: the cell and its phase, the time of each cell, and the limits that hold."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SUSPENDED_S = 5.0  # between two looks: it was not the worker that took it
 
 
 class Hand:
-    """What the worker is at, and how long each cell has taken of its time so far."""
+    """The current cell and phase of the worker, and the time that each cell has taken so far."""
 
     def __init__(self, jobs: Mapping[str, Job]):
         self.jobs = jobs

@@ -66,7 +66,7 @@ class Images:
         return len(untied)
 
     def to_keep(self) -> dict[str, np.ndarray]:
-        """What `measure.keep` asks for and the method has, of the last image and the scene on the device."""
+        """The arrays that `measure.keep` asks for and the method has, of the last image and the scene on the device."""
         wanted, truth = self._measure.keep, self._scene.truth
         found = {}
         if "fragments" in wanted:

@@ -1,4 +1,4 @@
-"""What of a run is done and where it is kept: rows that experiments may share, samples of unfinished cells."""
+"""The ledger of a run: what is done and where it is kept, rows that experiments may share, unfinished samples."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Ledger:
                 self._done(sheet, job, row)
 
     def groups(self, coarse_first: bool = False) -> list[list[Job]]:
-        """What is to be measured, each key once: the cells of a scene together, small scenes before large ones.
+        """The jobs to measure, each key once: the cells of a scene together, small scenes before large ones.
 
         With `coarse_first`, every experiment gets its coarse points before any gets finer ones.
         """
@@ -118,7 +118,7 @@ class Ledger:
                 journal.sync()
 
     def predicted_timeout(self, job: Job) -> str | None:
-        """Why a cell would take longer than it may, by what smaller ones took, or None."""
+        """The reason why a cell would take longer than it may, by what smaller ones took, or None."""
         return predicted_timeout(job.cell, self._outcomes)
 
     def write(self, job: Job, finished: Finished) -> None:

@@ -28,7 +28,7 @@ LIVE_SHARE = 0.5  # of the memory that the process may take, at most, for the sa
 
 
 def _deadlines(jobs: Sequence[Job]) -> tuple[float, float]:
-    """When, on the monotonic clock, the cells of a scene must be prepared, and when the rounds of an elimination end.
+    """The times of the monotonic clock by which a scene's cells must be prepared, and the rounds of an elimination end.
 
     The time limits of the cells are pooled. Without elimination there is no such deadline.
     """

@@ -31,7 +31,7 @@ def _machine() -> float:
 
 
 def _container() -> float:
-    """By version 2 of control groups; the group of a container appears as the root."""
+    """The limit by version 2 of control groups; the group of a container appears as the root."""
     with suppress(OSError, ValueError):
         return float((GROUP / "memory.max").read_text()) - float((GROUP / "memory.current").read_text())
     return float("inf")

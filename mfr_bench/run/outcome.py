@@ -1,4 +1,4 @@
-"""What a cell ends as: its status with the reason, and the values of its row that are not sampled."""
+"""The end of a cell: its status with the reason, and the values of its row that are not sampled."""
 
 from __future__ import annotations
 
@@ -45,12 +45,12 @@ def failure(error: Exception) -> tuple[str, str]:
 
 
 def scene_values(fitted: Fitted) -> dict[str, Any]:
-    """What is known of a cell without running it."""
+    """The values of a cell that are known without running it."""
     return _counts(fitted) | {"memory_model_bytes": fitted.model_bytes()}
 
 
 def frame_values(frames: list[Fitted]) -> list[dict[str, Any]]:
-    """What a cell met and chose in each frame; empty where frames neither differ nor the method chooses."""
+    """The fragments and the chosen k of each frame; empty if frames do not differ and the method chooses none."""
     if len(frames) == 1 and frames[0].decision() is None:
         return []
     return [{"frame": i, **_counts(fitted), "kept": fitted.kept(), "histogram": list(fitted.stats.histogram)}

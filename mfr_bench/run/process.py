@@ -89,7 +89,7 @@ class Worker:
         return self.process.poll()
 
     def _end(self) -> Cause:
-        """Why it ended."""
+        """The status and reason for which the process ended."""
         status = self._wait()
         if self._cause or status is None:
             return self._cause or ("crashed", "it does not end")

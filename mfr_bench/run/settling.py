@@ -42,7 +42,7 @@ Settled = Kept | Copied | LeftOut
 
 def settled(sheets: Sequence[Sheet], elsewhere: Iterable[ResultFolder] = (), force: bool = False,
             keep_failed: bool = False, try_hopeless: bool = False) -> list[dict[str, Settled]]:
-    """For each sheet the cells, by key, that need no measuring; with `force` none.
+    """The cells of each sheet, by key, that need no measuring; with `force` none.
 
     elsewhere: folders whose cells may be copied. Nothing is written.
     """

@@ -1,4 +1,4 @@
-"""What primitives look like: their colours and opacities, 8 bits a channel, straight alpha."""
+"""The look of primitives: their colours and opacities, 8 bits a channel, straight alpha."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the quads of each layout go, and their depths.
+"""Places the quads of each layout, and gives them depths.
 
 Depths lie on multiples of 2**-23 in (0, 1): float32 holds them exactly, so do 2d - 1 (the normalized
 device depth) and the way back, and no two quads of a scene share one.

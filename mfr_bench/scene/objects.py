@@ -1,4 +1,4 @@
-"""What the stand-ins for the papers' meshes share: their place on the screen, and their motion.
+"""The common parts of the stand-ins for the papers' meshes: their place on the screen, and their motion.
 
 An object is made of `depth_complexity` layers. A layer covers a pixel once at most, and every layer covers the middle
 of the viewport, so that the maximum is the number of layers; how much the layers leave bare gives the mean.
@@ -21,7 +21,7 @@ def half_block(config: Scene) -> np.ndarray:
 
 
 def approach(frame: int) -> float:
-    """How far an animation's camera has come, from 0 to 1 and back over a cycle."""
+    """The way that an animation's camera has come, from 0 to 1 and back over a cycle."""
     step = frame % CYCLE
     return min(step, CYCLE - step) / (CYCLE / 2)
 

@@ -1,4 +1,4 @@
-"""Where a scene's primitives can be on the screen, and how many can meet in a pixel, found without drawing."""
+"""Bounds where a scene's primitives can be on the screen, and how many can meet in a pixel, found without drawing."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ class Polylines:
 
     @cached_property
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Of each piece the index of its first point, and the number of its polyline: int64, both."""
+        """The index of each piece's first point, and the number of its polyline: int64, both."""
         line = np.repeat(np.arange(len(self.lengths)), self.lengths)
         first = np.flatnonzero(line[1:] == line[:-1])
         return first, line[first]

@@ -80,7 +80,7 @@ class Quads(Primitives):
         return self.keep_threshold < 2**32 or self.least > 0
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What `mfr-bench scene` writes."""
+        """The arrays that `mfr-bench scene` writes."""
         return {"rect": self.rect, "depth": self.depth, "rgba": self.rgba}
 
     def kept(self, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""What a config asks of a scene to put methods under stress: depths, opacities and edges at their extremes."""
+"""The changes to a scene by which a config puts methods under stress: depths, opacities and edges at their extremes."""
 
 from __future__ import annotations
 

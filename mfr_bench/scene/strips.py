@@ -31,7 +31,7 @@ class Strips(Cornered):
     triangles_each: ClassVar[int] = 2
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What `mfr-bench scene` writes."""
+        """The arrays that `mfr-bench scene` writes."""
         return {"position": self.position, "rgba": self.rgba}
 
 

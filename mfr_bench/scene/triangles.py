@@ -30,7 +30,7 @@ class Triangles(Cornered):
         return len(self.opaque) > 0
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What `mfr-bench scene` writes: corners in pixels and window depth, colours, objects."""
+        """The arrays that `mfr-bench scene` writes: corners in pixels and window depth, colours, objects."""
         corners = self.position.astype(np.float64)
         window = (corners[..., :3] / corners[..., 3:] + 1.0) / 2.0 * [*self.viewport, 1.0]
         return {"position": window.astype(np.float32), "rgba": self.rgba, "object": self.object}

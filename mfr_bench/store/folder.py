@@ -19,7 +19,7 @@ from .record import KEY_FILE, SCHEMA, Cell, decoded, fault, is_cell_file, parsed
 
 
 def _holder(handle: int) -> str:
-    """Who has the lock on an open folder, as far as the kernel tells."""
+    """The process that has the lock on an open folder, as far as the kernel reports it."""
     inode = os.fstat(handle).st_ino
     with suppress(OSError):
         for line in Path("/proc/locks").read_text().splitlines():
@@ -50,7 +50,7 @@ class ResultFolder:
         return self.path / "cells.zip"
 
     def arrays_path(self, key: str) -> Path:
-        """Where a cell keeps arrays, if it does, unless they are packed."""
+        """The path of a cell's arrays, if it has any and they are not packed."""
         return self.cells_path / f"{key}.npz"
 
     @property
@@ -256,7 +256,7 @@ class ResultFolder:
         self._damaged.pop(path, None)
 
     def manifest(self) -> dict[str, Any]:
-        """What manifest.json holds; empty where there is none that can be used."""
+        """The content of manifest.json; empty if there is none that can be used."""
         path = self.path / "manifest.json"
         try:
             manifest = read(path)

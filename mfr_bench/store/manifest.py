@@ -1,4 +1,4 @@
-"""What a manifest may hold, as far as anything reads it: another program, or a hand, may have left other things."""
+"""The types of a manifest's entries, as far as anything reads them: a program or a hand may have left others."""
 
 from __future__ import annotations
 

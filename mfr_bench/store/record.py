@@ -151,7 +151,7 @@ def _fits(column: Column, value: Any) -> bool:
 
 
 def fault(cell: Any) -> str | None:
-    """What keeps `cell` from being a cell record of this schema, or None."""
+    """The fault that keeps `cell` from being a cell record of this schema, or None."""
     if not isinstance(cell, dict):
         return "not a cell record"
     for name, kind in REQUIRED.items():
@@ -166,7 +166,7 @@ def fault(cell: Any) -> str | None:
 
 
 def _wrong_values(cell: Cell) -> str | None:
-    """What keeps a cell's values from being those of their columns, or None."""
+    """The fault that keeps a cell's values from being those of their columns, or None."""
     wrong = [column for name, column in columns.VALUES.items() if not _fits(column, cell["values"].get(name))]
     if wrong:
         return f"values.{wrong[0].name}: not of type {wrong[0].type}, or negative"
@@ -176,7 +176,7 @@ def _wrong_values(cell: Cell) -> str | None:
 
 
 def _wrong_parts(cell: Cell) -> str | None:
-    """What keeps a cell's parameters, place and other parts from being such, or None."""
+    """The fault of a cell's parameters, place or other parts, or None."""
     params, point = cell["params"], cell["point"]
     wrong = [f"params.{name}" for name, value in params.items()
              if not isinstance(value, (str, bool)) and not is_number(value)]
@@ -197,7 +197,7 @@ def _wrong_parts(cell: Cell) -> str | None:
 
 
 def _wrong_lists(cell: Cell) -> str | None:
-    """What keeps a cell's measurements, passes and frames from being such, or None."""
+    """The fault of a cell's measurements, passes or frames, or None."""
     if not all(is_samples(cell.get(name) or []) for name in ("warmup_ms", "samples_ms")):
         return "samples: not a list of numbers"
     passes, frames = cell.get("passes") or {}, cell.get("frames") or []

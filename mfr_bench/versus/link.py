@@ -23,7 +23,7 @@ END_S = 5.0  # for a process to end by itself
 
 
 class SideError(Exception):
-    """What a side could not do, in one line; `dead` where its process is gone, too."""
+    """The failure of a side, in one line; `dead` where its process is gone, too."""
 
     def __init__(self, text: str, dead: bool = False):
         super().__init__(text)
@@ -70,7 +70,7 @@ class Link:
         return line
 
     def _last_words(self) -> str:
-        """How the process ended, and the last line that it printed."""
+        """The way that the process ended, and the last line that it printed."""
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(END_S)
         self._log.seek(0)

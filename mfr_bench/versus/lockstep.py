@@ -35,7 +35,7 @@ Identity = str
 
 @dataclass(frozen=True)
 class Ask:
-    """What both sides are asked to measure. `seconds`: of a cell in a round, about."""
+    """The task that both sides are asked to measure. `seconds`: of a cell in a round, about."""
 
     config: str
     profile: str | None = None

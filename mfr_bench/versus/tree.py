@@ -32,7 +32,7 @@ class Tree:
 
     @property
     def environment(self) -> Mapping[str, str]:
-        """What the process of the tree gets in addition to this one's environment."""
+        """The variables that the process of the tree gets in addition to this one's environment."""
         if self.program:
             return {}
         others = os.environ.get(VARIABLE)

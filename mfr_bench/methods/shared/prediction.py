@@ -1,4 +1,4 @@
-"""How many layers a k-buffer should keep, from the depth-complexity histogram of the frame (kplus_2015 §4.2)."""
+"""Predicts how many layers a k-buffer should keep, from the frame's depth-complexity histogram (kplus_2015 §4.2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a method gets to know for how many fragments it needs room: grown, counted, decided or planned."""
+"""The ways in which a method learns for how many fragments it needs room: grown, counted, decided or planned."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Counted:
 
 @dataclass(frozen=True)
 class Choice:
-    """What the host sets inside a frame: fragments kept per pixel, and elements for all that are kept."""
+    """The values that the host sets inside a frame: fragments kept per pixel, and elements for all that are kept."""
 
     k: int
     capacity: int
@@ -63,7 +63,7 @@ class Decided:
 
 @dataclass(frozen=True)
 class Known:
-    """What a host knows before it draws a frame: its geometry, and what it counted in the frame before."""
+    """The facts that a host knows before it draws a frame: its geometry, and what it counted in the frame before."""
 
     layers: int  # most fragments that a pixel can have by the geometry
     area: int  # pixels of the rectangle that bounds the geometry on the screen
@@ -83,7 +83,7 @@ class Known:
 
 @dataclass(frozen=True)
 class Plan:
-    """How a frame is drawn: which passes run, and room for how many elements; None: counted within the frame.
+    """The plan of a frame: which passes run, and room for how many elements; None: counted within the frame.
 
     `banded`: the budget may not hold all elements at once, so that loops over bands run. `cut_off`: what lies behind a
     depth that an earlier pass finds for each pixel is left out.

@@ -74,7 +74,7 @@ class Fitted:
     # --- what the host decides ---
 
     def decision(self) -> Choice | None:
-        """What the host will choose in the scene, or None where nothing is chosen."""
+        """The choice that the host will make in the scene, or None if it makes none."""
         decided, stats = self.variant.method.capacity, self.stats
         if not isinstance(decided, Decided):
             return None
@@ -163,7 +163,7 @@ class Fitted:
 
     @cached_property
     def _values(self) -> Params:
-        """What resource formulas see: the parameters, and the k that the host chooses."""
+        """The names that resource formulas see: the parameters, and the k that the host chooses."""
         decision = self.decision()
         return {**self.scope, "k": decision.k} if decision else self.scope
 

@@ -133,7 +133,7 @@ class Variant:
 
     @cached_property
     def steps(self) -> tuple[Pass | Loop, ...]:
-        """What runs with these parameters, in order. The passes are the same objects each time."""
+        """The steps that run with these parameters, in order. The passes are the same objects each time."""
         found: list[Pass | Loop] = []
         for step in self.method.steps:
             if isinstance(step, Loop):
@@ -185,7 +185,7 @@ class Variant:
 
     @property
     def guarantee(self) -> Guarantee:
-        """What the method promises with these parameters."""
+        """The guarantee of the method with these parameters."""
         promised = self.method.guarantee
         if promised == "none":
             return promised

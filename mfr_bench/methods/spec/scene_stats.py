@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class SceneStats:
-    """What a frame needs to know of its scene. Counts are of fragments unless said otherwise."""
+    """The statistics of a scene that a frame needs. Counts are of fragments unless said otherwise."""
 
     W: int  # viewport width, pixels
     H: int  # viewport height, pixels

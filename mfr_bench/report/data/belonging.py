@@ -1,4 +1,4 @@
-"""Which cells of a folder its config has: one that was changed since leaves rows that no longer belong to it."""
+"""Finds the cells of a folder that its config has: a config changed since leaves rows that belong to it no longer."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ WORDS = {True: "on", False: "off"}  # as YAML reads them
 
 
 class Config:
-    """What a manifest says of the cells of its config. One that does not list its methods has every cell."""
+    """The statement of a manifest about the cells of its config. One that does not list its methods has every cell."""
 
     def __init__(self, manifest: Mapping[str, Any]):
         self._planned = set(manifest.get("cells") or ())

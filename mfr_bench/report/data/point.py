@@ -101,7 +101,7 @@ class Point:
         return next((self.passes_ms[name] for name in names if name in self.passes_ms), NOTHING)
 
     def shown(self, name: str) -> Interval:
-        """What a figure of the measure shows of the point."""
+        """The value and interval that a figure of the measure shows."""
         return self.measure(name) if self.drawn is None else self.drawn
 
     @cached_property

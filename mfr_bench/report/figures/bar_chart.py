@@ -89,7 +89,7 @@ class Segment:
 
 @dataclass(frozen=True)
 class Chart:
-    """What a figure of bars shows: `legend` maps names to colours, `hatches` labels to patterns."""
+    """The content of a figure of bars: `legend` maps names to colours, `hatches` labels to patterns."""
 
     result: Result
     options: Options
@@ -118,7 +118,7 @@ class Chart:
         return sorted({p.floor["values"]["time_ms"] for p in points if p.floor and is_drawn(p, self.y)})
 
     def above(self, point: Point, top: float) -> tuple[float, float]:
-        """Where a bar's number stands, and by how many points above: on its top, or on a mark that would hide it."""
+        """The height of a bar's number, and its points above: on the top, or on a mark that would hide it."""
         low, high = self.limits
         share = (lambda v: math.log(v / low) / math.log(high / low)) if self.log else lambda v: v / high
         hiding = [mark.value for mark in self.marks if mark.point is point and mark.value > 0
@@ -280,7 +280,7 @@ def _totals(axes: Axes, slots: Sequence[Slot], chart: Chart) -> None:
 
 
 def _sign(axes: Axes, slot: Slot) -> None:
-    """Why there is no bar, or a pale one, in words, at its base."""
+    """Writes why there is no bar, or a pale one, at its base."""
     text = slot.point.sign if slot.point is not None and slot.point.status != "ok" else UNMEASURED
     wrong = slot.point is not None and slot.point.ending.image == "wrong"
     axes.text(slot.x, 0.02, text, transform=axes.get_xaxis_transform(), rotation=90, ha="center", va="bottom",

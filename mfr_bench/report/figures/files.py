@@ -41,7 +41,7 @@ def write_figures(folder: ResultFolder, processes: int = 1) -> list[Path]:
 
 def write_all(folders: Sequence[ResultFolder],
               processes: int | None = None) -> Iterator[tuple[list[Path], list[str]]]:
-    """For each folder the files of its figures, written, and what of it could not be used. Raises StoreError.
+    """Writes the figures of each folder; returns their files, and what could not be used. Raises StoreError.
 
     Forked processes draw a folder each, as many at a time as there are cores; not where the process holds a GL context.
     """
@@ -74,7 +74,7 @@ def write_together(folders: Sequence[ResultFolder], target: Path) -> list[Path]:
 
 
 def figure_paths(result: Result) -> list[Path]:
-    """Where the PNG file of each of the result's figures stands, in their order, whether or not it is there."""
+    """The path of the PNG file of each of the result's figures, in their order, whether or not it is there."""
     return [stem.with_name(f"{stem.name}.png") for stem in _stems(result, result.folder.path / "figures")]
 
 

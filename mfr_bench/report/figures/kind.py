@@ -1,4 +1,4 @@
-"""What a kind of figure declares of itself: the keys of its entry in a config, and what its x and y may be.
+"""The declaration of a kind of figure: the keys of its entry in a config, and what its x and y may be.
 
 A kind is a file of `kinds/` with a `KIND` and a function `draw(result, options)`; its name is the file's. Configs are
 checked against the declaration, so that this module and the files of `kinds/` load no matplotlib before they draw.

@@ -1,4 +1,4 @@
-"""Which points a figure shows, by panel and by label."""
+"""Selects the points that a figure shows, by panel and by label."""
 
 from __future__ import annotations
 

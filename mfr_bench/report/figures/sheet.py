@@ -130,7 +130,7 @@ def sheet_of(result: Result, options: Options, notes: Iterable[str], width: floa
 
 
 def _on_races(result: Result, options: Options) -> str:
-    """Why errors that a paper's GPU shows do not show here."""
+    """The reason why errors that a paper's GPU shows do not show here."""
     device = result.manifest.get("device") or {}
     renderer = device.get("renderer") if isinstance(device, Mapping) else device
     shows_errors = options.get("kind") != "pareto" and options.get("y") in (*names(COLUMNS, "error"), *ERROR_ARRAYS)

@@ -1,4 +1,4 @@
-"""What a field of a table says of a point: its time, ratios of it, its memory."""
+"""The fields of a table for a point: its time, ratios of it, its memory."""
 
 from __future__ import annotations
 

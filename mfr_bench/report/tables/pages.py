@@ -84,7 +84,7 @@ def terminal_table(folder: ResultFolder, width: int = WIDTH) -> str:
 
 
 def breaking_text(folder: ResultFolder, width: int = WIDTH) -> str:
-    """What `stress` prints of a folder: where each method breaks."""
+    """The text that `stress` prints of a folder: where each method breaks."""
     result = data.load(folder)
     parts = [_head(result, width)]
     parts += ["\n".join([grid.title, "\n\n".join(chunk.text() for chunk in grid.chunks(width))])

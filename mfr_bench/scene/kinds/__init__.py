@@ -37,7 +37,7 @@ def owners(key: str) -> list[str]:
 
 
 def faults(scene: CommonKeys) -> list[Fault]:
-    """What is wrong with a scene whose values are each allowed: keys of other kinds, and the rules of its kind."""
+    """The faults of a scene whose values are each allowed: keys of other kinds, and the rules of its kind."""
     return [*_keys_of_other_kinds(scene), *kind_of(scene).faults(scene)]
 
 

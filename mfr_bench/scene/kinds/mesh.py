@@ -32,7 +32,7 @@ class Fit:
 
 @dataclass(frozen=True, kw_only=True)
 class View:
-    """Where a mesh is seen from.
+    """The direction that a mesh is seen from.
 
     direction: where the eye looks; up is +y (for -y and +y: -z). eye and target: two points instead; perspective only.
     fit: true shows all of the mesh with a margin; a box, orthographic only, shows exactly that. field: of view from

@@ -50,7 +50,7 @@ def needle_fill(scene: CommonKeys) -> float:
 
 
 def _beyond(scene: CommonKeys) -> float:
-    """What needles cover, as a multiple of the silhouette that their middles keep to: three tenths beyond its edge."""
+    """The area that needles cover, over the silhouette that their middles keep to: three tenths beyond its edge."""
     w, h = block(scene.size, scene.pixel_density)
     edge = w + 2 * math.sqrt(h * h + w * w / 4)
     return 1 + 0.3 * NEEDLE_LENGTH * needle_width(scene) * edge / (TREE * w * h)

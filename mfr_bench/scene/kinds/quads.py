@@ -55,7 +55,7 @@ class QuadKeys:
 
 @lru_cache(maxsize=256)
 def tiles(size: tuple[int, int], density: float, seed: int) -> tuple[int, int]:
-    """How many hashed tiles bring their area nearest to density·W·H, and that area in pixels."""
+    """The number of hashed tiles that brings their area nearest to density·W·H, and that area in pixels."""
     width, height = size
     target = density * width * height
     areas = [w * h for h in _cuts(height) for w in _cuts(width)]

@@ -44,7 +44,7 @@ class Package:
 
     @property
     def folder(self) -> Path:
-        """Where its meshes are kept."""
+        """The folder in which its meshes are kept."""
         return meshes_dir() / f"{self.name}-{self.version}"
 
     @property

@@ -1,4 +1,4 @@
-"""Where a mesh stands on the screen: an orthographic or perspective camera in float64.
+"""Places a mesh on the screen: an orthographic or perspective camera in float64.
 
 The camera has the axes right, up and forward. Along `direction`, up is +y (for +y and -y: -z), so that looking along
 -z shows +x to the right, and what has a larger z is nearer. Window depths of a mesh lie in [1/2, 1), as those of

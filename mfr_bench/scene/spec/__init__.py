@@ -1,1 +1,1 @@
-"""What a kind of scene is declared with: types of values, the class of a kind, where primitives go, expected counts."""
+"""The parts of a declared kind of scene: types of values, the class of a kind, where primitives go, expected counts."""

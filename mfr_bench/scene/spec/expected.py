@@ -1,4 +1,4 @@
-"""How many pixels should have how many fragments, where chance decides: distributions without making a scene."""
+"""Expects how many pixels have how many fragments, if chance decides: distributions without making a scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a kind of scene declares: its keys and their rules, what can be counted without making it, its words."""
+"""The declaration of a kind of scene: its keys and their rules, what can be counted without making it, its words."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class FileKeys:
 
 @dataclass(frozen=True, kw_only=True)
 class NoKeys:
-    """For a kind without keys of its own."""
+    """The keys of a kind that has none of its own."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class Kind:
         return f"in kind {self.name}"
 
     def faults(self, scene: CommonKeys) -> list[Fault]:
-        """What is wrong with values that are each allowed."""
+        """The faults of values that are each allowed."""
         first = [fault for rule in (*self.rules, self._unknown_word, self._no_use) if (fault := rule(scene))]
         if self.measured:
             return first  # nothing is counted before the scene is made
@@ -143,11 +143,11 @@ class Kind:
         return [*(fault for fault in found if fault), *first]
 
     def lacks(self, scene: CommonKeys) -> str | None:
-        """What the scene needs and this machine has not, with how to get it; None where nothing is missing."""
+        """The file or package that the scene needs and the machine lacks, with how to get it; None if there is none."""
         return None
 
     def record(self, scene: CommonKeys) -> dict[str, Any]:
-        """What a record of the scene has in addition to its keys, or instead of them."""
+        """The values that a record of the scene has in addition to its keys, or instead of them."""
         return {}
 
     def _unknown_word(self, scene: CommonKeys) -> Fault | None:

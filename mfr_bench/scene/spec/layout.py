@@ -1,4 +1,4 @@
-"""Where primitives go: the block in the middle, and how unevenly layers cover it.
+"""Places primitives: the block in the middle, and how unevenly layers cover it.
 
 Only additions, multiplications, divisions and square roots, which every machine rounds alike.
 """

@@ -24,7 +24,7 @@ class Allowed:
 
 
 class OneOrTwo(Allowed):
-    """For a pair that may be written as the one value that both are."""
+    """The type of a pair that may be written as the one value that both are."""
 
     def __get_pydantic_core_schema__(self, source, handler):
         from pydantic_core import core_schema  # only who validates pays for it

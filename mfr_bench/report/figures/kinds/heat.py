@@ -49,7 +49,7 @@ def draw(result: Result, options: Options) -> Figure:
 
 @dataclass(frozen=True)
 class Heat:
-    """What the figure shows: the points of the methods picked, or of the first of the config."""
+    """The content of the figure: the points of the methods picked, or of the first of the config."""
 
     result: Result
     options: Options
@@ -164,7 +164,7 @@ class Heat:
         return [text, *self._who()]
 
     def _who(self) -> list[str]:
-        """How often each other method is the fastest of them."""
+        """The number of times that each other method is the fastest of them."""
         best: dict[str, int] = {}
         for p in self.points:
             if p.cell["key"] in self.values and (rival := self.best(p)):

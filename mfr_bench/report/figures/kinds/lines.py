@@ -72,7 +72,7 @@ def draw(result: Result, options: Options) -> Figure:
 
 @dataclass(frozen=True)
 class LineChart:
-    """What a figure of lines shows, in any number of panels."""
+    """The content of a figure of lines, in any number of panels."""
 
     result: Result
     options: Options

@@ -62,7 +62,7 @@ def draw(result: Result, options: Options) -> Figure:
 
 @dataclass(frozen=True)
 class Maps:
-    """What a figure of maps shows; every panel has the same scale of colours."""
+    """The content of a figure of maps; every panel has the same scale of colours."""
 
     result: Result
     options: Options

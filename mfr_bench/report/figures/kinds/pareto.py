@@ -65,7 +65,7 @@ def draw(result: Result, options: Options) -> Figure:
 
 @dataclass(frozen=True)
 class FrontierChart:
-    """What a figure shows, in any number of panels."""
+    """The content of a figure, in any number of panels."""
 
     result: Result
     options: Options

@@ -1,4 +1,4 @@
-"""Where each method's work goes, and which of the device's limits binds it."""
+"""Shows where each method's work goes, and which of the device's limits binds it."""
 
 from __future__ import annotations
 
@@ -129,7 +129,7 @@ def totals(work: Mapping[str, Mapping[str, int]]) -> dict[str, int]:
 
 
 def _spread(counts: Mapping[str, int]) -> dict[str, float]:
-    """Where each marker stands within its row, in rows: counts that would hide each other one above the other."""
+    """The height of each marker within its row, in rows: counts that would hide each other one above the other."""
     groups: list[list[str]] = []
     for name in sorted(counts, key=lambda name: counts[name]):
         near = groups and counts[name] < NEAR * counts[groups[-1][-1]]
