@@ -84,9 +84,19 @@ class Commands(click.Group):
 click.Context.formatter_class = Formatter
 
 
+def _print_man(context: click.Context, parameter: click.Parameter, asked: bool) -> None:
+    if asked:
+        from .man import page
+
+        say(page(context.command).rstrip("\n"))
+        context.exit()
+
+
 @click.group(cls=Commands, epilog=EPILOG, invoke_without_command=True,
              context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, prog_name="mfr-bench")
+@click.option("--man", is_flag=True, is_eager=True, expose_value=False, callback=_print_man,
+              help="Print the manual page: man -l <(mfr-bench --man).")
 @click.pass_context
 def cli(context: click.Context) -> None:
     """Benchmark of multi-fragment rendering: A-buffers, k-buffers, depth peeling, on your own GPU.

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from .options import FOLDERS, JSON, JUNIT, OUTSIDE, SUMMARY, OutPath
+from .options import FOLDERS, JSON, JUNIT, OUTSIDE, SUMMARY, OneOf, OutPath
 from .output import append_text, note, say, width, write_text
 
 
@@ -53,12 +53,77 @@ def hand_over(results, as_json: bool, junit: str | None, summary: str | None) ->
         append_text(summary, "\n".join(markdown(data.load(folder)) for folder in results))
 
 
+def _inches(context, param, value: str | None) -> float | None:
+    """A length as 89mm, 18cm, 3.5in or 250pt, in inches."""
+    units = {"mm": 1 / 25.4, "cm": 1 / 2.54, "in": 1.0, "pt": 1 / 72.27}
+    try:
+        inches = None if value is None else float(value[:-2]) * units[value[-2:]]
+    except (KeyError, ValueError):
+        inches = 0.0
+    if inches is not None and not 1 <= inches <= 100:
+        raise click.BadParameter(f"{value!r} is no width; allowed: 1in to 100in, as 89mm, 18cm, 3.5in or 250pt")
+    return inches
+
+
+def _formats(context, param, value: str | None) -> tuple[str, ...] | None:
+    from ..errors import one_of
+
+    allowed = ("png", "svg", "pdf", "pgf")
+    found = None if value is None else tuple(dict.fromkeys(name.strip() for name in value.split(",")))
+    for name in found or ():
+        if name not in allowed:
+            raise click.BadParameter(f"{name!r} is no format; {one_of(name, allowed)}")
+    return found
+
+
+def _look(name: str | None, width_in: float | None, font_pt: float | None, dpi: float | None,
+          formats: tuple[str, ...] | None):
+    """The look that the options ask for; None without a style. Raises UsageError where it cannot be had."""
+    from dataclasses import replace
+
+    from ..errors import UsageError
+    from ..report.look import STYLES
+
+    given = {"width_in": width_in, "font_pt": font_pt, "dpi": dpi, "formats": formats}
+    chosen = {key: value for key, value in given.items() if value is not None}
+    if name is None:
+        if chosen:
+            raise UsageError("plot: --width, --font-size, --dpi and --format are of a --style; allowed: --style paper "
+                             "or --style slides with them")
+        return None
+    look = replace(STYLES[name], **chosen)
+    if look.font_pt > look.largest_font_pt:
+        raise UsageError(f"plot: labels of {look.font_pt:g} points in figures of {look.width_in:.3g} inches; allowed: "
+                         f"--font-size up to {look.largest_font_pt:.2g}, or a larger --width")
+    return look
+
+
+def _plot_scaled(results, look) -> None:
+    from ..report import write_scaled
+
+    for folder in results:
+        for path in write_scaled(folder, look):
+            say(path)
+        for line in folder.damaged:
+            note(line)
+
+
 @click.command()
 @FOLDERS
 @click.option("--together", metavar="OUT", type=OutPath(file_okay=False),
               help="Draw each experiment that several results hold once, device beside device, into OUT.")
+@click.option("--style", "look", type=OneOf(("paper", "slides")), help="Draw for a paper or for slides, into "
+              "figures/paper or figures/slides. paper: 7.2in wide, labels of 8 points, as pdf, pgf and png. slides: "
+              "12in, 16 points, as png, svg and pdf.")
+@click.option("--width", "width_in", metavar="LENGTH", callback=_inches, help="Of --style: the width of every figure, "
+              "as 89mm, 18cm or 3.5in.")
+@click.option("--font-size", "font_pt", type=click.FloatRange(3, 60), help="Of --style: the size of labels in every "
+              "figure, in points; other texts keep their ratio to it.")
+@click.option("--dpi", type=click.FloatRange(30, 2400), help="Of --style: dots per inch of png, and of images in pdf.")
+@click.option("--format", "formats", metavar="F,...", callback=_formats, help="Of --style: png, svg, pdf, pgf.")
 @OUTSIDE
-def plot(folders: tuple[str, ...], together: str | None) -> None:
+def plot(folders: tuple[str, ...], together: str | None, look: str | None, width_in: float | None,
+         font_pt: float | None, dpi: float | None, formats: tuple[str, ...] | None) -> None:
     """Draw the figures of all results at or below DIR again.
 
     They go into the folders of the results, which are listed first where there are several.
@@ -66,10 +131,14 @@ def plot(folders: tuple[str, ...], together: str | None) -> None:
     \b
     Examples: mfr-bench plot results/nvidia-h200/smoke
               mfr-bench plot results --together results/devices
+              mfr-bench plot results --style paper --width 89mm --font-size 6
     """
     from ..report import write_all, write_together
 
     results = _results(folders)
+    if look := _look(look, width_in, font_pt, dpi, formats):
+        _plot_scaled(results, look)
+        return
     if together is None:
         _announce(results)
     notes: list[str] = []
@@ -102,8 +171,10 @@ def _print_columns(context: click.Context, parameter: click.Parameter, asked: bo
 @JUNIT
 @SUMMARY
 @JSON
+@click.option("--latex", is_flag=True, help="Write tables/cells.tex and cells.csv too: every measured cell, for "
+              "booktabs and siunitx.")
 @OUTSIDE
-def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_json: bool) -> None:
+def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_json: bool, latex: bool) -> None:
     """Print the tables of all results at or below DIR.
 
     Writes them again, too, with results.csv and passes.csv, into the folders of the results, which are listed first
@@ -123,6 +194,14 @@ def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_j
     hand_over(results, as_json, junit, summary)
     for folder in results:  # after all are shown: a folder may be there only to be read
         write_tables_of(folder)
+        for path in _for_paper(folder) if latex else ():
+            note(path)
+
+
+def _for_paper(folder) -> list[Path]:
+    from ..report import write_for_paper
+
+    return write_for_paper(folder)
 
 
 @click.command()

@@ -33,6 +33,7 @@ FILES = """
 | `tables/results.md` | the tables that `mfr-bench table` prints, and the pass times |
 | `tables/summary.csv` | a row per cell that the config has, by label and place on each axis: what tables show |
 | `tables/pass_times.csv` | a row per such cell, a column per pass: median times in ms |
+| `tables/cells.tex`, `cells.csv` | by `table --latex`: a row per measured cell, for booktabs and siunitx |
 | `figures/<name>.png`, `.svg` | the figures that the config asks for, numbered where there are several |
 
 A cell whose scene moves, or whose method chooses k from the scene, has `frames` in its file. For each of them:

@@ -7,10 +7,12 @@
     checks   tables of images, of what breaks, of the paper's numbers
     pages    all tables as text, and as results.md
     files    the files in tables/
+    paper    the same for a paper: LaTeX, and CSV for siunitx
 """
 
 from .files import write_tables
 from .grid import Grid
 from .pages import WIDTH, breaking_text, markdown, terminal_table
+from .paper import write_for_paper
 
-__all__ = ["WIDTH", "Grid", "breaking_text", "markdown", "terminal_table", "write_tables"]
+__all__ = ["WIDTH", "Grid", "breaking_text", "markdown", "terminal_table", "write_for_paper", "write_tables"]
