@@ -25,11 +25,36 @@ def test_the_readme_names_every_command_and_counts_right():
     assert [name for name in cli.commands if f"\nmfr-bench {name} " not in text] == []
 
 
+def prose(text):
+    """A page without its code, in blocks and within lines, where `a[i](b)` is no link."""
+    return re.sub(r"^```.*?^```|`[^`\n]+`", "", text, flags=re.DOTALL | re.MULTILINE)
+
+
+def links(text):
+    """The file and the heading of each link that is not of the web; a link within the page has no file."""
+    return re.findall(r"\]\((?!https?:)([^)#\s]*)#?([^)\s]*)\)", prose(text))
+
+
+def anchors(page):
+    """What its headings are called in links, as GitHub makes it."""
+    headings = re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE),
+                          flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def test_code_is_no_link():
+    text = "[a](b.md#c-d), [e](#f), [g](https://h)\n`i[j](k)`\n```sh\nl[m](n)\n```\n"
+    assert links(text) == [("b.md", "c-d"), ("", "f")]
+
+
 def test_links_of_the_documentation_lead_somewhere():
     pages = [ROOT / "README.md", *DOCS.glob("*.md")]
-    links = [(page, link) for page in pages for link in re.findall(r"\]\((?!http|#)([^)#]+)", page.read_text())]
-    assert links
-    assert [(page.name, link) for page, link in links if not (page.parent / link).exists()] == []
+    found = [(page, page.parent / file if file else page, heading)
+             for page in pages for file, heading in links(page.read_text())]
+    assert found
+    assert [(page.name, str(target)) for page, target, _ in found if not target.exists()] == []
+    assert [(page.name, target.name, heading) for page, target, heading in found
+            if heading and target.suffix == ".md" and heading not in anchors(target)] == []
 
 
 def test_results_page_is_what_the_tables_give():

@@ -210,12 +210,13 @@ class _Timed:
     def _burst_reach(self, number: int) -> float:
         """The logarithmic distance that a burst of load longer than its sampling may move a cell without support.
 
-        That is several times the noise between runs, or the length of its tails; or what it did to the slowest frames.
-        What the cell's own samples leave open is statistics and counts once.
+        That is several times as far as cells are apart, or the length of the tails of that; or what a burst did to the
+        slowest frames. Nothing of it is put down to what few samples leave open, whose size is a guess: where the guess
+        is too large, too little would be left for bursts. What the cell's own samples leave open counts once besides.
         """
         shift, noise = self._shifts[number], self._noise
         times = AGAINST if self._of_method[shift.method][1:] else ALONE
-        burst = max(shift.burst, self._critical * max(times, noise.stretch) * noise.between)
+        burst = max(shift.burst, self._critical * max(times, noise.stretch) * noise.spread)
         return math.hypot(self._critical * shift.error, min(math.log(MOST_BURST), burst))
 
     def judge(self, after: Entry) -> Judged:

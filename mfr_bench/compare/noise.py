@@ -40,13 +40,14 @@ class Shift:
 class Noise:
     """`common`: logarithm that each cell's scene has in common. `deviations`: of each cell between runs, logarithms.
 
-    `between`: the part of the deviations that is not within the runs. `stretch`: how much longer the tails are than a
-    normal distribution's, from 1 to MOST_STRETCH.
+    `between`: the part of the deviations that is not within the runs. `spread`: the whole of it, as far apart as the
+    cells are. `stretch`: how much longer the tails are than a normal distribution's, from 1 to MOST_STRETCH.
     """
 
     common: tuple[float, ...]
     deviations: tuple[float, ...]
     between: float
+    spread: float
     stretch: float
 
 
@@ -57,14 +58,14 @@ def estimate(shifts: Sequence[Shift], floor: float, alike: bool = True) -> Noise
     """
     if not alike:
         return Noise((0.0,) * len(shifts), tuple(max(LEAST, math.hypot(s.error, floor)) for s in shifts), floor,
-                     1.0)
+                     floor, 1.0)
     common = _common(shifts)
     rest = [s.log_ratio - c for s, c in zip(shifts, common, strict=True)]
     errors = [s.error for s in shifts]
     between = _between(rest, errors, floor)
     deviations = tuple(max(LEAST, math.hypot(error, between)) for error in errors)
     distances = sorted(abs(r) / d for r, d in zip(rest, deviations, strict=True))
-    return Noise(common, deviations, max(LEAST, between),
+    return Noise(common, deviations, max(LEAST, between), max(LEAST, _between(rest, [0.0] * len(rest), floor)),
                  _stretch(distances) if len(distances) >= SPREAD_LEAST else 1.0)
 
 

@@ -16,7 +16,8 @@ from .cells import Cell
 from .expected import expected_stats
 from .forecast import CALIBRATED, Forecast, frames_s
 
-TRUST_S = 2.0  # seconds that a forecast of one kind counts as if they had come true
+TRUST = 0.2  # share of all that is foretold that counts as if it had come true, for each kind
+SAMPLED = 0.7  # of what a cell's frames take; then passes are timed, and the last image is checked
 RECORDED, GUESSED, AROUND = "recorded", "guessed", "around"
 Seconds = dict[str, float]  # by kind: frames that records foretell, frames that only the calibration does, all else
 
@@ -40,6 +41,7 @@ class TimeLeft:
         self._stats = {cell.scene: expected_stats(cell.scene) for cell in self.cells.values()}
         self._left = {key: self._predicted(cell) for key, cell in self.cells.items()}
         self._first_s = {key: sum(seconds.values()) for key, seconds in self._left.items()}
+        self._trust_s = TRUST * sum(self._first_s.values())
 
     def _predicted(self, cell: Cell) -> Seconds:
         stats: SceneStats = self._stats[cell.scene]
@@ -82,11 +84,12 @@ class TimeLeft:
         waiting = [seconds for key, seconds in self._left.items() if key not in self._shares]
         left_s = 0.0
         for kind in self._spent:
-            of_held = [(seconds.get(kind, 0.0), 1.0 if kind == AROUND else share) for seconds, share in held]
+            of_held = [(seconds.get(kind, 0.0), 1.0 if kind == AROUND else SAMPLED * share) for seconds, share in held]
             to_come_s = (sum(seconds.get(kind, 0.0) for seconds in waiting)
                          + sum(seconds * (1 - share) for seconds, share in of_held))
             passed_s = self._foretold[kind] + sum(seconds * share for seconds, share in of_held)
-            left_s += to_come_s * (self._spent[kind] + TRUST_S) / (passed_s + TRUST_S)
+            if to_come_s:
+                left_s += to_come_s * (self._spent[kind] + self._trust_s) / (passed_s + self._trust_s)
         return max(0.0, left_s - max(0.0, elapsed_s - self._last_s)) + self.end_s
 
     @property

@@ -19,7 +19,7 @@ def log_axis(axes: Axes, which: str, base: int) -> None:
     axis = getattr(axes, f"{which}axis")
     getattr(axes, f"set_{which}scale")("log", base=base)
     axis.set_major_locator(LogLocator(base=base, numticks=12))
-    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:,.10g}" if 1 <= v < 1e6 else f"{v:.3g}"))
+    axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:,.10g}" if 1 <= v < 1e8 else f"{v:.3g}"))
     axis.set_minor_locator(NullLocator())
     low, high = getattr(axes, f"get_{which}lim")()
     if base == 10 and high / low < 40:  # fewer than two decades: 1, 2, 5, 10
