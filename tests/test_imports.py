@@ -20,10 +20,10 @@ LAYERS = (
     "errors", "resources", "hashing", "stats", "environment", "store.status", "store.columns",
     "methods.spec", "methods.shared", "methods", "store", "report", "api", "scene", "config", "report.experiments",
     "plan", "report.settings", "oracle", "glsl", "race", "contract.variants", "outside", "gpu", "measure", "contract",
-    "claims", "compare", "merge", "page", "decide", "run", "versus", "cli", "__main__",
+    "claims", "compare", "merge", "bundle", "page", "decide", "run", "versus", "cli", "__main__",
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "methods", "config", "plan", "scene", "oracle",
-              "glsl", "race", "outside", "store", "report", "claims", "compare", "merge", "page")
+              "glsl", "race", "outside", "store", "report", "claims", "compare", "merge", "bundle", "page")
 PARENT = ("run.supervisor", "run.device_process", "run.ledger", "run.process")  # another process has the device
 OF_THE_DEVICE = ("gpu", "run.bench", "run.cell", "run.images", "run.measuring", "run.outcome", "run.scene_work",
                  "run.worker")

@@ -10,6 +10,7 @@ from .. import __version__
 from ..errors import Interrupted, MfrError, UsageError, one_of
 from . import (
     advise_command,
+    bundle_commands,
     claims_command,
     compare_command,
     decide_command,
@@ -53,7 +54,8 @@ SECTIONS = {
     "Measure": (run_command.run, decide_command.decide, stress_command.stress, versus_command.versus),
     "Read what was measured": (report_commands.table, report_commands.plot, advise_command.advise,
                                compare_command.compare, claims_command.claims, report_commands.conformance,
-                               page_command.report, pack_commands.pack, pack_commands.unpack, merge_command.merge),
+                               page_command.report, pack_commands.pack, pack_commands.unpack),
+    "Join and send": (merge_command.merge, bundle_commands.submit_results, bundle_commands.verify),
     "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, meshes_command.meshes,
                     scene_command.scene, device_commands.render, device_commands.shader, race_command.race,
                     twochannel_command.twochannel),

@@ -49,15 +49,20 @@ class Pack:
             raise ValueError(f"damaged in {self.path.name}: {error}") from error
 
 
-def write_pack(path: Path, files: Mapping[str, bytes]) -> None:
-    """Replace the pack durably, whole or not at all. Raises StoreError."""
+def zipped(files: Mapping[str, bytes]) -> bytes:
+    """A zip archive of these files by name; the same files make the same bytes."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(files):
             member = zipfile.ZipInfo(name, SAME_DATE)
             member.compress_type, member.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
             archive.writestr(member, files[name])
-    write_file(path, content.getvalue(), durable=True)
+    return content.getvalue()
+
+
+def write_pack(path: Path, files: Mapping[str, bytes]) -> None:
+    """Replace the pack durably, whole or not at all. Raises StoreError."""
+    write_file(path, zipped(files), durable=True)
 
 
 def remove(paths: list[Path]) -> None:

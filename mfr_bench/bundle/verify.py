@@ -1,0 +1,150 @@
+"""What a bundle's results say against themselves, against what a device can do, and against other devices."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..errors import UsageError
+from ..merge.copies import Copy, Source
+from ..methods import FLOOR, catalog
+from ..store import Cell, Floors, ResultFolder, derive, write_file
+from ..store.arrays import read_arrays
+from ..store.record import is_cell_file
+
+CLOCKS = 2.0  # a device may run this much faster than its calibration saw
+OTHERS = 2  # devices that must agree before one that differs from them is named
+FAR = 10.0  # times the largest error of the others
+NOISE = 1e-6  # of an error in float32: less is no difference
+CHECKED_FRAGMENTS = 20_000_000  # of a scene whose kept image is composited again
+HALF_STEP = 0.5 / 255  # of a kept image, which has 8 bits
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that a person should look at: the set, the cell, and what is odd about it."""
+
+    where: str
+    key: str
+    what: str
+
+    def __str__(self) -> str:
+        return f"{self.where}: cell {self.key}: {self.what}"
+
+
+def unpacked(sets: Mapping[str, Mapping[str, bytes]], into: Path) -> list[ResultFolder]:
+    """The sets that `read_bundle` gives as result folders below `into`. Raises StoreError."""
+    folders = []
+    for where, files in sets.items():
+        folder = ResultFolder(into / where)
+        write_file(folder.path / "manifest.json", files.get("manifest.json", b"{}"))
+        for name in filter(is_cell_file, files):
+            write_file(folder.cells_path / name, files[name])
+        folders.append(folder)
+    return folders
+
+
+def verified(folders: Iterable[ResultFolder], others: Iterable[ResultFolder] = ()) -> list[Finding]:
+    """What is odd about these results; their derived files are written anew.
+
+    Raises UsageError where a record cannot be read, contradicts its key or stands in the folder of another device.
+    """
+    elsewhere = _Errors(others)
+    found: list[Finding] = []
+    for folder in folders:
+        source = Source.of(folder)
+        cells = [_sound(source, copy).cell for copy in source.copies()]
+        derive(folder)
+        where = f"{source.slug}/{source.name}"
+        found += [Finding(where, cell["key"], what) for cell, what in _odd(folder, cells, elsewhere)]
+    return found
+
+
+def _sound(source: Source, copy: Copy | str) -> Copy:
+    if isinstance(copy, str):
+        raise UsageError(copy.removesuffix("; left out"))
+    if wrong := source.contradiction(copy):
+        raise UsageError(f"{source.slug}/{source.name}: cell {copy.key} {wrong}")
+    return copy
+
+
+def _odd(folder: ResultFolder, cells: list[Cell], elsewhere: _Errors) -> Iterator[tuple[Cell, str]]:
+    floors = Floors(cells)
+    rates = (folder.manifest().get("calibration") or {}).get("rates") or {}
+    for cell in cells:
+        reasons = (_below_the_floor(cell, floors.of(cell)), _below_the_fill_rate(cell, rates),
+                   elsewhere.unlike(cell), _other_image(folder, cell))
+        yield from ((cell, reason) for reason in reasons if reason)
+
+
+def _below_the_floor(cell: Cell, floor: Cell | None) -> str | None:
+    high, low = cell["values"].get("time_ms_high"), (floor or {"values": {}})["values"].get("time_ms_low")
+    if high is None or low is None or cell["method"] == FLOOR or high >= low:
+        return None
+    return f"its frame takes {high:.3g} ms at most, and drawing the geometry alone {low:.3g} ms at least"
+
+
+def _below_the_fill_rate(cell: Cell, rates: Mapping[str, Any]) -> str | None:
+    high, pixels = cell["values"].get("time_ms_high"), cell["values"].get("covered_pixels")
+    rate = rates.get("fill_pixels_per_s")
+    if not (high and pixels and isinstance(rate, (int, float)) and rate > 0):
+        return None
+    least_ms = 1e3 * pixels / (CLOCKS * rate)
+    if high >= least_ms:
+        return None
+    return f"its frame takes {high:.3g} ms, and filling its pixels {least_ms:.3g} ms at least"
+
+
+class _Errors:
+    """The errors that other devices have for each cell, whatever the driver, shaders and settings of sampling."""
+
+    def __init__(self, folders: Iterable[ResultFolder]):
+        self._found: dict[str, dict[str, float]] = {}
+        for source in map(Source.of, folders):
+            for copy in source.copies():
+                if isinstance(copy, Copy) and (error := copy.cell["values"].get("max_abs_error")) is not None:
+                    self._found.setdefault(_question(copy.cell), {})[source.slug] = float(error)
+
+    def unlike(self, cell: Cell) -> str | None:
+        """How the cell's error differs from that of every other device, or None."""
+        mine, device = cell["values"].get("max_abs_error"), cell.get("device")
+        slug = device.get("slug") if isinstance(device, Mapping) else device
+        theirs = [error for name, error in self._found.get(_question(cell), {}).items() if name != slug]
+        if mine is None or len(theirs) < OTHERS or float(mine) <= FAR * max(theirs) + NOISE:
+            return None
+        return f"its error is {float(mine):.3g}, that of {len(theirs)} other devices {max(theirs):.3g} at most"
+
+
+def _question(cell: Cell) -> str:
+    return json.dumps([cell["method"], cell["params"], cell["scene"]], sort_keys=True)
+
+
+def _other_image(folder: ResultFolder, cell: Cell) -> str | None:
+    """How a kept image differs from the oracle's, where numpy alone can tell: every fragment of flat quads."""
+    method = catalog().get(cell["method"])
+    fragments = cell["values"].get("fragments") or CHECKED_FRAGMENTS
+    if method is None or method.guarantee != "exact all" or cell["status"] != "ok" or fragments >= CHECKED_FRAGMENTS:
+        return None
+    image = read_arrays(folder, cell["key"]).get("image")
+    if image is None or cell["scene"].get("kind") != "quads" or cell["scene"].get("slant") or cell["scene"]["animate"]:
+        return None
+    import numpy as np
+
+    expected = np.clip(_oracle(cell), 0, 1)
+    if image.shape != expected.shape:
+        return f"its kept image has shape {image.shape}, its scene {expected.shape}"
+    error = float(np.abs(image / 255.0 - expected).max())
+    allowed = HALF_STEP + float(cell["values"].get("max_abs_error") or 0) + NOISE
+    return f"its kept image differs from the oracle by {error:.3g}, its record says less" if error > allowed else None
+
+
+def _oracle(cell: Cell):
+    from ..oracle.composite import composite
+    from ..scene import Scene, generate
+
+    keys = {name: tuple(value) if isinstance(value, list) else value for name, value in cell["scene"].items()}
+    return composite(generate(Scene(**keys)))
+
