@@ -66,8 +66,8 @@ class Line:
 
     @property
     def identity(self) -> tuple[object, ...]:
-        """What a later run with other numbers of schedules shares with this one."""
-        return self.method, self.params, self.machine, self.fragments, self.scenes, self.seed, self.code
+        """What a later run shares with this one, whatever its code and number of schedules: the table has it once."""
+        return self.method, self.params, self.machine, self.fragments, self.scenes, self.seed
 
 
 def machines(how: How) -> Mapping[str, How]:
@@ -90,15 +90,15 @@ def sweep(wanted: Sequence[Job], folder: Path, at_once: int | None = None) -> It
     line. Raises StoreError where it cannot be read or written.
     """
     known = {line.identity: line for line in read(folder)}
-    lines = list(known.values())
+    table = dict(known)
     with ThreadPoolExecutor(at_once or cores()) as pool:
         running = [pool.submit(_line, job, known) for job in wanted]
         try:
             for each in running:
                 line = each.result()
                 if known.get(line.identity) is not line:
-                    lines = [other for other in lines if other.identity != line.identity] + [line]
-                    write_file(folder / TABLE, csv_text([f.name for f in fields(Line)], map(vars, lines)))
+                    table[line.identity] = line
+                    write_file(folder / TABLE, csv_text([f.name for f in fields(Line)], map(vars, table.values())))
                 yield line
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
@@ -114,7 +114,7 @@ def _line(job: Job, known: Mapping[tuple[object, ...], Line]) -> Line:
     try:
         code = build(Checker(job.variant, row_of(job.counts)).frame).key
         before = known.get(_told(job, code=code).identity)
-        if before and not before.error and before.schedules >= job.how.schedules:
+        if before and before.code == code and not before.error and before.schedules >= job.how.schedules:
             return before
         return _told(job, code, run(job.variant, job.counts, job.how, job.scenes))
     except MfrError as error:
