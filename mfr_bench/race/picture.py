@@ -21,7 +21,7 @@ from ..oracle.composite import composite
 from ..report import style
 from ..report.figures.files import render
 from ..report.figures.kinds.maps import over_checks
-from ..report.figures.sheet import EDGE, Sheet, fitted, styled
+from ..report.figures.sheet import EDGE, FigureSheet, fitted, styled
 from ..scene.quads import Quads
 from ..store import write_file
 from .check import Checker, How
@@ -121,8 +121,8 @@ def figure(made: Sequence[Panel]) -> Figure:
     columns, racing, sound = len(RACING), made[:len(RACING)], made[len(RACING):]
     width = (style.WIDTH_IN - 2 * EDGE - BAR - GAP * (columns - 1)) / columns
     row = width + HEADING + 0.06
-    sheet = Sheet(style.WIDTH_IN, tuple(fitted("Simulated: k-buffers whose fragments race", style.TITLE_PT,
-                                               style.WIDTH_IN, "bold")), _small_print(), 3 * row)
+    title = fitted("Simulated: k-buffers whose fragments race", style.TITLE_PT, style.WIDTH_IN, "bold")
+    sheet = FigureSheet(style.WIDTH_IN, tuple(title), _small_print(), 3 * row)
     drawn = sheet.figure()
     highest = max(SEEN, *(float(p.error.max()) for p in made))
     last: Any = None
