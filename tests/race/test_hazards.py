@@ -17,6 +17,7 @@ def few(monkeypatch):
     monkeypatch.setattr(hazards, "FRAGMENTS", (4,))
     monkeypatch.setattr(hazards, "KEPT", (2,))
     monkeypatch.setattr(picture, "SIDE", SIDE)
+    monkeypatch.setattr(picture, "QUADS", 10)
     monkeypatch.setattr(picture, "RACING", picture.RACING[:1])
     monkeypatch.setattr(picture, "SOUND", picture.SOUND[:1])
 
