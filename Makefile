@@ -11,8 +11,8 @@ DRIVER_READY := $(VENV)/driver-ready
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-6s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-bench: setup  ## measure configs/smoke.yaml; print its table and where the figures are (ARGS="--device cpu --force")
-	@$(VENV)/bin/mfr-bench run smoke $(ARGS)
+bench: setup  ## measure configs/smoke.yaml; print its table, where the figures and the page are (ARGS="--device cpu")
+	@$(VENV)/bin/mfr-bench run smoke --report results/report.html $(ARGS)
 
 papers: setup  ## measure the papers' experiments into results/<device>/ (ARGS="--profile smoke" on a CPU)
 	@$(VENV)/bin/mfr-bench run $$($(VENV)/bin/mfr-bench configs --papers) $(ARGS)

@@ -12,6 +12,7 @@ import click
 from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
 from .options import DEVICE, JSON, OUTSIDE, OutPath
 from .output import note, say, width
+from .progress import duration
 
 MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a device finds more in some pixels
 NOTHING = 6  # exit status: no method keeps the bounds
@@ -113,6 +114,7 @@ def _raced(question, scene, deadline: float, out: str | None, device: str):
 
     left_s = deadline - time.monotonic()
     found, excluded = within_time(*_candidates(question, scene), left_s)
+    note(f"{len(found)} candidates; the answer comes within {duration(left_s)}")
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "decide.yaml")
         made = config_of(question, scene, found, left_s)

@@ -10,6 +10,14 @@ from .options import FOLDERS, OUTSIDE, OutPath
 from .output import note, say
 
 
+def write_page_of(folders, out: str, tell) -> None:
+    """Write the page of these results, and tell where it is."""
+    from ..page import write_page
+
+    write_page(folders, Path(out))
+    tell(f"page    {out}")
+
+
 @click.command()
 @FOLDERS
 @click.option("--out", metavar="F.html", default="report.html", show_default=True, type=OutPath(dir_okay=False),

@@ -12,7 +12,7 @@ import click
 
 from .interruption import Interruption
 from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
-from .options import JSON, JUNIT, SUMMARY, ConfigName, measuring
+from .options import JSON, JUNIT, SUMMARY, ConfigName, OutPath, measuring
 from .plan_text import print_plans
 from .session import Choices, Session
 
@@ -25,13 +25,15 @@ from .session import Choices, Session
 @click.option("--memory-mb", metavar="M", type=click.FloatRange(0, 2**24, min_open=True),
               help="Most memory of a method, in MiB; methods that need more are left out, and said to be.")
 @measuring("configs", "<config name>")
+@click.option("--report", "page", metavar="F.html", type=OutPath(dir_okay=False),
+              help="Write one HTML page of the results to F, as `report` does.")
 @JUNIT
 @SUMMARY
 @JSON
 def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size: str | None,
         memory_mb: float | None, out: str | None, profile: str | None, only: str | None,
         overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
-        budget_s: float | None, dry_run: bool, quiet: bool, junit: str | None, summary: str | None,
+        budget_s: float | None, dry_run: bool, quiet: bool, page: str | None, junit: str | None, summary: str | None,
         as_json: bool) -> int:
     """Measure what the results lack, then write tables and figures.
 
@@ -50,7 +52,8 @@ def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size:
     """
     configs, overrides = with_scene(configs, overrides, overrides_of(mesh, fragments), size, memory_mb)
     statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
-                         Choices(out, force, keep_failed, try_hopeless, budget_s, quiet, as_json, junit, summary),
+                         Choices(out, force, keep_failed, try_hopeless, budget_s, quiet, as_json, junit, summary,
+                                 page),
                          dry_run)
     return exit_status(statuses)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from .output import note, say, width
+from .page_command import write_page_of
 from .report_commands import hand_over, write_report
 
 # What a manifest says of the run that measured: a run that finds everything measured leaves it alone.
@@ -30,6 +31,7 @@ class Choices:
     as_json: bool = False
     junit: str | None = None
     summary: str | None = None
+    page: str | None = None
 
 
 def result_folders(plans, out: str | None, slug: str):
@@ -149,7 +151,10 @@ class Session:
             self._at_the_end(measuring)
             for part in parts:
                 self._tell(part)
-            hand_over([part.folder for part in parts], self.choices.as_json, self.choices.junit, self.choices.summary)
+            folders = [part.folder for part in parts]
+            hand_over(folders, self.choices.as_json, self.choices.junit, self.choices.summary)
+            if self.choices.page:
+                write_page_of(folders, self.choices.page, say if not self.choices.as_json else note)
         except KeyboardInterrupt:
             if self.asked():
                 raise Interrupted(f"interrupted: {self._kept(parts)}") from None

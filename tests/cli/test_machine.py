@@ -45,6 +45,12 @@ def test_compare_appends_to_a_summary_and_tells_missing_cells(here, tiny, mfr, o
     assert {case.find("error").get("message") for case in errors} == {"only in a"}
 
 
+def test_a_run_writes_its_page_and_says_where(here, tiny, mfr, on_device):
+    ran = mfr("run", tiny, "--out", "out", "--report", "pages/all.html")
+    assert ran.out.splitlines()[-1] == "page    pages/all.html"
+    assert (here / "pages" / "all.html").read_text().startswith("<!DOCTYPE html>")
+
+
 def test_a_summary_that_cannot_be_written_is_one_line(here, tiny, mfr, on_device):
     mfr("run", tiny, "--out", "a")
     ended = mfr("table", "a", "--json", "--summary", "no/such/summary.md")
