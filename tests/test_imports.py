@@ -144,18 +144,28 @@ def test_commands_name_methods_only_in_examples(name):
     assert not strings & (set(catalog()) - {"floor"})
 
 
-def loaded_by(*arguments: str) -> set[str]:
-    """Top-level packages in memory after `mfr-bench ARGUMENTS`."""
+def modules_loaded_by(*arguments: str) -> set[str]:
+    """Modules in memory after `mfr-bench ARGUMENTS`."""
     code = (f"import sys; sys.argv[1:] = {list(arguments)!r}\nfrom mfr_bench.cli import main\n"
             "try:\n    main()\nexcept SystemExit:\n    pass\n"
-            "print('LOADED', *{name.partition('.')[0] for name in sys.modules})")
+            "print('LOADED', *sys.modules)")
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return set(said.stdout.rpartition("LOADED ")[2].split())
+
+
+def loaded_by(*arguments: str) -> set[str]:
+    """Top-level packages in memory after `mfr-bench ARGUMENTS`."""
+    return {name.partition(".")[0] for name in modules_loaded_by(*arguments)}
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["run", "--help"], ["--version"], ["rnu"]], ids=" ".join)
 def test_help_loads_nothing_that_takes_time(arguments):
     assert not loaded_by(*arguments) & HEAVY
+
+
+def test_help_loads_no_room_of_the_package_but_the_commands():
+    found = {name for name in modules_loaded_by("--help") if name.startswith("mfr_bench.")}
+    assert {name.split(".")[1] for name in found} == {"cli", "errors"}
 
 
 def test_configs_load_no_gl():

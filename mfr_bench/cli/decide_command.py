@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tempfile
 import time
 from pathlib import Path
 
@@ -104,6 +103,8 @@ def _of_config(config: str, memory_mb: float | None, error: float, overrides: tu
 
 def _raced(question, scene, deadline: float, out: str | None, device: str):
     """Let the candidates race within the time that is left, and read the rows."""
+    from tempfile import TemporaryDirectory
+
     import yaml
 
     from ..decide.answer import answers
@@ -115,7 +116,7 @@ def _raced(question, scene, deadline: float, out: str | None, device: str):
     left_s = deadline - time.monotonic()
     found, excluded = within_time(*_candidates(question, scene), left_s)
     note(f"{len(found)} candidates; the answer comes within {duration(left_s)}")
-    with tempfile.TemporaryDirectory() as folder:
+    with TemporaryDirectory() as folder:
         path = Path(folder, "decide.yaml")
         made = config_of(question, scene, found, left_s)
         path.write_text(yaml.safe_dump(made, sort_keys=False, allow_unicode=True), encoding="utf-8")

@@ -10,8 +10,6 @@ from typing import Any
 import click
 
 from ..errors import UsageError
-from ..scene.spec.kind import LOCAL
-from ..scene.spec.values import plain
 from .output import note
 
 MESH_CONFIG = "meshes"  # the config that --mesh and --fragments take where none is named
@@ -71,6 +69,9 @@ def _word(stem: str) -> str:
 
 def as_written(scene) -> dict[str, Any]:
     """The scene as a config elsewhere could have it: the keys that are not at their defaults, files by whole paths."""
+    from ..scene.spec.kind import LOCAL
+    from ..scene.spec.values import plain
+
     found = {key.name: plain(getattr(scene, key.name)) for key in fields(scene)
              if not key.metadata.get(LOCAL) and getattr(scene, key.name) != key.default}
     whole = Path(scene.folder or ".")

@@ -6,15 +6,16 @@ import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from .interruption import Interruption
 from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
 from .options import JSON, JUNIT, SUMMARY, ConfigName, OutPath, measuring
-from .plan_text import print_plans
-from .session import Choices, Session
+
+if TYPE_CHECKING:
+    from .session import Choices
 
 
 @click.command()
@@ -50,6 +51,8 @@ def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size:
       mfr-bench run --mesh model.glb --size 1280x720 --memory-mb 64
       mfr-bench run --fragments recorded.npz
     """
+    from .session import Choices
+
     configs, overrides = with_scene(configs, overrides, overrides_of(mesh, fragments), size, memory_mb)
     statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
                          Choices(out, force, keep_failed, try_hopeless, budget_s, quiet, as_json, junit, summary,
@@ -92,6 +95,8 @@ def carry_out(plans_made: Callable[[], Any], device: str, choices: Choices, dry_
               table: Callable[[Any, int], str] | None = None) -> set[str]:
     """Measure the plans, which are made while the device is opened; the statuses of all cells, of a dry run none."""
     from ..run.supervisor import Supervisor
+    from .plan_text import print_plans
+    from .session import Session
 
     started = time.perf_counter()
     with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor:

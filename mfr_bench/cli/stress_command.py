@@ -10,7 +10,6 @@ import click
 from .options import measuring
 from .output import say
 from .run_command import carry_out, exit_status, plans_of
-from .session import Choices
 
 
 class StressorName(click.ParamType):
@@ -62,6 +61,7 @@ def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: s
     from ..config import load
     from ..methods import catalog
     from ..report import breaking_text
+    from .session import Choices
 
     known = stressors()
     if listed:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -55,6 +54,8 @@ def versus(names: tuple[str, ...], against: str | None, threshold: float, rounds
       mfr-bench versus . smoke --against HEAD       # a shader edited in place
       mfr-bench versus ../old ../new smoke --only kplus-array --rounds 5
     """
+    from tempfile import TemporaryDirectory
+
     from ..versus.judge import judged
     from ..versus.lockstep import Ask, measure
     from ..versus.tree import tree
@@ -66,7 +67,7 @@ def versus(names: tuple[str, ...], against: str | None, threshold: float, rounds
         repository = Path(after) if against is not None and Path(after).is_dir() else Path()
         trees = tuple(stack.enter_context(tree(name, repository)) for name in (before, after))
         measured = measure(trees, ask, lambda done, of: None if quiet else note(f"{done} of {of} visits to every cell"))
-        folder = Path(out) if out else Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        folder = Path(out) if out else Path(stack.enter_context(TemporaryDirectory()))
         found = judged(measured, (before, after), folder, threshold)
     if not found.verdicts:
         raise UsageError(f"versus: {before} and {after} have no cell of {config} in common")
