@@ -8,6 +8,8 @@ import click
 
 from ..errors import nearest, one_of
 
+MOST_SHARES = 10_000
+
 FOLDERS = click.argument("folders", nargs=-1, required=True, metavar="DIR...", type=click.Path())
 
 
@@ -28,6 +30,18 @@ class ConfigName(click.ParamType):
 
         names = [CompletionItem(n) for n in shipped() if n.startswith(incomplete)]
         return names or [CompletionItem(incomplete, type="file")]
+
+
+class Share(click.ParamType):
+    """One of several shares: '2/4' is (2, 4)."""
+
+    name = "share"
+
+    def convert(self, value, param, context):
+        number, _, count = str(value).partition("/")
+        if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count) <= MOST_SHARES):
+            self.fail(f"{value!r} is no share; allowed: I/N with 1 <= I <= N <= {MOST_SHARES}, such as 2/4")
+        return int(number), int(count)
 
 
 class MethodName(click.ParamType):

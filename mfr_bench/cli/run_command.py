@@ -12,7 +12,7 @@ import click
 
 from .interruption import Interruption
 from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
-from .options import JSON, JUNIT, SUMMARY, ConfigName, OutPath, measuring
+from .options import JSON, JUNIT, SUMMARY, ConfigName, OutPath, Share, measuring
 
 if TYPE_CHECKING:
     from .session import Choices
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 @click.option("--size", metavar="WxH", help="Viewport of the scene in pixels, such as 1280x720.")
 @click.option("--memory-mb", metavar="M", type=click.FloatRange(0, 2**24, min_open=True),
               help="Most memory of a method, in MiB; methods that need more are left out, and said to be.")
+@click.option("--shard", type=Share(), metavar="I/N",
+              help="Measure the I-th of N shares of the scenes: one machine each; mfr-bench merge joins them.")
 @measuring("configs", "<config name>")
 @click.option("--report", "page", metavar="F.html", type=OutPath(dir_okay=False),
               help="Write one HTML page of the results to F, as `report` does.")
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
 @SUMMARY
 @JSON
 def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size: str | None,
-        memory_mb: float | None, out: str | None, profile: str | None, only: str | None,
+        memory_mb: float | None, shard: tuple[int, int] | None, out: str | None, profile: str | None, only: str | None,
         overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
         budget_s: float | None, dry_run: bool, quiet: bool, page: str | None, junit: str | None, summary: str | None,
         as_json: bool) -> int:
@@ -50,11 +52,12 @@ def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size:
       mfr-bench run smoke --set scene.order=back_to_front --force
       mfr-bench run --mesh model.glb --size 1280x720 --memory-mb 64
       mfr-bench run --fragments recorded.npz
+      mfr-bench run smoke --shard 2/4 --out node2
     """
     from .session import Choices
 
     configs, overrides = with_scene(configs, overrides, overrides_of(mesh, fragments), size, memory_mb)
-    statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
+    statuses = carry_out(partial(plans_of, configs, profile, only, overrides, shard), device,
                          Choices(out, force, keep_failed, try_hopeless, budget_s, quiet, as_json, junit, summary,
                                  page),
                          dry_run)
@@ -107,8 +110,9 @@ def carry_out(plans_made: Callable[[], Any], device: str, choices: Choices, dry_
         return Session(supervisor, interruption.asked, choices, started, table).run(plans)
 
 
-def plans_of(configs: Sequence[str], profile: str | None, only: str | None, overrides: Sequence[str]):
-    """Every experiment with its cells; without cells where --only leaves none of them, but of another's.
+def plans_of(configs: Sequence[str], profile: str | None, only: str | None, overrides: Sequence[str],
+             share: tuple[int, int] | None = None):
+    """Every experiment with its cells; without cells where --only or --shard leaves none of them, but of another's.
 
     Raises UsageError with the mistakes of all configs at once.
     """
@@ -122,7 +126,21 @@ def plans_of(configs: Sequence[str], profile: str | None, only: str | None, over
     if not any(cells for _, cells in plans):
         raise UsageError(f"{e.name}: --only {only} leaves no cell; allowed: "
                          f"{', '.join(dict.fromkeys(m.id for m in e.methods))}" for e, _ in plans)
-    return plans
+    return plans if share is None else _shared(plans, *share)
+
+
+def _shared(plans, number: int, count: int):
+    """The share of a run. Raises UsageError where it has no cell: a scene is never shared."""
+    from ..errors import UsageError
+    from ..plan.shards import shard
+
+    mine = shard(plans, number, count)
+    if not any(cells for _, cells in mine):
+        scenes = len({cell.scene for _, cells in plans for cell in cells})
+        raise UsageError(f"--shard {number}/{count}: has no cell, since a scene is never shared; allowed: shares of "
+                         f"{scenes} scenes, such as {number}/{scenes}" if number <= scenes else
+                         f"--shard {number}/{count}: has no cell; allowed: at most {scenes} shares, one for each scene")
+    return mine
 
 
 def _experiments(configs: Sequence[str], profile: str | None, overrides: Sequence[str]):
