@@ -3,6 +3,7 @@
 // Source: kplus_2015 §3.1-3.2, Alg. 1 and 2; with EXACT_RANGES §4.1, Alg. 3.
 #include "scene/fragment.glsl"
 #include "common/lock.glsl"
+#define COUNTED_OUTSIDE 0
 #include "methods/kplus/structure.glsl"
 
 void main() {

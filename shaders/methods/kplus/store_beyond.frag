@@ -6,6 +6,7 @@
 // Buffers: reads last, repeats; updates counter.
 #include "scene/fragment.glsl"
 #include "common/lock.glsl"
+#define COUNTED_OUTSIDE 1
 #include "methods/kplus/structure.glsl"
 
 bool beyond(uint p, uvec2 fragment) {

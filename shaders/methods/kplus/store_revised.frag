@@ -10,6 +10,7 @@
 // Buffers: updates counter; writes nodes.
 #include "scene/fragment.glsl"
 #include "common/lock.glsl"
+#define COUNTED_OUTSIDE 1
 #include "methods/kplus/structure.glsl"
 
 bool filled(uint p, FRAGMENT fragment) {

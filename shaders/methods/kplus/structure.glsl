@@ -1,6 +1,7 @@
 // Inserts a fragment into the bounded set of a pixel, inside the critical section. The set is a max-array or a
 // max-heap. With STRUCTURE_ADAPTIVE it is a heap if K > 16 and the pixel has at least K fragments, otherwise an array
-// (kplus_2015 §4.1, Alg. 3, line 23).
+// (kplus_2015 §4.1, Alg. 3, line 23). COUNTED_OUTSIDE tells whether fragments change the counter of the pixel outside
+// the critical section as well.
 // Buffers: reads nodes; updates counter.
 #include "methods/kplus/criterion.glsl"
 #include "methods/kplus/slots.glsl"
@@ -32,5 +33,9 @@ void insert(uint p, FRAGMENT fragment) {
         if (heap) heap_replace(p, room, fragment);
         else array_replace(p, room, fragment);
     }
+#if COUNTED_OUTSIDE
     if (slot <= room) atomicAdd(counter[p], ONE_TAKEN);
+#else
+    if (slot <= room) counter[p] += ONE_TAKEN;
+#endif
 }
