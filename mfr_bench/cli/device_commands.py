@@ -238,7 +238,7 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
     write_file(Path(out), _npy(image) if kind == ".npy" else _png(image))
     said = (f"max_abs_error {errors['max_abs_error']:.3g}, {errors['wrong_pixels']} wrong pixels" if errors
             else "no image to compare")
-    tied = (f"; of {errors['tied_pixels']} tied pixels {errors['tied_error']:.3g} from any order"
+    tied = (f"; {errors['tied_pixels']} tied pixels, the worst {errors['tied_error']:.3g} from every order"
             if errors and errors["tied_pixels"] else "")
     say(f"{out}: {stats.W} x {stats.H}, {stats.F} fragments, {said}{tied}")
     if errors and verdict(Fitted(variant, stats), errors, lost=0)[0] == "wrong":

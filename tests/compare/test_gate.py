@@ -55,6 +55,13 @@ def test_a_run_of_single_samples_raises_no_more_alarms(runs):
     assert gates(runs, 1.0, before=1, after=1, slowed=1)[1] <= SEEDS / 20
 
 
+@pytest.mark.parametrize("samples", [3, 4, 5])
+def test_bursts_in_runs_of_few_samples_raise_no_more_alarms(samples):
+    """What few samples leave open is guessed rather too large; it must not hide how far bursts reach."""
+    runs = Runs(replace(MACHINES["noisy"], tails="bursts"), METHODS)
+    assert gates(runs, 1.0, before=samples, after=samples, slowed=samples)[1] <= SEEDS / 20
+
+
 def test_twice_the_time_is_found_from_7_samples_a_side(runs):
     found, alarms = gates(runs, 2.0, before=7, after=7, slowed=7)
     assert found >= 0.95 * SEEDS and alarms <= SEEDS / 20
