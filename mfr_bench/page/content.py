@@ -184,6 +184,8 @@ def _environment(manifest: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
               ("timer", manifest.get("timer")), ("measured", manifest.get("started")),
               ("noise floor", data.percent(manifest["noise_floor_rel"])
                if isinstance(manifest.get("noise_floor_rel"), (int, float)) else None)]
+    found += [("package", " ".join(str(each[part]) for part in ("name", "version", "hash") if each.get(part)))
+              for each in manifest.get("packages") or ()]
     return tuple((name, without_paths(value)) for name, value in found if value is not None)
 
 

@@ -13,7 +13,19 @@ from pathlib import Path
 from statistics import NormalDist, fmean, median, stdev
 from typing import Any
 
-from ..compare.judge import ERROR_RATE, FASTER, SAME, SAME_RATE, SLOWER, UNCLEAR, Comparison, Judged, compared
+from ..compare.judge import (
+    ERROR_RATE,
+    FASTER,
+    SAME,
+    SAME_RATE,
+    SLOWER,
+    UNCLEAR,
+    CellVerdict,
+    Change,
+    Comparison,
+    Judged,
+    compared,
+)
 from ..compare.sides import Side, load_side
 from ..stats import median_interval, sampled_interval
 from ..store import ResultFolder, key
@@ -105,8 +117,17 @@ def judged(measured: Measured, names: tuple[str, str], folder: Path, threshold: 
     sides = [_written(measured, half, folder / which, name, judge.between)
              for half, which, name in zip(measured.halves, ("before", "after"), names, strict=True)]
     by_key = {_key(mine, half): mine for mine, half in after.items()}
-    return compared(*sides, threshold, math.expm1(judge.between), True,
-                    lambda _, entry: judge.decided(ratios.get(by_key[entry.point.cell["key"]])))
+    found = compared(*sides, threshold, math.expm1(judge.between), True,
+                     lambda _, entry: judge.decided(ratios.get(by_key[entry.point.cell["key"]])))
+    return replace(found, verdicts=tuple(map(_with_settings, found.verdicts)))
+
+
+def _with_settings(verdict: CellVerdict) -> CellVerdict:
+    """The verdict with the parameters that are others in the second tree: a default that was changed, for instance."""
+    was, now = verdict.before.point.cell["params"], verdict.after.point.cell["params"]
+    told = [f"{name} {was.get(name, 'none')} -> {now.get(name, 'none')}" for name in dict.fromkeys([*was, *now])
+            if was.get(name) != now.get(name)]
+    return replace(verdict, changes=(*verdict.changes, *(Change(text, None) for text in told)))
 
 
 def _key(mine: str, half: Half) -> str:
@@ -114,7 +135,7 @@ def _key(mine: str, half: Half) -> str:
 
 
 def _written(measured: Measured, halves: Mapping[str, Half], path: Path, name: str, noise: float) -> Side:
-    """The cells of a side as a result folder, read back. Raises StoreError."""
+    """The cells of a side as a result folder, read back, by what the config says of them. Raises StoreError."""
     folder = ResultFolder(path)
     cells = [_record(measured, mine, half) for mine, half in halves.items()]
     folder.write_manifest({
@@ -123,7 +144,9 @@ def _written(measured: Measured, halves: Mapping[str, Half], path: Path, name: s
     for cell in cells:
         folder.write_cell(cell)
     derive(folder)
-    return replace(load_side(str(path)), path=name)
+    side = load_side(str(path))
+    by_key = {_key(mine, half): mine for mine, half in halves.items()}
+    return replace(side, path=name, entries={by_key[e.point.cell["key"]]: e for e in side.entries.values()})
 
 
 def _record(measured: Measured, mine: str, half: Half) -> dict[str, Any]:

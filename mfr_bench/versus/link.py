@@ -13,6 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from ..errors import UsageError
 from .tree import Tree
 
 PROGRAM = ("import runpy, sys; sys.path[:] = sys.argv.pop().split(':'); "
@@ -53,6 +54,9 @@ class Link:
             raise SideError(self._last_words(), dead=True) from None
         answer = json.loads(self._line(do, limit_s))
         if "error" in answer:
+            if answer.get("unfit"):
+                raise UsageError(f"versus: {self.tree.name}: its code is too old, or too new, to be measured from here "
+                                 f"({answer['error']}); allowed: revisions nearer to this version")
             raise SideError(str(answer["error"]))
         return answer
 

@@ -11,6 +11,7 @@ import os
 import sys
 import time
 
+UNFIT = (ImportError, AttributeError, TypeError)  # what a tree raises that lacks a name used here
 CPU = "cpu"  # the name of the clock that counts processor time
 
 
@@ -136,7 +137,8 @@ def main() -> None:
         except Exception as error:  # noqa: BLE001 - whatever the tree's code raises is the answer
             lines = getattr(error, "lines", None) or [str(error) or type(error).__name__]
             known = type(error).__module__.startswith("mfr_bench") or isinstance(error, MemoryError)
-            answer = {"error": "; ".join(lines) if known else f"{type(error).__name__}: {error}"}
+            answer = {"error": "; ".join(lines) if known else f"{type(error).__name__}: {error}",
+                      "unfit": isinstance(error, UNFIT)}
         answers.write(json.dumps(answer) + "\n")
         answers.flush()
     os._exit(0)  # without the exit handlers of a driver, which may hang

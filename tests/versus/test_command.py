@@ -35,19 +35,25 @@ def git(folder, *arguments):
 
 
 def test_a_tree_whose_images_are_wrong_is_worse(tmp_path):
-    """A shader of the second tree is wrong: its cell fails there, and the other one is measured in turns."""
+    """A shader of the second tree is wrong: its cell fails there, and the other one is measured in turns.
+
+    A default that is another in the second tree is told, and does not keep the cells from being compared.
+    """
     for name in ("mfr_bench", "configs", "shaders", "results/reference"):
         shutil.copytree(ROOT / name, tmp_path / "tree" / name, ignore=shutil.ignore_patterns("__pycache__"))
     store = tmp_path / "tree" / "shaders" / "methods" / "array" / "store.frag"
     assert "slot * pixels + p" in store.read_text()
     store.write_text(store.read_text().replace("slot * pixels + p", "slot + p"))
+    region = tmp_path / "tree" / "mfr_bench" / "methods" / "shared" / "screen_region.py"
+    assert 'Param("touched", "off"' in region.read_text()
+    region.write_text(region.read_text().replace('Param("touched", "off"', 'Param("touched", "bounds"'))
     (tmp_path / "two.yaml").write_text(CONFIG)
     done = versus(tmp_path, ROOT, "tree", "two.yaml", *QUICK, "--json", "--out", "kept")
     assert done.returncode == 4, done.stderr
     told = json.loads(done.stdout)
     cells = {cell["method"]: cell for cell in told["cells"]}
     assert any(change["worse"] and "ok -> wrong" in change["what"] for change in cells["ab-array"]["changes"])
-    assert cells["kplus-array"]["changes"] == []
+    assert cells["kplus-array"]["changes"] == [{"what": "touched off -> bounds", "worse": None}]
     assert 0.5 < cells["kplus-array"]["raw_ratio"] < 2
     assert told["before"] == str(ROOT) and told["after"] == "tree"
     kept = {path.parts[-2] for path in (tmp_path / "kept").glob("*/results.csv")}
@@ -92,6 +98,14 @@ def test_a_mistake_is_one_line(repository, arguments, said):
     line, = done.stderr.splitlines()
     assert done.returncode == 2
     assert said in line
+
+
+def test_a_tree_that_lacks_what_is_used_is_told(tmp_path):
+    (tmp_path / "old" / "mfr_bench").mkdir(parents=True)
+    (tmp_path / "old" / "mfr_bench" / "__init__.py").write_text("")
+    done = versus(tmp_path, "old", ROOT, "smoke", *QUICK)
+    line, = done.stderr.splitlines()
+    assert done.returncode == 2 and "old: its code is too old, or too new" in line
 
 
 def test_outside_a_repository_a_revision_is_no_folder(tmp_path):
