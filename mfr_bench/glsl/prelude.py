@@ -54,6 +54,10 @@ FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
     "shader_atomic_int64": ("GL_NV_shader_atomic_int64",),
 }
 
+REVERSED = "reversed"  # the geometry whose window depths fall from the eye
+WINDOW_DEPTH = "gl_FragCoord.z"
+# The float whose bits are those of 1 and of 2^-24, less those of the depth: from 2^-24 to 1, it grows from the eye.
+MIRRORED_DEPTH = "#define MIRRORED_DEPTH uintBitsToFloat(0x3F800000u + 0x33800000u - floatBitsToUint(gl_FragCoord.z))"
 PAYLOAD_FILE, SHADING_FILE = "common/payload.glsl", "scene/shading.glsl"  # the second stands behind the first
 _INTEGER = {"r32ui": "u"}  # the letter before GLSL's type for texels that are whole numbers
 # Fragment and payload as GLSL types, by the words of the payload. A struct of three words has no padding in std430.
@@ -186,6 +190,8 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     counted = (counted or mapped is not None) and not entry.endswith(".vert")
     shades = fitted.stats.shading and step.kind == "geometry" and not entry.endswith(".vert")
     body, files = expand(entry, slots, counted, {PAYLOAD_FILE: SHADING_FILE} if shades else None)
+    mirrored = fitted.stats.geometry == REVERSED and step.kind == "geometry" and not entry.endswith(".vert")
+    body = body.replace(WINDOW_DEPTH, "MIRRORED_DEPTH") if mirrored else body
     macro = _clear_macro(variant, step)
     words = set(re.findall(r"[A-Za-z_]\w*", code_of(body)))
     words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()
@@ -195,6 +201,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     prelude += [f"#define BOUND {_bound(fitted, step)}"] if "BOUND" in words else []
     prelude += ["#define K chosen_k"] if "K" in words and isinstance(variant.method.capacity, Decided) else []
     prelude += TYPES[variant.payload_words]
+    prelude += [MIRRORED_DEPTH] if mirrored else []
     prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "
                    + " ".join(f"uint {name};" for name in _frame_fields(variant, step)) + " };")
     if words.intersection(BOX_FIELDS):

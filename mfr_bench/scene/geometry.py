@@ -2,6 +2,6 @@
 
 from .quads import Quads
 from .strips import Strips
-from .triangles import Triangles
+from .triangles import ReversedTriangles, Triangles
 
-Geometry = Quads | Strips | Triangles
+Geometry = Quads | Strips | Triangles | ReversedTriangles

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -17,10 +18,10 @@ from .kinds.mesh import Transform, paths
 from .meshes.faces import OPAQUE, Faces, joined
 from .meshes.packages import FETCH, packaged
 from .meshes.read import read_mesh
-from .meshes.view import DIRECTIONS, Camera, axes_of, facing, orthographic_camera, perspective_camera
+from .meshes.view import DEPTH_RANGES, DIRECTIONS, Camera, axes_of, facing, orthographic_camera, perspective_camera
 from .parameters import Scene
 from .streams import ALPHA, ORDER
-from .triangles import Triangles
+from .triangles import ReversedTriangles, Triangles
 
 WANTED = "a mesh file"
 FRAMES = 8  # of an animation: once around
@@ -29,7 +30,8 @@ FRAMES = 8  # of an animation: once around
 def mesh(config: Scene, frame: int = 0) -> Triangles:
     """The triangles of a config, as an animation's frame shows them. Raises UsageError for a file that does not do."""
     found = faces_of(config)
-    clip = camera_of(config, found.position, frame).clip(found.position)
+    camera = camera_of(config, found.position, frame)
+    clip = replace(camera, depths=DEPTH_RANGES[config.depth_range]).clip(found.position)
     side = facing(clip)
     shown = ~found.one_sided | (side >= 0)
     if config.faces != "both":
@@ -38,7 +40,7 @@ def mesh(config: Scene, frame: int = 0) -> Triangles:
     hides = (rgba[:, 3] == OPAQUE) & (config.opaque == "depth")
     stored = np.flatnonzero(shown & ~hides)
     order = stored[_order(config, clip[stored], found.object[stored])]
-    return Triangles(
+    return (ReversedTriangles if config.depth_range == "reversed" else Triangles)(
         tuple(config.size), np.ascontiguousarray(clip[order], np.float32), rgba[order], config.fragment_probability,
         config.seed, found.object[order], np.ascontiguousarray(clip[shown & hides], np.float32))
 

@@ -15,7 +15,7 @@ from mfr_bench.plan import expected_stats
 from .cases import every_method, variants
 
 SIZES = expected_stats(Scene(size=(64, 48), depth_complexity=40, pixel_density=0.5))
-GEOMETRIES = ("quad", "strip", "triangle")
+GEOMETRIES = ("quad", "strip", "triangle", "reversed")
 
 
 def texts(method):

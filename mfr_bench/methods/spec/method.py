@@ -175,7 +175,9 @@ class Variant:
     @property
     def asks(self) -> tuple[str, ...]:
         """Facts of a scene without which these parameters do not work."""
-        return tuple(p.asks[str(self.params[p.name])] for p in self.acting if str(self.params[p.name]) in p.asks)
+        chosen = tuple(p.asks[str(self.params[p.name])] for p in self.acting if str(self.params[p.name]) in p.asks)
+        tests = any(step.kind == "geometry" and step.state.depth_test for step in self.passes)
+        return (*chosen, "forward") if tests else chosen
 
     @property
     def weaknesses(self) -> tuple[str, ...]:

@@ -37,6 +37,11 @@ class SceneStats:
         return self.geometry == "quad"
 
     @property
+    def forward(self) -> bool:
+        """Whether window depths grow from the eye."""
+        return self.geometry != "reversed"
+
+    @property
     def most_layers(self) -> int:
         """Most fragments that a pixel can have by the geometry alone: a strip of two triangles may cover it twice."""
         return self.layers if self.layers is not None else self.primitives * (2 if self.geometry == "strip" else 1)
@@ -54,4 +59,7 @@ class SceneStats:
 
 
 # What a parameter may ask of a scene: facts of SceneStats, in words.
-SCENE_FACTS: Mapping[str, str] = {"flat": "flat primitives that meet no pixel but at its edges"}
+SCENE_FACTS: Mapping[str, str] = {
+    "flat": "flat primitives that meet no pixel but at its edges",
+    "forward": "depths that grow from the eye, since a pass tests against a depth buffer",
+}

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from annotated_types import Interval
 
 from ..meshes.packages import FETCH, packaged
-from ..spec.kind import CommonKeys, Described, Fault, FileKeys, Kind
+from ..spec.kind import CommonKeys, Described, Fault, FileKeys, Kind, late
 from ..spec.values import STRICT, Allowed, Text
 
 DIRECTIONS = ("-z", "+z", "-x", "+x", "-y", "+y")  # where the eye looks
@@ -68,12 +68,15 @@ class MeshKeys(FileKeys):
     file: OBJ, PLY, STL, GLB or glTF, relative to the config. files: several, each with a transform, instead. faces:
     the sides that are drawn. opaque: whether opaque triangles are drawn into a depth buffer first, where they hide
     what is behind them, or are stored like all others.
+    depth_range: the window depths that the mesh lies in: from 1/2 on, where float32 steps evenly, all from 0 to 1, or
+    all from 1 at the nearest to 0, where float32 steps finest far away.
     """
 
     files: Annotated[tuple[Transform, ...], Allowed("a list of mappings with file, scale, rotate, translate")] = ()
     view: View = View()
     faces: Literal["both", "front", "back"] = "both"
     opaque: Literal["depth", "store"] = "depth"
+    depth_range: Literal["half", "whole", "reversed"] = late("half")
 
 
 def _one_source(scene: CommonKeys) -> Fault | None:
@@ -95,6 +98,12 @@ def view_agrees(scene: CommonKeys) -> Fault | None:
     if view.fit is not True and not (view.fit.box[0] < view.fit.box[2] and view.fit.box[1] < view.fit.box[3]):
         return keys, "an empty box; allowed: x0 below x1 and y0 below y1"
     return None
+
+
+def _opaque_in_front(scene: CommonKeys) -> Fault | None:
+    what = "opaque: depth with reversed depths; allowed: opaque: store"
+    wrong = scene.depth_range == "reversed" and scene.opaque == "depth"
+    return (("scene.depth_range", "scene.opaque"), what) if wrong else None
 
 
 def _files_are_there(scene: CommonKeys) -> Fault | None:
@@ -127,7 +136,7 @@ class Mesh(Kind):
     orders = ("random", "front_to_back", "back_to_front", "file", "object")
     alphas = ("material",)
     unused = UNUSED
-    rules = (_one_source, view_agrees, _files_are_there)
+    rules = (_one_source, view_agrees, _opaque_in_front, _files_are_there)
     rows = (Described("`mesh`", "triangles of one's own files", "measured", "measured", "what one renders"),)
     key_words = """\
 - `file`: OBJ with MTL, PLY, STL, GLB or glTF, relative to the config, or the name of one that `mfr-bench meshes` lists
@@ -142,6 +151,10 @@ class Mesh(Kind):
 - `faces: both | front | back`. A glTF material that is not double-sided shows its front only, whatever `faces` says.
 - `opaque: depth` draws triangles with an alpha of 255 into a depth buffer first; fragments at or behind their depth are
   not generated, and their own colours are no part of the image. `opaque: store` stores them like all others.
+- `depth_range: half` puts window depths into [1/2, 1), where float32 steps evenly by 2^-24; `whole` into [0, 1), as
+  most renderers do; `reversed` goes from 1 at the nearest to 0, and shaders read it as depths that grow from the eye
+  ([accuracy.md](accuracy.md#perspective-depths-near-1)). A method that tests against a depth buffer is `unsupported`
+  there, and `opaque: depth` is refused.
 """
 
     def primitives(self, scene: CommonKeys) -> int:
@@ -152,6 +165,9 @@ class Mesh(Kind):
 
     def expected_counts(self, scene: CommonKeys) -> list[float]:
         return list(self._estimate(scene).counts)
+
+    def geometry_of(self, scene: CommonKeys) -> str:
+        return "reversed" if scene.depth_range == "reversed" else "triangle"
 
     def rejects(self, scene: CommonKeys) -> bool:
         return scene.fragment_probability < 1 or scene.opaque == "depth"

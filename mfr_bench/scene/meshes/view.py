@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..strips import window_depth
+from ..strips import FURTHEST, NEAREST
 
 DIRECTIONS = {f"{sign}{axis}": tuple((1.0 if sign == "+" else -1.0) * (at == i) for at in range(3))
               for i, axis in enumerate("xyz") for sign in "+-"}
@@ -25,11 +25,26 @@ Vector = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
+class DepthRange:
+    """Window depths of what is nearest and of what is furthest. from_zero: clip depths go from 0 to w, not from -w."""
+
+    nearest: float
+    furthest: float
+    from_zero: bool = False
+
+
+HALF = DepthRange(NEAREST, FURTHEST)
+# The last ends above 2^-24, below which no float32 of `scene/reversed.vert` has a mirror image from 2^-24 to 1.
+DEPTH_RANGES = {"half": HALF, "whole": DepthRange(1.0 - FURTHEST, FURTHEST),
+                "reversed": DepthRange(FURTHEST, 2.0**-20, True)}
+
+
+@dataclass(frozen=True)
 class Camera:
     """A camera that has been placed: axes are the rows right, up, forward; `eye` is (0, 0, 0) in its own space.
 
     Orthographic: `centre` and `half` are the middle and half the sides of the rectangle shown, in its own units.
-    Perspective: the same at distance 1. `near` and `far` are the distances that become the depths 0 and 1 of the range.
+    Perspective: the same at distance 1. `near` and `far` are the distances that become the ends of `depths`.
     """
 
     axes: np.ndarray
@@ -39,6 +54,7 @@ class Camera:
     half: tuple[float, float]
     near: float
     far: float
+    depths: DepthRange = HALF
 
     def clip(self, position: np.ndarray) -> np.ndarray:
         """Clip coordinates float64 (…, 4) of points (…, 3)."""
@@ -47,11 +63,11 @@ class Camera:
         found = np.empty((*distance.shape, 4))
         found[..., 0] = (x - self.centre[0] * w) / self.half[0]
         found[..., 1] = (y - self.centre[1] * w) / self.half[1]
-        # window_depth is linear in the place, and the place · w is linear in the distance: exact behind the eye as well
+        # The depth is linear in the place, and the place · w is linear in the distance: exact behind the eye as well
         scaled = self.far * (distance - self.near) if self.perspective else distance - self.near
-        at_zero, at_one = window_depth(np.array([0.0, 1.0]))
+        at_zero, at_one = self.depths.nearest, self.depths.furthest
         window = at_zero * w + (at_one - at_zero) * scaled / (self.far - self.near)
-        found[..., 2], found[..., 3] = 2.0 * window - w, w
+        found[..., 2], found[..., 3] = window if self.depths.from_zero else 2.0 * window - w, w
         return found
 
 
