@@ -11,7 +11,6 @@ import click
 from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
 from .options import DEVICE, JSON, OUTSIDE, OutPath
 from .output import note, say, width
-from .progress import duration
 
 MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a device finds more in some pixels
 NOTHING = 6  # exit status: no method keeps the bounds
@@ -112,6 +111,7 @@ def _raced(question, scene, deadline: float, out: str | None, device: str):
     from ..decide.experiment import config_of
     from ..report.data import load
     from ..store.files import write_file
+    from .progress import duration
 
     left_s = deadline - time.monotonic()
     found, excluded = within_time(*_candidates(question, scene), left_s)
