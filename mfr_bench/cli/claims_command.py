@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from ..errors import UsageError
-from .options import FOLDERS, JSON
+from .options import FOLDERS, JSON, MARKDOWN
 from .output import note, say, width
 
 
@@ -13,7 +13,7 @@ from .output import note, say, width
 @FOLDERS
 @JSON
 @click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per claim and device.")
-@click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
+@MARKDOWN
 def claims(folders: tuple[str, ...], as_json: bool, as_csv: bool, as_markdown: bool) -> None:
     """Test what the papers claim on all results at or below DIR.
 

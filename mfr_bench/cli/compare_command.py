@@ -7,7 +7,7 @@ import math
 import click
 
 from ..errors import UsageError
-from .options import JSON, JUNIT, SUMMARY
+from .options import CSV, JSON, JUNIT, MARKDOWN, SUMMARY, WHOLE
 from .output import append_text, note, say, width, write_text
 
 REGRESSION, DOUBT = 4, 5
@@ -40,10 +40,10 @@ class Percentage(click.ParamType):
               help="Count what all methods of a scene have in common as theirs; else it is taken out.")
 @click.option("--strict", is_flag=True,
               help="End with status 5 also where any cell is UNCLEAR, or the machine as a whole moved.")
-@click.option("--all", "whole", is_flag=True, help="Show every cell, those that are the same too.")
+@WHOLE
 @JSON
-@click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per cell.")
-@click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
+@CSV
+@MARKDOWN
 @JUNIT
 @SUMMARY
 def compare(before: str, after: str, threshold: float, across_devices: bool, absolute: bool, strict: bool, whole: bool,

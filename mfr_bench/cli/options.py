@@ -158,6 +158,9 @@ TRY_HOPELESS = click.option("--try-hopeless", is_flag=True, help="Measure cells 
 DRY_RUN = click.option("--dry-run", is_flag=True,
                        help="Print the plan: what would be measured, its memory and time, what skipped, and why.")
 QUIET = click.option("--quiet", is_flag=True, help="Print no progress on stderr; errors still are.")
+MARKDOWN = click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
+CSV = click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per cell.")
+WHOLE = click.option("--all", "whole", is_flag=True, help="Show every cell, those that are the same too.")
 ONLY = click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 

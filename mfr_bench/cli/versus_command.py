@@ -10,7 +10,7 @@ import click
 from ..errors import UsageError
 from .compare_command import Percentage, ending, handed_over, printed
 from .interruption import Interruption
-from .options import DEVICE, JSON, JUNIT, ONLY, OUTSIDE, PROFILE, QUIET, SET, SUMMARY, OutPath
+from .options import CSV, DEVICE, JSON, JUNIT, MARKDOWN, ONLY, OUTSIDE, PROFILE, QUIET, SET, SUMMARY, WHOLE, OutPath
 from .output import note
 
 
@@ -32,10 +32,10 @@ from .output import note
 @OUTSIDE
 @QUIET
 @click.option("--strict", is_flag=True, help="End with status 5 also where any cell is UNCLEAR.")
-@click.option("--all", "whole", is_flag=True, help="Show every cell, those that are the same too.")
+@WHOLE
 @JSON
-@click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per cell.")
-@click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
+@CSV
+@MARKDOWN
 @JUNIT
 @SUMMARY
 def versus(names: tuple[str, ...], against: str | None, threshold: float, rounds: int, seconds: float, out: str | None,

@@ -31,8 +31,24 @@ class Promise:
     two_channel: bool = False
 
 
+class _Stepped:
+    """Passes of the `steps`: of a method all that it declares, of a variant those that run with its parameters."""
+
+    steps: tuple[Pass | Loop, ...]
+
+    @property
+    def passes(self) -> tuple[Pass, ...]:
+        """Every pass in order, loops unrolled once."""
+        return tuple(p for step in self.steps for p in (step.passes if isinstance(step, Loop) else (step,)))
+
+    @property
+    def pass_names(self) -> tuple[str, ...]:
+        """The names of the passes, each once, in order."""
+        return tuple(dict.fromkeys(p.name for p in self.passes))
+
+
 @dataclass(frozen=True)
-class Method:
+class Method(_Stepped):
     """A multi-fragment rendering method as its paper describes it.
 
     `words` is the paper's memory formula in 32-bit words per pixel (f: the pixel's fragments), `beside` what is
@@ -93,18 +109,9 @@ class Method:
         return any(evaluate(step.times, deep, many) < evaluate(step.times, deep, few)
                    for step in self.steps if isinstance(step, Loop))
 
-    @property
-    def passes(self) -> tuple[Pass, ...]:
-        """Every declared pass in order, loops unrolled once."""
-        return tuple(p for step in self.steps for p in (step.passes if isinstance(step, Loop) else (step,)))
-
-    @property
-    def pass_names(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(p.name for p in self.passes))
-
 
 @dataclass(frozen=True)
-class Variant:
+class Variant(_Stepped):
     """A method with every parameter chosen: what is compiled, allocated and measured. Bound to a scene it is Fitted."""
 
     method: Method
@@ -145,16 +152,6 @@ class Variant:
 
     def _expanded(self, passes: tuple[Pass, ...]) -> tuple[Pass, ...]:
         return tuple(made for p in self._active(passes) for made in (p.expand(p, self.scope) if p.expand else (p,)))
-
-    @property
-    def passes(self) -> tuple[Pass, ...]:
-        """Every pass that runs with these parameters, loops unrolled once."""
-        return tuple(p for step in self.steps for p in (step.passes if isinstance(step, Loop) else (step,)))
-
-    @property
-    def pass_names(self) -> tuple[str, ...]:
-        """The names of the passes, each once, in order."""
-        return tuple(dict.fromkeys(p.name for p in self.passes))
 
     @property
     def all_params(self) -> tuple[Param, ...]:

@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from annotated_types import Interval
 
 from ..meshes.packages import FETCH, packaged
-from ..spec.kind import CommonKeys, Described, Fault, FileKeys, Kind, late
+from ..spec.kind import CommonKeys, Described, EstimatedKind, Fault, FileKeys, late
 from ..spec.values import STRICT, Allowed, Text
 
 DIRECTIONS = ("-z", "+z", "-x", "+x", "-y", "+y")  # where the eye looks
@@ -124,7 +124,7 @@ def _place(path: Path, name: str) -> Path:
     return path if path.is_file() or not listed else listed[0].folder / name
 
 
-class Mesh(Kind):
+class Mesh(EstimatedKind):
     """Triangles from files."""
 
     name = "mesh"
@@ -157,15 +157,6 @@ class Mesh(Kind):
   there, and `opaque: depth` is refused.
 """
 
-    def primitives(self, scene: CommonKeys) -> int:
-        return self._estimate(scene).primitives
-
-    def covered_pixels(self, scene: CommonKeys) -> int:
-        return self._estimate(scene).covered
-
-    def expected_counts(self, scene: CommonKeys) -> list[float]:
-        return list(self._estimate(scene).counts)
-
     def geometry_of(self, scene: CommonKeys) -> str:
         return "reversed" if scene.depth_range == "reversed" else "triangle"
 
@@ -180,7 +171,7 @@ class Mesh(Kind):
         digest = "not fetched" if self.lacks(scene) else _reader().digest(scene)
         return {"files": [path.name for path in paths(scene)], "digest": digest}
 
-    def _estimate(self, scene: CommonKeys):
+    def estimate(self, scene: CommonKeys):
         return _reader().guess(scene) if self.lacks(scene) else _reader().estimate(scene)
 
 

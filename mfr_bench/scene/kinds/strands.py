@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
 
-from ..spec.kind import CommonKeys, Described, Fault, FileKeys, Kind
+from ..spec.kind import CommonKeys, Described, EstimatedKind, Fault, FileKeys
 from ..spec.values import Allowed
 from .mesh import View, view_agrees
 
@@ -56,7 +56,7 @@ def path_of(scene: CommonKeys) -> Path:
     return Path(scene.folder or ".", scene.file)
 
 
-class Strands(Kind):
+class Strands(EstimatedKind):
     """Hair."""
 
     name = "strands"
@@ -79,22 +79,13 @@ class Strands(Kind):
 - `animate: true`: the camera goes around the up axis in eight frames.
 """
 
-    def primitives(self, scene: CommonKeys) -> int:
-        return self._estimate(scene).primitives
-
-    def covered_pixels(self, scene: CommonKeys) -> int:
-        return self._estimate(scene).covered
-
-    def expected_counts(self, scene: CommonKeys) -> list[float]:
-        return list(self._estimate(scene).counts)
-
     def record(self, scene: CommonKeys) -> dict[str, Any]:
         if not scene.file:
             return {}
         return {"files": [path_of(scene).name], "digest": _generator().digest(scene)}
 
     @staticmethod
-    def _estimate(scene: CommonKeys):
+    def estimate(scene: CommonKeys):
         return _generator().estimate(scene)
 
 

@@ -192,3 +192,20 @@ class Kind:
 def mean_depth(scene: CommonKeys) -> float:
     """Fragments per covered pixel that a scene with a mean depth aims at."""
     return scene.mean_depth or max(1.0, 0.4 * scene.depth_complexity)
+
+
+class EstimatedKind(Kind):
+    """A kind whose counts are estimated from the file that has its primitives."""
+
+    def estimate(self, scene: CommonKeys) -> Any:
+        """The expected numbers: `primitives`, `covered` pixels, and `counts` of pixels by their fragments."""
+        raise NotImplementedError
+
+    def primitives(self, scene: CommonKeys) -> int:
+        return self.estimate(scene).primitives
+
+    def covered_pixels(self, scene: CommonKeys) -> int:
+        return self.estimate(scene).covered
+
+    def expected_counts(self, scene: CommonKeys) -> list[float]:
+        return list(self.estimate(scene).counts)
