@@ -97,7 +97,7 @@ measured() {
 
 part doctor 10 "$mfr" doctor --device "$device"
 once tests 25 "$python" -m pytest -v -p no:cacheprovider tests/gpu tests/contract -k "trial or interlock or native"
-measured conformance 25 conformance
+measured conformance 25 device-features conformance
 part races 10 "$mfr" stress races --profile smoke --device "$device" --out "$dir/races" --time-budget @
 if command -v "${CXX:-c++}" >/dev/null || command -v g++ >/dev/null || command -v clang++ >/dev/null; then
     part race 5 "$mfr" race all --campaign --schedules 1000 --out "$dir/race"

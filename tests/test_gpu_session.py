@@ -41,7 +41,7 @@ def test_every_part_runs_in_order_and_each_measures_within_its_share(session):
     assert tuple(parts(output)) == PARTS
     asked = session.asked()
     budgets = {line.split()[1]: line.rpartition(" ")[2] for line in asked if "--time-budget" in line}
-    assert budgets["conformance"] == "50s" and budgets["races"] == "20s"  # 25 % and 10 % of 200 s
+    assert budgets["device-features"] == "50s" and budgets["races"] == "20s"  # 25 % and 10 % of 200 s
     assert all("--device cpu" in line for line in asked if "--time-budget" in line)
     assert all("--profile smoke" in line for line in asked if line.startswith("run "))
     assert re.fullmatch(r"== [\d.]+K in \S+ after \d+ s of 200 s", output.splitlines()[-1])
@@ -70,7 +70,7 @@ def test_cells_without_time_are_counted(session):
 
 
 def test_a_session_that_is_cut_off_ends_what_it_started(session, tmp_path):
-    run = session("100s", f'case "$2" in conformance) echo $$ >{tmp_path}/pid; exec sleep 60 ;; esac')
+    run = session("100s", f'case "$2" in device-features) echo $$ >{tmp_path}/pid; exec sleep 60 ;; esac')
     for _ in range(200):
         if (tmp_path / "pid").exists() and (tmp_path / "pid").read_text().strip():
             break
