@@ -3,6 +3,8 @@
 import pytest
 
 from mfr_bench.report import breaking, breaking_text, data, write_figures
+from mfr_bench.report.figures.kinds import DRAW
+from mfr_bench.report.figures.sheet import styled
 
 from .planted import cell, folder
 
@@ -98,3 +100,15 @@ def test_every_status_has_a_state():
 
     assert {name for name, status in STATUSES.items() if not status.breaks} == {"ok", "wrong"}
     assert {status.breaks for status in STATUSES.values()} - {""} < set(breaking.FAULTS)
+
+
+def test_long_names_of_levels_stand_above_the_small_print(tmp_path):
+    names = [f"meshes/a-mesh-with-a-long-name-{i}.obj" for i in range(12)]
+    cells = [cell("ab-array", time_ms=1.0, scene={"file": name}, point={"scene.file": name}) for name in names]
+    made = folder(tmp_path, cells, figures=[{"kind": "breaking", "x": "scene.file"}], sweep={"scene.file": names})
+    with styled():
+        figure = DRAW["breaking"](data.load(made), {"kind": "breaking", "x": "scene.file"})
+        figure.canvas.draw()
+        small = max(text.get_window_extent().y1 for text in figure.texts if "Scene" in text.get_text())
+        (axes,) = figure.axes
+        assert all(label.get_window_extent().y0 > small for label in (*axes.get_xticklabels(), axes.xaxis.label))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from ... import breaking as found_by
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 ROW_IN, LEGEND_IN, TICKS_IN, GAP_IN = 0.125, 0.34, 0.42, 0.1
 LABEL_PT, SIGN_PT = 6.4, 5.4
 LONGEST = 34  # characters of a label
+TURNED_IN = 0.2  # that the foot has room for below the ticks
 
 KIND = Kind("where along x, from mild to harsh in the order of the sweep, each method breaks", keys=(PANELS, X_LABEL))
 
@@ -36,14 +38,16 @@ def draw(result: Result, options: Options) -> Figure:
         groups.setdefault(ladder.panel, []).append(ladder)
     shown = {label: textwrap.shorten(label, LONGEST, placeholder="…") for label in labels}
     height = ROW_IN * max(1, len(labels))
-    sheet = sheet_of(result, options, (), style.WIDTH_IN, LEGEND_IN + HEADING_IN + height + TICKS_IN)
-    figure = sheet.figure()
     left = widest(shown.values(), LABEL_PT) + 2 * EDGE
-    room = sheet.width - left - EDGE - GAP_IN * (len(groups) - 1)
+    room = style.WIDTH_IN - left - EDGE - GAP_IN * (len(groups) - 1)
     order = found_by.levels(result, axis)
     columns = {panel: [v for v in order if any(v in ladder.points for ladder in members)]
                for panel, members in groups.items()}
     total = sum(map(len, columns.values())) or 1
+    longest = widest(map(data.plain, order), SIGN_PT)
+    foot = TICKS_IN + (longest if longest > TURNED_IN and _turned(order, room / total) else 0)
+    sheet = sheet_of(result, options, (), style.WIDTH_IN, LEGEND_IN + HEADING_IN + height + foot)
+    figure = sheet.figure()
     for i, (panel, members) in enumerate(groups.items()):
         width = room * len(columns[panel]) / total
         axes = sheet.axes(figure, left, LEGEND_IN + HEADING_IN, width, height)
@@ -78,11 +82,15 @@ def _draw(axes: Axes, ladders: list[Ladder], labels: list[str], columns: list[An
     axes.set_xlim(-0.5, len(columns) - 0.5)
     axes.set_ylim(len(labels) - 0.5, -0.5)
     names = [data.plain(v) for v in columns]
-    turned = widest(names, SIGN_PT) + 0.03 > step
-    axes.set_xticks(range(len(columns)), names, fontsize=SIGN_PT, rotation=90 if turned else 0)
+    axes.set_xticks(range(len(columns)), names, fontsize=SIGN_PT, rotation=90 if _turned(columns, step) else 0)
     axes.tick_params(length=0)
     for side in axes.spines.values():
         side.set_visible(False)
+
+
+def _turned(levels: Iterable[Any], step: float) -> bool:
+    """Whether the names of the levels stand upright, since one of them is wider than a column."""
+    return widest(map(data.plain, levels), SIGN_PT) + 0.03 > step
 
 
 def _sign(point: data.Point, room: float) -> str:
