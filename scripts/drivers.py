@@ -49,7 +49,7 @@ MEASURE = ".venv/bin/mfr-bench {} --out /tmp/drivers/$NAME --device {}"
 
 @dataclass(frozen=True)
 class Driver:
-    """How a driver is chosen inside a root, and what its renderer's name begins with."""
+    """The variables that choose a driver inside a root, and the beginning of its renderer's name."""
 
     choose: str
     renderer: str
@@ -119,7 +119,7 @@ class Matrix:
         return self._ready[root]
 
     def outcome(self, root: str, driver: str, check: str) -> Mapping[str, object]:
-        """How a check ended, or nothing."""
+        """The end of a check, or nothing."""
         try:
             return json.loads(self._log(root, driver, check).with_suffix(".json").read_text())
         except (OSError, ValueError):
@@ -258,7 +258,7 @@ def chosen(text: str | None, known: Mapping[str, object], option: str) -> list[s
 
 
 def missing() -> str | None:
-    """What this machine lacks to make roots and enter them, or None."""
+    """The thing that this machine lacks to make roots and enter them, or None."""
     if not shutil.which("debootstrap"):
         return "debootstrap is missing; run: sudo apt-get install -y debootstrap debian-archive-keyring"
     if subprocess.run(["unshare", "--mount", "true"], capture_output=True, check=False).returncode:

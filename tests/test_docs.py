@@ -36,7 +36,7 @@ def links(text):
 
 
 def anchors(page):
-    """What its headings are called in links, as GitHub makes it."""
+    """The names of its headings in links, as GitHub makes it."""
     headings = re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE),
                           flags=re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}

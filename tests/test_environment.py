@@ -1,4 +1,4 @@
-"""What a manifest says of the machine: parsed from what the system, git and the driver print; unknown is None."""
+"""The machine as a manifest states it: parsed from what the system, git and the driver print; unknown is None."""
 
 from pathlib import Path
 

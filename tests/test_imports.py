@@ -62,7 +62,7 @@ def imports(name: str) -> set[str]:
 
 
 def layer(name: str) -> int | None:
-    """Where a module of the package stands; None for any other."""
+    """The layer of a module of the package; None for any other."""
     fitting = [known for known in LAYERS if name == known or name.startswith(f"{known}.")]
     return LAYERS.index(max(fitting, key=len)) if fitting else None
 

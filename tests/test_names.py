@@ -38,7 +38,7 @@ def tree(path: Path) -> ast.Module:
 
 @cache
 def imported(path: Path) -> dict[str, tuple[str, str]]:
-    """What a file imports from the package by name: local name -> (module, name there)."""
+    """The imports of a file from the package: local name -> (module, name there)."""
     found = {}
     for node in ast.walk(tree(path)):
         if isinstance(node, ast.ImportFrom) and (base := absolute(path, node)) is not None:

@@ -1,4 +1,4 @@
-"""What is shipped: the wheel works without the repository, and the lock names every dependency."""
+"""The packages that are shipped: the wheel works without the repository, and the lock names every dependency."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a bundle must not say: who measured, on which machine by name, in which folders."""
+"""Finds what a bundle must not say: who measured, on which machine by name, in which folders."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a bundle's results say against themselves, against what a device can do, and against other devices."""
+"""Checks a bundle's results against themselves, against what a device can do, and against other devices."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def unpacked(sets: Mapping[str, Mapping[str, bytes]], into: Path) -> list[Result
 
 
 def verified(folders: Iterable[ResultFolder], others: Iterable[ResultFolder] = ()) -> list[Finding]:
-    """What is odd about these results; their derived files are written anew.
+    """The oddities of these results; their derived files are written anew.
 
     Raises UsageError where a record cannot be read, contradicts its key or stands in the folder of another device.
     """
@@ -109,7 +109,7 @@ class _Errors:
                     self._found.setdefault(_question(copy.cell), {})[source.slug] = float(error)
 
     def unlike(self, cell: Cell) -> str | None:
-        """How the cell's error differs from that of every other device, or None."""
+        """The difference of the cell's error from that of every other device, or None."""
         mine, device = cell["values"].get("max_abs_error"), cell.get("device")
         slug = device.get("slug") if isinstance(device, Mapping) else device
         theirs = [error for name, error in self._found.get(_question(cell), {}).items() if name != slug]
@@ -123,7 +123,7 @@ def _question(cell: Cell) -> str:
 
 
 def _other_image(folder: ResultFolder, cell: Cell) -> str | None:
-    """How a kept image differs from the oracle's, where numpy alone can tell: every fragment of flat quads."""
+    """The difference of a kept image from the oracle's, where numpy alone can tell: every fragment of flat quads."""
     method = catalog().get(cell["method"])
     fragments = cell["values"].get("fragments") or CHECKED_FRAGMENTS
     if method is None or method.guarantee != "exact all" or cell["status"] != "ok" or fragments >= CHECKED_FRAGMENTS:

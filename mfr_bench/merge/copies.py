@@ -38,13 +38,13 @@ class Copy:
 
     @property
     def node(self) -> tuple[str | None, ...]:
-        """What tells the device that measured it from equal ones: UUID and PCI address."""
+        """The identity of the device among equal ones: UUID and PCI address."""
         device = _device(self.cell)
         return tuple(device.get(name) for name in NODE)
 
     @property
     def result(self) -> dict[str, Any]:
-        """What every repetition of the cell agrees on: the record without times and the node."""
+        """The part that every repetition of the cell agrees on: the record without times and the node."""
         kept = {name: value for name, value in self.cell.items() if name not in REPEATED}
         values = {name: value for name, value in kept["values"].items() if name not in REPEATED_VALUES}
         device = {name: value for name, value in _device(self.cell).items() if name not in NODE}
@@ -81,7 +81,7 @@ class Source:
                 key, content, self._arrays(key), self)
 
     def contradiction(self, copy: Copy) -> str | None:
-        """What of a record contradicts its own key or its folder, or None."""
+        """The contradiction of a record with its own key or its folder, or None."""
         cell, timer = copy.cell, self.manifest.get("timer")
         device = _device(cell)
         if device.get("slug") not in (None, self.slug):

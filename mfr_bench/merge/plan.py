@@ -1,4 +1,4 @@
-"""What a merge writes, decided before anything is written: sets by device and experiment, each key once."""
+"""The plan of what a merge writes, decided before anything is written: sets by device and experiment, each key once."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ EQUIVALENT = 0.05  # relative: samples are added up where the interval of every 
 
 @dataclass(frozen=True)
 class Settled:
-    """What becomes of a key: content of its cell and arrays, the records that it was made of, and a line on that."""
+    """The outcome of a key: content of its cell and arrays, the records that it was made of, and a line on that."""
 
     content: bytes
     arrays: bytes | None
@@ -55,7 +55,7 @@ def _made_of(earlier: Sequence[Copy]) -> set[str]:
 
 
 def _contradiction(key: str, copies: Sequence[Copy]) -> str | None:
-    """Why records of one key cannot be repetitions of one measurement, or None."""
+    """The reason why records of one key cannot be repetitions of one measurement, or None."""
     for first, other in combinations(copies, 2):
         both = f"cell {key} differs between {first.source.folder.path} and {other.source.folder.path}"
         names = _differing(first.result, other.result)

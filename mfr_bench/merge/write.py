@@ -16,7 +16,7 @@ DESIGN = ("scene", "params", "sweep", "zip", "methods", "measure")  # what makes
 
 @dataclass(frozen=True)
 class Written:
-    """How many cells a set has now, and how many of them are new in its folder."""
+    """The number of cells that a set has now, and of those that are new in its folder."""
 
     cells: int
     new: int

@@ -86,7 +86,7 @@ def scene_stats(scene: Geometry, counts: np.ndarray, areas: np.ndarray | int = 1
 
 
 def _mask(scene: Quads, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray | bool:
-    """Which patches of the rectangle have the quad's fragment. Patches are pixels wherever fragments are rejected."""
+    """The patches of the rectangle with the quad's fragment. Patches are pixels wherever fragments are rejected."""
     return scene.kept(quad, x0, y0, x1, y1) if scene.rejects else True
 
 

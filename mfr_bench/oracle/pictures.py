@@ -1,4 +1,4 @@
-"""What two-channel colour does to a picture (gpupro5_ch2 §2.4, Figs. 2.4 to 2.6), and the errors that it makes."""
+"""Two-channel colour of a picture (gpupro5_ch2 §2.4, Figs. 2.4 to 2.6), and the errors that it makes."""
 
 from __future__ import annotations
 

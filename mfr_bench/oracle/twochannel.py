@@ -100,7 +100,7 @@ def words(rgba: np.ndarray) -> tuple[Encoding, np.ndarray]:
 
 
 def errors(rgba: np.ndarray) -> dict[str, float]:
-    """What the encoding does to colours uint8 (n, 4).
+    """The colours uint8 (n, 4) as the encoding gives them back.
 
     luminance_error: the largest error of a luminance in [0, 1]. hue_error: the mean angle between a colour's light
     and that which comes back, degrees; colours without light have none.

@@ -191,7 +191,7 @@ class Checker:
         return self._told(words, lines)
 
     def _told(self, words: list[str], lines: Iterable[str]) -> dict:
-        """What the program answers."""
+        """The answer of the program."""
         may = ["may-lose"] if self.promised.counted else []
         command = [str(self.built.program), *words, *may, f"scene={self.scene.seed}"]
         done = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True, check=False)

@@ -1,4 +1,4 @@
-"""What methods without a promise lose, simulated: shares of schedules with a wrong pixel, by n, k and number in flight.
+"""Simulates what methods without a promise lose: shares of schedules with a wrong pixel, by n, k and number in flight.
 
 Simulated means: on the race machine, with its schedules. No measured cell holds any of this, and every file says so.
 """

@@ -46,7 +46,7 @@ SOUND: tuple[tuple[str, dict[str, Value]], ...] = (("kplus-array", {}), ("kb-ps"
 
 @dataclass(frozen=True)
 class Panel:
-    """What one variant shows: float64 (H, W, 4), and its largest channel error by pixel."""
+    """The picture of one variant: float64 (H, W, 4), and its largest channel error by pixel."""
 
     label: str
     variant: Variant

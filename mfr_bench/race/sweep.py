@@ -66,7 +66,7 @@ class Line:
 
     @property
     def identity(self) -> tuple[object, ...]:
-        """What a later run shares with this one, whatever its code and number of schedules: the table has it once."""
+        """The identity that a later run shares, whatever its code and number of schedules: the table has it once."""
         return self.method, self.params, self.machine, self.fragments, self.scenes, self.seed
 
 

@@ -1,4 +1,4 @@
-"""How wide figures are, how large their text is, and as what they are written: for a paper, for slides."""
+"""The look of figures, their width, size of text and file format: for a paper, for slides."""
 
 from __future__ import annotations
 

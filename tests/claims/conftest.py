@@ -1,4 +1,4 @@
-"""What planted results need: no wait for a disk."""
+"""Fixtures of planted results: no wait for a disk."""
 
 import os
 

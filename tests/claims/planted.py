@@ -165,7 +165,7 @@ def presorted(good, k=16, **times):
 
 
 def peeling(good, shallow=12.0):
-    """Where one iteration takes all fragments, the time of it decides nothing."""
+    """Cells in which one iteration takes all fragments: its time decides nothing."""
     cells = [cell(m, ms, depth_complexity=n) for m, ms in (("peel-f2b", 30.0), ("peel-dual", 20.0)) for n in (8, 64)]
     return cells + [cell("peel-kplus", shallow if n == 8 else 12.0 if good else 25.0, {"k": k, "sync": "spin"},
                          depth_complexity=n) for k in (8, 32) for n in (8, 64)]

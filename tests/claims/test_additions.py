@@ -1,4 +1,4 @@
-"""What it takes to add a claim: one file, or one entry of a file, apart from the planted case that tests it."""
+"""Adding a claim takes one file, or one entry of a file, apart from the planted case that tests it."""
 
 import filecmp
 import os

@@ -195,7 +195,7 @@ def broken(cell, what):
 @pytest.mark.parametrize("what", ["params", "scene", "values", "samples_ms", "passes"])
 @pytest.mark.parametrize("claim_id", IDS)
 def test_foreign_cells_are_no_stumbling_block(tmp_path, claim_id, what):
-    """What they lack is lacking, and what they have is used."""
+    """They lack what they lack, and are used for what they have."""
     judged = verdict(tmp_path, claim_id, [broken(c, what) for c in cells(claim_id)])
     assert judged.verdict in VERDICTS
     assert judged.record()

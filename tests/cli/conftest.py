@@ -33,7 +33,7 @@ CELLS = 4  # the floor, ab-array, and kplus-array at two k
 
 @dataclass(frozen=True)
 class Ended:
-    """How a command ended, and what it printed."""
+    """The exit status of a command, and what it printed."""
 
     status: int
     out: str
@@ -54,7 +54,7 @@ def environment(**more: str) -> dict[str, str]:
 
 
 def sabotaged(folder: Path, code: str) -> dict[str, str]:
-    """What of an environment lets every process, the one that measures included, run this code when it starts."""
+    """The environment that lets every process, the one that measures included, run this code when it starts."""
     folder.mkdir(exist_ok=True)
     (folder / "sitecustomize.py").write_text(code)
     return {"PYTHONPATH": os.pathsep.join([str(folder), environment()["PYTHONPATH"]])}

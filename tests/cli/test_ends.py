@@ -1,4 +1,4 @@
-"""How commands end when the world fails them: Ctrl-C, a full disk, a reader that leaves, no driver, odd terminals."""
+"""Commands end well when the world fails them: Ctrl-C, a full disk, a reader that leaves, no driver, odd terminals."""
 
 import fcntl
 import os

@@ -1,4 +1,4 @@
-"""What other programs read: --json, --junit and --summary of run, table, compare."""
+"""The output that other programs read: --json, --junit and --summary of run, table, compare."""
 
 import json
 import xml.etree.ElementTree as ET

@@ -57,7 +57,7 @@ def test_a_run_of_single_samples_raises_no_more_alarms(runs):
 
 @pytest.mark.parametrize("samples", [3, 4, 5])
 def test_bursts_in_runs_of_few_samples_raise_no_more_alarms(samples):
-    """What few samples leave open is guessed rather too large; it must not hide how far bursts reach."""
+    """The gap that few samples leave is guessed rather too large; it must not hide how far bursts reach."""
     runs = Runs(replace(MACHINES["noisy"], tails="bursts"), METHODS)
     assert gates(runs, 1.0, before=samples, after=samples, slowed=samples)[1] <= SEEDS / 20
 

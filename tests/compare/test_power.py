@@ -1,4 +1,4 @@
-"""What `compare` says of planted runs: nothing of two runs of one thing, and a slowdown where there is one."""
+"""The verdicts of `compare` on planted runs: nothing of two runs of one thing, and a slowdown where there is one."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What configs come to: defaults, precedence, profiles, overrides, and how files are found."""
+"""Configs as they are loaded: defaults, precedence, profiles, overrides, and how files are found."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What every method is tested on: its variants, and the scenes of mfr_bench.contract."""
+"""The cases of every method: its variants, and the scenes of mfr_bench.contract."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a declaration has to say, and what its shaders have to look like; no GL."""
+"""Declarations say what they have to, and shaders look as they have to; no GL."""
 
 import pytest
 

@@ -30,7 +30,7 @@ def texts(method):
 
 
 def complaint(folder, sources):
-    """What glslang says of these sources (text -> file's ending), or nothing."""
+    """The messages of glslang about these sources (text -> file's ending), or nothing."""
     paths = []
     for number, (text, ending) in enumerate(sources.items()):
         paths.append(folder / f"{number}.{ending}")

@@ -1,4 +1,4 @@
-"""What decide is asked: parsed, or refused in a line that says what is allowed."""
+"""The question to decide: parsed, or refused in a line that says what is allowed."""
 
 import pytest
 

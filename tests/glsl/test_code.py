@@ -1,4 +1,4 @@
-"""What counts as the code of a shader, and what depends on it alone."""
+"""The code of a shader, and what depends on it alone."""
 
 import pytest
 from hypothesis import given

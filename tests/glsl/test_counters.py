@@ -1,4 +1,4 @@
-"""What a method does is counted by programs that show the same image, and that the timed ones know nothing of."""
+"""The work of a method is counted by programs that show the same image, and that the timed ones know nothing of."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""How shader files open: a paragraph that says what the file does, and a line of the buffers that its code names."""
+"""Shader files open with a paragraph that says what the file does, and a line of the buffers that its code names."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""What the device rasterizes of depths at their extremes is what the oracle takes them for."""
+"""The device rasterizes depths at their extremes as the oracle takes them."""
 
 import numpy as np
 import pytest

@@ -58,7 +58,7 @@ UUIDS = [f"0000000{i}-1111-2222-3333-444444444444" for i in range(4)]
 
 
 class Opened:
-    """What the search asks of a device; `kind` follows from the name as of real ones."""
+    """The part of a device that the search asks for; `kind` follows from the name as of real ones."""
 
     def __init__(self, index, renderer):
         self.egl, self.released = EglDevice(index), False
@@ -124,7 +124,7 @@ def test_every_device_is_listed_with_why_it_cannot_be_used(machine):
 
 
 def test_real_devices_are_listed_in_egls_order(device):
-    """In a process of its own: the context of this one has to stay current."""
+    """Runs in a process of its own: the context of this one has to stay current."""
     listing = """import json
 from mfr_bench.gpu.device import list_devices
 print(json.dumps([(d.index, d.info) for d in list_devices()]))"""
@@ -165,7 +165,7 @@ def test_timers_name_every_pass_in_order(device, frame, kind):
 
 
 def test_the_first_timer_of_a_context_measures_no_distant_past():
-    """In a process of its own, whose context is new; an hour is beyond any frame here."""
+    """Runs in a process of its own, whose context is new; an hour is beyond any frame here."""
     timing = """import time
 from mfr_bench.gpu import rawgl
 from mfr_bench.gpu.device import open_device

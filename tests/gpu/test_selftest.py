@@ -1,4 +1,4 @@
-"""What `doctor` finds: the tests pass here, fail on planted faults, and the timer is chosen by its agreement."""
+"""The findings of `doctor`: the tests pass here, fail on planted faults, and the timer is chosen by its agreement."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""What a device makes of slanted primitives is what their corners say: the oracle sorts the device's own fragments, so
+"""A device draws slanted primitives as their corners say: the oracle sorts the device's own fragments, so
 that a wrong vertex shader would be wrong in both."""
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""What methods ask of a driver has a trial: atomic operations, ways of blending, kinds of queries."""
+"""Everything that methods ask of a driver has a trial: atomic operations, ways of blending, kinds of queries."""
 
 import re
 from functools import cache

@@ -41,7 +41,7 @@ def test_the_fastest_is_found_with_a_fraction_of_the_frames(kind):
 
 
 def test_the_fastest_of_equal_methods_is_hardly_ever_dropped():
-    """Where all are alike each is the fastest: the hardest case for the bound."""
+    """All are alike, so that each is the fastest: the hardest case for the bound."""
     alike = dict.fromkeys(("a", "b", "c"), 1.0)
     drops = [d for seed in range(100) for d in played("lognormal", seed, alike, 60)[0].dropped]
     assert len(drops) <= 3 * 100 * CHANCE

@@ -1,4 +1,4 @@
-"""Where the wall time of a run goes."""
+"""The split of a run's wall time."""
 
 import contextlib
 

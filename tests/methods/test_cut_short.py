@@ -1,4 +1,4 @@
-"""What is cut short: peelings of so many layers, compositing that ends at an opacity. The promise weakens with it."""
+"""Methods cut short: peelings of so many layers, compositing that ends at an opacity. The promise weakens with it."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What k+-buffers leave in memory, how they treat equal depths, and what the host chooses between two passes."""
+"""The contents of k+-buffers, how they treat equal depths, and what the host chooses between two passes."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What each method says of equal depths is what it does."""
+"""Each method treats equal depths as it says."""
 
 import numpy as np
 import pytest

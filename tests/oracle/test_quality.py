@@ -103,7 +103,7 @@ def test_a_pixel_that_no_screen_shows_is_an_error_of_1_in_flip(value, channel):
 
 
 def test_flip_is_of_displayed_images_and_far_from_proportional():
-    """What 8 bits do not show is no error; the least that they show, 1/255, is 0.03 and half of the range 0.84."""
+    """No error is what 8 bits do not show; the least that they show, 1/255, is 0.03 and half of the range 0.84."""
     def by(difference):
         image = GREY.copy()
         image[..., :3] += difference
@@ -126,7 +126,7 @@ def test_what_is_compared_is_left_alone():
 
 
 def test_tied_pixels_are_held_against_every_order():
-    """Of an open pixel a channel may lie anywhere between its ends; the error is the way to the nearer."""
+    """A channel of an open pixel may lie anywhere between its ends; the error is the way to the nearer."""
     low, high = ORACLE.copy(), ORACLE.copy()
     low[3, 5, 0] -= 0.25
     high[1, 1, 3] += 0.5

@@ -37,7 +37,7 @@ def test_transmittance_keeps_its_bound_and_the_promise(layers, alpha):
 
 
 def test_a_sum_of_opacities_leaks():
-    """Why exact methods hold the transmittance: 1 - alpha stops at the last bit of 1, and every layer shows by it."""
+    """Exact methods store transmittance: 1 - alpha stops at the last bit of 1, and every layer shows by it."""
     found = rounding.errors(4096, (8, 8), pixels=16)
     assert found["under, float32"] > 20 * found["by transmittance, float32"]
 

@@ -126,7 +126,7 @@ def test_a_device_decodes_as_numpy_does(device, name):
 
 @pytest.mark.parametrize("method", STORING, ids=lambda m: m.id)
 def test_a_method_is_exact_in_the_colours_that_come_back(device, method):
-    """What is approximate is the payload; the rest of the method keeps its promise."""
+    """The payload alone is approximate; the rest of the method keeps its promise."""
     variant = method.variant({"payload": "two_channel"} | ({"k": 4} if method.param("k") else {}))
     if not device.features.issuperset(variant.needs):
         pytest.skip(f"this device lacks {', '.join(set(variant.needs) - device.features)}")

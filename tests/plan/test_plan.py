@@ -189,7 +189,7 @@ LESS = Scene(size=(64, 48), layout="mixed", depth_complexity=20, mean_depth=4, p
 
 
 def told_timeout(of, known, method="kplus-array"):
-    """Why a cell, of a scene and a k, is predicted to time out where the `known` one took 3 s a frame."""
+    """The reason why a cell, of a scene and a k, is predicted to time out where the `known` one took 3 s a frame."""
     def made(scene, k):
         entry = MethodEntry(method, method, {"k": k})
         return plan.expand(experiment(entry, scene=scene, measure=Measure(time_limit_s=1)), catalog(), [method])[-1]

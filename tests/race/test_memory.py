@@ -1,4 +1,4 @@
-"""What weak memory and lockstep change: what the shaders rely on holds, and what they do not is seen."""
+"""Weak memory and lockstep: what the shaders rely on holds, and what they do not is seen."""
 
 import pytest
 

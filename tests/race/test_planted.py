@@ -37,7 +37,7 @@ class Fault:
 
 
 def of_the_lock(method: str, *settings: str) -> list[Fault]:
-    """What can be wrong of the spin lock."""
+    """The faults of a spin lock."""
     def fault(name: str, right: str, wrong: str, weak: bool = False) -> Fault:
         return Fault(name, method, LOCK, right, wrong, settings, weak)
 
@@ -53,7 +53,7 @@ def of_the_lock(method: str, *settings: str) -> list[Fault]:
 
 
 def of_the_wide_lock(method: str, *settings: str) -> list[Fault]:
-    """What can be wrong of the lock that emulates 64-bit atomics."""
+    """The faults of the lock that emulates 64-bit atomics."""
     chosen = ("atomic64=emulated", *settings)
 
     def fault(name: str, right: str, wrong: str, weak: bool = False) -> Fault:

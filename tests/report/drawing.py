@@ -1,4 +1,4 @@
-"""What the tests of figures share: planted cells, the figure of them, and what is read from it."""
+"""The helpers that tests of figures share: planted cells, the figure of them, and what is read from it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What papers print, as marks and guides among what was measured."""
+"""Printed numbers of papers, as marks and guides among what was measured."""
 
 from __future__ import annotations
 

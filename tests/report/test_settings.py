@@ -55,7 +55,7 @@ def test_every_experiment_and_no_setting_twice():
 
 @pytest.mark.parametrize("row", settings(), ids=told)
 def test_a_difference_has_a_reason_and_an_effect(row):
-    """What is not printed, or not so, says why it is as it is, and what that favours."""
+    """A setting that is not printed, or not so, says why it is as it is, and what that favours."""
     assert re.fullmatch(PAPERS, row.place), row.place
     assert bool(row.reason) == bool(row.effect)
     assert row.reason or row.printed

@@ -1,4 +1,4 @@
-"""What a method or a driver may do to the process that measures: it costs one cell, and the run goes on."""
+"""Faults of methods and drivers in the process that measures: each costs one cell, and the run goes on."""
 
 from __future__ import annotations
 

@@ -247,7 +247,7 @@ def test_a_still_scene_has_frames_where_the_method_chooses(run):
 
 
 def test_images_are_compared_in_a_phase_of_their_own_and_frames_drawn_outside_it(device, tmp_path, monkeypatch):
-    """What compares them is no time of the method; what draws them is."""
+    """Comparing them is no time of the method; drawing them is."""
     assert device.limits  # whose trials draw and compare images of their own
     run, seen = Run(device, [cell()], Clock(), tmp_path), []
     compared, drawn = scene_work.quality.conformance, Frame.draw

@@ -1,4 +1,4 @@
-"""What it takes to add a kind of scene: one file, which declares it and makes it."""
+"""Adding a kind of scene takes one file, which declares it and makes it."""
 
 import shutil
 import subprocess

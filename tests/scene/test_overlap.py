@@ -1,4 +1,4 @@
-"""How many rectangles can meet in a pixel: never fewer than do, and as many where their edges lie on the grid."""
+"""Counts of rectangles that can meet in a pixel: never fewer than do, and as many where their edges lie on the grid."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What it takes to add a column or a status: one entry of a table, and for a column the module that gives its value."""
+"""Adding a column or a status takes one entry of a table, and for a column the module that gives its value."""
 
 import json
 import os
@@ -71,7 +71,7 @@ def run_in(folder, copy, code):
 
 
 def use(copy, y="time_ms", values=None, status="crashed"):
-    """What the commands print on made-up results in the changed copy."""
+    """The output of the commands on made-up results in the changed copy."""
     at = copy.parent / "at"
     at.mkdir()
     return run_in(at, copy, f"Y, VALUES, STATUS = {y!r}, {values or {}!r}, {status!r}\n{USE}"), at
