@@ -24,6 +24,11 @@ def reference_dir() -> Path:
     return _folder("reference", "results/reference")
 
 
+def peers_dir() -> Path:
+    """The folder of comparisons with independent implementations. Raises MfrError where the installation lacks it."""
+    return _folder("peers", "results/peers")
+
+
 def template_dir() -> Path:
     """The folder of the package that `new-method` writes. Raises MfrError where the installation lacks it."""
     return _folder("template", "examples/my-array")

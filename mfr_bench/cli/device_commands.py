@@ -52,9 +52,11 @@ def _device_or_reason(want: str):
 @click.option("--markdown", is_flag=True, help="Print what docs/methods.md holds; needs no device.")
 @click.option("--rounding", is_flag=True,
               help="Print the table of docs/accuracy.md: what compositing loses to rounding; needs no device.")
+@click.option("--fairness", is_flag=True,
+              help="Print docs/fairness.md: the methods beside independent implementations; needs no device.")
 @DEVICE
 @OUTSIDE
-def methods(as_json: bool, markdown: bool, rounding: bool, device: str) -> None:
+def methods(as_json: bool, markdown: bool, rounding: bool, fairness: bool, device: str) -> None:
     """List every method, and whether this device runs it.
 
     With its paper, passes, memory, guarantee, and parameters.
@@ -68,6 +70,11 @@ def methods(as_json: bool, markdown: bool, rounding: bool, device: str) -> None:
 
     if markdown:
         say(as_markdown(catalog().values()).rstrip("\n"))
+        return
+    if fairness:
+        from ..report.peers import as_markdown as fairness_page
+
+        say(fairness_page().rstrip("\n"))
         return
     if rounding:
         from ..oracle.rounding import as_markdown as rounding_table

@@ -1,0 +1,94 @@
+"""docs/fairness.md: the methods beside independent implementations, and what differences from their sources are worth.
+
+The numbers are in results/peers: `measured.csv` has a row per comparison, `reasons.csv` says of a method and an
+implementation why their times differ, and `differences.csv` what a difference from the source is worth.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+from ..errors import StoreError
+from ..resources import peers_dir
+
+ALIKE = (0.85, 1.15)  # ratios between which no reason is asked for
+COLUMNS: Mapping[str, tuple[str, ...]] = {
+    "measured.csv": ("method", "parameters", "implementation", "commit", "measured", "device", "date", "width",
+                     "height", "density", "n", "k", "ours_ms", "theirs_ms", "ratio", "ratio_low", "ratio_high"),
+    "reasons.csv": ("method", "parameters", "implementation", "reason"),
+    "differences.csv": ("method", "source", "here", "choice", "worth"),
+}
+HEAD = """# Fair to every method
+
+`mfr-bench methods --fairness` prints this page from the tables in `results/peers`; a test holds it to them.
+
+## Beside independent implementations
+
+The public code of others and the methods here drew the same quads in one process, frame by frame in turns, in random
+order. Times are CPU times of a frame in all threads of the process, medians of 9 rounds; a ratio is ours over theirs,
+paired within rounds, with the 95 % interval of its median by the bootstrap. The images were compared first: they
+differ by what colours of 8 bits premultiplied round away, at most 0.0024. Their shaders were taken as they are, but
+for what binds them: rectangle textures became plain ones, and colours and depths come from the quads. Nothing of them
+is part of this project. The device is llvmpipe, where the fragments of a pixel come one by one: what a GPU's contention
+costs is not in these numbers, and no GPU has been asked.
+"""
+REASONS = """Why a ratio lies outside 0.85 to 1.15:
+"""
+OPEN = """Not compared yet: the A-buffers' stores alone, the S-buffer, LL-Paged and the peeling methods of the authors'
+renderer; registers and backwards memory allocation of pknowles/oit; the sample of nvpro-samples, which converts
+colours to sRGB and back for each fragment; Lefebvre's lists and hash tables, whose code could not be had; MBOIT, WBOIT
+and hybrid transparency of PixelSyncOIT. And everything on a GPU.
+"""
+DIFFERENCES = """## Where methods differ from their sources, and what that is worth
+
+A worth is a ratio of CPU times of a frame on llvmpipe, 256×256 pixels, all of them covered: the way here over that of
+the source, or as it says.
+"""
+
+
+def as_markdown() -> str:
+    """The page. Raises StoreError for tables whose columns are others, or for a ratio without its reason."""
+    rows = list(table("measured.csv"))
+    reasons = {(r["method"], r["parameters"], r["implementation"]): r["reason"] for r in table("reasons.csv")}
+    lines = [HEAD, *_measured(rows), "", REASONS, *_reasons(rows, reasons), "", OPEN, DIFFERENCES]
+    lines += _table(("method", "the source", "here", "chosen by", "worth"),
+                    ((f"`{r['method']}`", r["source"], r["here"], r["choice"] and f"`{r['choice']}`", r["worth"])
+                     for r in table("differences.csv")))
+    return "\n".join(lines) + "\n"
+
+
+def table(name: str) -> Iterator[dict[str, str]]:
+    """The rows of one of the tables. Raises StoreError where its columns are others."""
+    path: Path = peers_dir() / name
+    with open(path, newline="", encoding="utf-8") as file:
+        reader = csv.DictReader(file, strict=True)
+        if tuple(reader.fieldnames or ()) != COLUMNS[name]:
+            raise StoreError(f"{path}: columns {reader.fieldnames}; expected {list(COLUMNS[name])}")
+        yield from reader
+
+
+def _measured(rows: Iterable[dict[str, str]]) -> list[str]:
+    head = ("method", "parameters", "beside", "what", "pixels", "covered", "n", "k", "ours, ms", "theirs, ms", "ratio")
+    return _table(head, ((f"`{r['method']}`", r["parameters"], f"{r['implementation']} {r['commit'][:8]}",
+                          r["measured"], f"{r['width']}×{r['height']}", f"{float(r['density']):.0%}", r["n"], r["k"],
+                          r["ours_ms"], r["theirs_ms"], f"{r['ratio']} [{r['ratio_low']}, {r['ratio_high']}]")
+                         for r in rows))
+
+
+def _reasons(rows: Iterable[dict[str, str]], reasons: Mapping[tuple[str, str, str], str]) -> list[str]:
+    """A line for each method and implementation of which a ratio needs one."""
+    low, high = ALIKE
+    asked = dict.fromkeys((r["method"], r["parameters"], r["implementation"]) for r in rows
+                          if not low <= float(r["ratio"]) <= high)
+    missing = [key for key in asked if key not in reasons]
+    if missing:
+        raise StoreError(f"{peers_dir() / 'reasons.csv'}: no reason for {', '.join(map(str, missing))}, whose ratio "
+                         f"lies outside {low} to {high}; add a row")
+    return [f"- `{method}`{f' ({chosen})' if chosen else ''} beside {theirs}: {reasons[method, chosen, theirs]}"
+            for method, chosen, theirs in asked]
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> list[str]:
+    return [f"| {' | '.join(cells)} |" for cells in (head, tuple("---" for _ in head), *rows)]
