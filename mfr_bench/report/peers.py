@@ -39,7 +39,7 @@ REASONS = """Why a ratio lies outside 0.85 to 1.15:
 OPEN = """Not compared yet: the A-buffers' stores alone, the S-buffer, LL-Paged and the peeling methods of the authors'
 renderer; registers and backwards memory allocation of pknowles/oit; the sample of nvpro-samples, which converts
 colours to sRGB and back for each fragment; Lefebvre's lists and hash tables, whose code could not be had; MBOIT, WBOIT
-and hybrid transparency of PixelSyncOIT. And everything on a GPU.
+and HT of PixelSyncOIT. And everything on a GPU.
 """
 DIFFERENCES = """## Where methods differ from their sources, and what that is worth
 
