@@ -113,7 +113,7 @@ def test_a_record_names_the_file_and_its_contents_but_no_folder(scene_of, tmp_pa
     scene = scene_of()
     record = scene.as_dict()
     assert record["files"] == ["a.obj"] and str(tmp_path) not in str(record)
-    assert "depth_complexity" not in record and "layout" not in record
+    assert not {"depth_complexity", "layout", "depth_range", "shading"} & record.keys()  # at their defaults, or unused
     (tmp_path / "a.obj").write_text(SQUARES + "\n# another\n")
     assert scene_of().as_dict()["digest"] != record["digest"]
 
