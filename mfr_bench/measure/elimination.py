@@ -12,13 +12,16 @@ fastest method fulfils; each takes a third of the chance:
 
 The first is what "fastest" means, by the median of the ratio; the others are assumptions about noise, by which a
 method that takes several times as long leaves after three to five frames (docs/measurement.md has what was measured
-of them). The chance of dropping the fastest method is then at most `chance`, all comparisons and rounds together.
+of them). They are used only as long as the frames bear them out: while, of the frames of all methods, no larger share
+takes more than 2 or 4 times the lower quartile of its method's. The chance of dropping the fastest method is then at
+most `chance`, all comparisons and rounds together.
 """
 
 from __future__ import annotations
 
 import math
 import random
+from bisect import bisect_right, insort
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -30,6 +33,7 @@ CHANCE = 0.01  # of dropping the fastest method
 INDIFFERENCE = 0.02  # methods whose times differ by less are as good as each other
 RESAMPLES = 400  # of the rounds, for the chance that a method is the best
 HYPOTHESES = ((1.0, 1 / 2), (2.0, 1 / 8), (4.0, 1 / 64))  # factor, and share of the rounds at most
+QUARTILE = 0.25  # of a method's frames: those that nothing held up
 LEAST_ROUNDS = 12  # before methods count as equal
 EQUAL_CONFIDENCE = 0.98  # two-sided, of the interval that tells whether they are
 
@@ -78,12 +82,15 @@ class Elimination:
         self._may_drop = may_drop
         self._limit = math.log(len(HYPOTHESES) * max(1, len(methods) - 1) / chance)
         self._hits: dict[tuple[str, str, float], int] = {}
+        self._frames: dict[str, list[float]] = {method: [] for method in methods}  # of each, ascending
 
     def add(self, times_ms: Mapping[str, float]) -> list[Dropped]:
         """Take the times of a round, one for each method that is left. Returns who leaves after it."""
         if set(times_ms) != set(self.left):
             raise ValueError(f"a round has a time for each of {', '.join(self.left)}")
         self.rounds.append(dict(times_ms))
+        for method, time_ms in times_ms.items():
+            insort(self._frames[method], time_ms)
         for method in self.left:
             for other in self.left:
                 for factor, _ in HYPOTHESES:
@@ -97,19 +104,28 @@ class Elimination:
         self.left.remove(method)
 
     def _leaving(self) -> list[Dropped]:
-        leaving = []
-        for method in self.left:
-            beaten = next((other for other in (self.leader, *self.left) if other != method
-                           and self._may_drop(other, method) and self._slower(method, other)), None)
+        leaving: dict[str, Dropped] = {}
+        tested = [(factor, share) for factor, share in HYPOTHESES if self._borne_out(factor, share)]
+        for method in sorted(self.left, key=self.time_ms, reverse=True):  # nobody leaves to one that leaves
+            beaten = next((other for other in (self.leader, *self.left) if other != method and other not in leaving
+                           and self._may_drop(other, method) and self._slower(method, other, tested)), None)
             if beaten:
-                leaving.append(Dropped(method, len(self.rounds), beaten, self.ratio(method, beaten)))
-        self.left = [method for method in self.left if method not in {gone.method for gone in leaving}]
-        self.dropped += leaving
-        return leaving
+                leaving[method] = Dropped(method, len(self.rounds), beaten, self.ratio(method, beaten))
+        self.left = [method for method in self.left if method not in leaving]
+        self.dropped += leaving.values()
+        return list(leaving.values())
 
-    def _slower(self, method: str, other: str) -> bool:
+    def _borne_out(self, factor: float, share: float) -> bool:
+        """Whether the noise of the frames so far is such that the hypothesis may hold."""
+        if factor == 1.0:
+            return True  # what "fastest" means, whatever the noise
+        slow = (len(frames) - bisect_right(frames, factor * frames[int(QUARTILE * len(frames))])
+                for frames in self._frames.values() if frames)
+        return sum(slow) <= share * sum(map(len, self._frames.values()))
+
+    def _slower(self, method: str, other: str, tested: Sequence[tuple[float, float]]) -> bool:
         return any(evidence(self._hits.get((method, other, factor), 0), len(self.rounds), share) > self._limit
-                   for factor, share in HYPOTHESES)
+                   for factor, share in tested)
 
     @property
     def leader(self) -> str:
