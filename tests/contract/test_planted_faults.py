@@ -16,7 +16,6 @@ FAULTS = [
     ("peel-bucket", "methods/peel/bucket.frag", "z > -edge.x && z < edge.y", "z < edge.y"),
     ("peel-srab", "methods/routing/collect.frag", ".x + 1u : EMPTY", ".x : EMPTY"),
     ("ab-array", "methods/array/store.frag", "slot * pixels + p", "slot + p"),
-    ("ab-array", "common/sort.glsl", "nearer.x <= moving.x", "nearer.x >= moving.x"),
     ("ab-ll", "methods/list/store.frag", "incoming()", "incoming().yx"),
     ("ab-sb", "methods/sbuffer/sums.glsl", "group + 1u", "group"),
     ("ab-lbuffer", "methods/sbuffer/address.frag", "[pixel_group(p)], count", "[pixel_group(p)], 1u"),
@@ -50,6 +49,7 @@ FAULTS = [
     ("kb-mha", "methods/kb/coded.glsl", "code == coded", "code != coded"),
 ]
 OPTION_FAULTS = [
+    ("ab-array", {"sort": "hybrid"}, "common/sort.glsl", "nearer.x <= moving.x", "nearer.x >= moving.x"),
     ("open-post", {"atomic64": "emulated"}, "methods/open/insert.frag", "atomicMax(ages[p], age)",
      "atomicMax(ages[p], 1u)"),
     ("open-pre", {"atomic64": "emulated"}, "methods/open/table.glsl", "less64(met, cell)", "less64(cell, met)"),
