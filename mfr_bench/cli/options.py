@@ -187,6 +187,7 @@ def _use_methods(context, param, folders: tuple[str, ...]) -> None:
         from ..methods.outside import use
 
         use(folders)
+        context.meta[param.name] = folders
 
 
 OUTSIDE = click.option("--methods", "method_folders", multiple=True, metavar="FOLDER", is_eager=True,

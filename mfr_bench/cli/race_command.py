@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from dataclasses import asdict
 from pathlib import Path
 
@@ -17,6 +18,7 @@ OF_MODES = {  # what each of these ways to run takes
     "--campaign": ("campaign", "pairs", "jobs", "out", "fragments", "schedules", "scenes", "seed", "as_json"),
     "--hazards": ("hazards", "jobs", "out", "schedules", "seed"),
 }
+OF_A_SCHEDULE = ("schedules", "scenes", "seed", "exhaustive", "replay", "as_json")  # which --replay stands for
 ONLY_THERE = ("pairs", "jobs", "out")
 SCHEDULES = 20_000
 
@@ -92,15 +94,32 @@ def race(context: click.Context, method_id: str, overrides: tuple[str, ...], fra
     how = How(schedules, seed, weak, not no_dependencies, warp or 0, moved_returns, exhaustive is not None,
               exhaustive or 0, ordered, helpers)
     found = _replayed(variant, counts, how, ties, replay) if replay else run(variant, counts, how, scenes, ties)
-    say(json.dumps(record(found), indent=2) if as_json else text(found))
+    say(json.dumps(record(found), indent=2) if as_json else text(found, _again(context)))
     if found.broken and not found.checker.promises_nothing:
         context.exit(BROKEN)
 
 
+def _given(context: click.Context) -> dict[str, str]:
+    """The options that the command line has, by the names of their parameters."""
+    return {p.name: p.opts[0] for p in context.command.params if isinstance(p, click.Option) and p.name is not None
+            and context.get_parameter_source(p.name) is click.core.ParameterSource.COMMANDLINE}
+
+
+def _again(context: click.Context) -> str:
+    """The command that runs the same machine again, all but the schedule."""
+    words = ["mfr-bench", "race", context.params["method_id"]]
+    for name, option in _given(context).items():
+        if name in OF_A_SCHEDULE:
+            continue
+        value = tuple(context.meta["method_folders"]) if name == "method_folders" else context.params[name]
+        for one in value if isinstance(value, tuple) else (value,):
+            words += [option] if one is True else [option, str(one)]
+    return shlex.join(words)
+
+
 def _held_to(context: click.Context, mode: str | None) -> None:
     """Raises UsageError for options that say nothing where they stand."""
-    given = {p.name: p.opts[0] for p in context.command.params if isinstance(p, click.Option) and p.name is not None
-             and context.get_parameter_source(p.name) is click.core.ParameterSource.COMMANDLINE}
+    given = _given(context)
     if mode is None:
         stray = [option for name, option in given.items() if name in ONLY_THERE]
         if stray:

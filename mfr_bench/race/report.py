@@ -203,14 +203,14 @@ def campaign_end(lines: Sequence[Line]) -> str:
     return ", ".join([f"{configurations} configurations, {len(lines)} lines", tried, *ended])
 
 
-def text(found: Found) -> str:
-    """The headline, and of a broken promise all that a person needs to follow it."""
+def text(found: Found, again: str = "") -> str:
+    """The headline, and of a broken promise all that a person needs to follow it; `again`: the command to replay it."""
     if found.failure is None or found.checker.promises_nothing:
         return headline(found)
     checker, failure = found.checker, found.failure
     return "\n".join([headline(found), "", *_fragment_lines(checker), *_pixel_lines(checker, failure), "",
                       *_trace_lines(steps(checker, failure.events)), *_end_lines(checker, failure), "",
-                      f"again: --replay {written(checker.scene.seed, failure.deviations)}"])
+                      f"again: {again} --replay {written(checker.scene.seed, failure.deviations)}"])
 
 
 def _fragment_lines(checker: Checker) -> Iterator[str]:
