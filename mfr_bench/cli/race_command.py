@@ -166,16 +166,23 @@ def _campaign(context: click.Context, chosen, counts, how, scenes: int, together
 
 def _hazards(method_id: str, schedules: int, seed: int, at_once: int | None, folder: Path) -> None:
     """Writes the simulated table, and for all methods the simulated figure; prints the table."""
-    from ..methods import catalog
     from ..race.hazards import as_markdown, write
     from ..race.hazards import hazards as simulated
-    from ..race.picture import panels
-    from ..race.picture import write as draw
 
     found = list(simulated(_chosen(method_id), schedules, seed, at_once))
     if not found:
         raise UsageError(f"{method_id} promises its image with every option: there are no hazards to count")
     say(as_markdown(found))
     say(write(found, folder))
-    for path in draw(panels(catalog(), at_once), folder) if method_id == "all" else ():
+    for path in _pictured(folder, at_once) if method_id == "all" else ():
         say(path)
+
+
+def _pictured(folder: Path, at_once: int | None) -> list[Path]:
+    """The files of the simulated figure."""
+    from ..methods import catalog
+    from ..race.picture import panels, racing, sound, write
+
+    above, below = racing(catalog()), sound(catalog())
+    made = panels([*above, *below], at_once)
+    return write(made[:len(above)], made[len(above):], folder)

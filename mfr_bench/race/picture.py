@@ -16,15 +16,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..hashing import hash3
-from ..methods.spec import Method, Value, Variant
-from ..oracle.composite import composite
+from ..methods.spec import Method, Variant
 from ..report import style
 from ..report.figures.files import render
 from ..report.figures.kinds.maps import over_checks
 from ..report.figures.sheet import EDGE, FigureSheet, fitted, styled
 from ..scene.quads import Quads
 from ..store import write_file
+from .campaign import settings
 from .check import Checker, How
+from .hazards import promising_nothing
 from .scenes import DEPTH_STEPS, row_of
 from .sweep import cores
 
@@ -32,16 +33,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAME = "simulated-kplus2015-fig10"
-SIDE, QUADS = 96, 34  # pixels of the picture, and quads in it
-LEAST_SIDE, MOST_SIDE = 28, 52  # pixels of a quad
+SIDE, QUADS = 72, 34  # pixels of the picture, and quads in it
+LEAST_SIDE, MOST_SIDE = 21, 39  # pixels of a quad
 K, IN_FLIGHT, SEED = 4, 4, 7
 SEEN = 1 / 255  # one step of 8 bits
 PLACE, SIZE, COLOUR = 11, 12, 13  # streams of the hash
-GAP, HEADING, BAR = 0.1, 0.2, 0.5  # inches
-
-RACING: tuple[tuple[str, dict[str, Value]], ...] = (
-    ("kb", {}), ("kb-multi", {"passes": 1}), ("kb-mha", {}), ("kplus-array", {"sync": "none"}))
-SOUND: tuple[tuple[str, dict[str, Value]], ...] = (("kplus-array", {}), ("kb-ps", {}), ("kb-ll", {}), ("kb-mdt32", {}))
+GAP, HEADING, BAR = 0.08, 0.3, 0.46  # inches
 
 
 @dataclass(frozen=True)
@@ -72,22 +69,43 @@ def scene() -> Quads:
     return Quads((SIDE, SIDE), rect, depth, rgba.astype(np.uint8), 1.0, SEED)
 
 
-def panels(catalog: Mapping[str, Method], at_once: int | None = None) -> list[Panel]:
-    """The panels of those that race, then of those that do not."""
+def racing(catalog: Mapping[str, Method]) -> list[Variant]:
+    """What is shown to race: all that promise nothing at their defaults or with fewer passes, one of each family else.
+
+    Methods that merge fragments are left out: their images differ by the order alone.
+    """
+    families: set[str] = set()
+    chosen = []
+    for method in catalog.values():
+        variant = None if method.mixes else promising_nothing(method, K)
+        exact = method.guarantee.startswith("exact")
+        if variant and not (exact and method.family in families):
+            chosen.append(variant)
+            families |= {method.family} if exact else set()
+    return chosen
+
+
+def sound(catalog: Mapping[str, Method]) -> list[Variant]:
+    """What is shown to keep its promise: the first of each family that keeps exactly the k nearest."""
+    first = {m.family: m for m in reversed(catalog.values()) if m.guarantee == "exact k nearest" and m.param("k")}
+    return [m.variant({"k": K}) for m in catalog.values() if first.get(m.family) is m]
+
+
+def panels(variants: Sequence[Variant], at_once: int | None = None) -> list[Panel]:
+    """A panel for each variant, whose k is K."""
     drawn = scene()
-    right = composite(drawn, K)
     with ThreadPoolExecutor(at_once or cores()) as pool:
-        return list(pool.map(lambda of: _panel(catalog[of[0]], of[1], drawn, right), (*RACING, *SOUND)))
+        return list(pool.map(lambda variant: _panel(variant, drawn), variants))
 
 
-def _panel(method: Method, params: dict[str, Value], drawn: Quads, right: np.ndarray) -> Panel:
-    variant = method.variant({"k": K} | params)
+def _panel(variant: Variant, drawn: Quads) -> Panel:
     inside = [_fragments(drawn, x, y) for y in range(SIDE) for x in range(SIDE)]
     checker = Checker(variant, row_of((max(map(len, inside)),)))
-    image = checker.picture(drawn, inside, How(seed=SEED, in_flight=IN_FLIGHT)).reshape(SIDE, SIDE, 4)
-    said = ", ".join(f"{name}: {value}" for name, value in params.items())
-    label = f"{method.name} ({said})" if said else method.name
-    return Panel(label, variant, image, np.abs(image - right).max(axis=-1))
+    image, alone = (checker.picture(drawn, inside, How(seed=SEED, in_flight=flight)).reshape(SIDE, SIDE, 4)
+                    for flight in (IN_FLIGHT, 1))
+    said = ", ".join(f"{name}: {value}" for name, value in settings(variant).items() if name != "k")
+    label = f"{variant.method.name} ({said})" if said else variant.method.name
+    return Panel(label, variant, image, np.abs(image - alone).max(axis=-1))
 
 
 def _fragments(drawn: Quads, x: int, y: int) -> list[int]:
@@ -96,11 +114,11 @@ def _fragments(drawn: Quads, x: int, y: int) -> list[int]:
     return np.flatnonzero((r[:, 0] <= x) & (x < r[:, 2]) & (r[:, 1] <= y) & (y < r[:, 3])).tolist()
 
 
-def write(made: Sequence[Panel], folder: Path) -> list[Path]:
+def write(above: Sequence[Panel], below: Sequence[Panel], folder: Path) -> list[Path]:
     """Write the figure as PNG and SVG, and a row for each panel as CSV. Raises StoreError."""
     with styled():
-        contents = {f".{suffix}": content for suffix, content in render(figure(made)).items()}
-    contents[".csv"] = _table(made)
+        contents = {f".{suffix}": content for suffix, content in render(figure(above, below)).items()}
+    contents[".csv"] = _table([*above, *below])
     for suffix, content in contents.items():
         write_file(folder / f"{NAME}{suffix}", content)
     return [folder / f"{NAME}{suffix}" for suffix in contents]
@@ -116,17 +134,17 @@ def _table(made: Sequence[Panel]) -> bytes:
     return text.getvalue().encode()
 
 
-def figure(made: Sequence[Panel]) -> Figure:
+def figure(above: Sequence[Panel], below: Sequence[Panel]) -> Figure:
     """Images and errors of those that race, errors of those that do not, all errors on one scale."""
-    columns, racing, sound = len(RACING), made[:len(RACING)], made[len(RACING):]
+    columns = max(len(above), len(below))
     width = (style.WIDTH_IN - 2 * EDGE - BAR - GAP * (columns - 1)) / columns
     row = width + HEADING + 0.06
     title = fitted("Simulated: k-buffers whose fragments race", style.TITLE_PT, style.WIDTH_IN, "bold")
     sheet = FigureSheet(style.WIDTH_IN, tuple(title), _small_print(), 3 * row)
     drawn = sheet.figure()
-    highest = max(SEEN, *(float(p.error.max()) for p in made))
+    highest = max(SEEN, *(float(p.error.max()) for p in (*above, *below)))
     last: Any = None
-    for line, (shown, errors) in enumerate(((racing, False), (racing, True), (sound, True))):
+    for line, (shown, errors) in enumerate(((above, False), (above, True), (below, True))):
         for column, panel in enumerate(shown):
             axes = sheet.axes(drawn, EDGE + column * (width + GAP), line * row + HEADING, width, width)
             named = panel.label if line != 1 else ""
@@ -144,7 +162,8 @@ def _draw(axes: Any, panel: Panel, named: str, highest: float | None) -> Any:
     for side in axes.spines.values():
         side.set_visible(True)
     wrong = [f"{panel.wrong_share:.1%} wrong"] if highest is not None else []
-    axes.set_title(", ".join([*([named] if named else []), *wrong]), loc="left", fontsize=7.0, pad=2.5)
+    heading = "\n".join([*([named.replace(" (", "\n(")] if named else []), *wrong])
+    axes.set_title(heading, loc="left", fontsize=style.SMALL_PT, pad=2.5, linespacing=1.0)
     if highest is not None:
         return axes.imshow(panel.error, origin="lower", interpolation="nearest", aspect="auto", cmap=style.MAP_COLOURS,
                            vmin=0.0, vmax=highest)
@@ -158,9 +177,9 @@ def _small_print() -> tuple[str, ...]:
              f"fragments, drawn at random or by priorities, at most {IN_FLIGHT} in flight; a load out of bounds gives "
              "0. No GPU drew this, and no measured cell holds it: how often a GPU meets such schedules cannot be told "
              "from it.")
-    rows = ("First row: images. Second row: their largest channel error against the k nearest fragments. Third row: "
-            "the same of methods that keep their promise. One scale for all errors; wrong: more than one step of 8 "
-            "bits (0.0039). With one fragment in flight all are right.")
+    rows = ("First row: images. Second row: how far their channels are from the same frame with one fragment in flight "
+            "at a time. Third row: the same of methods that keep their promise. One scale for all errors; wrong: more "
+            "than one step of 8 bits (0.0039).")
     of = (f"Scene: {SIDE}×{SIDE} pixels, {QUADS} quads at random places, k = {K} (fragments kept per pixel), seed "
           f"{SEED}. Beside kplus2015, Fig. 10, which is black on a software driver.")
     lines = (drawn, rows, of)
