@@ -34,7 +34,7 @@ def test_a_plan_is_printed_without_gl():
 
 
 def test_a_barrier_comes_before_what_an_earlier_pass_wrote():
-    variant = fitted("ab-array").variant
+    variant = fitted("ab-array", sort="insertion").variant
     clear, store, resolve = (PassPlan.of(variant, p) for p in variant.passes if not p.probes)
     barriers = Barriers(())
     assert [barriers.due(step) for step in (clear, store, resolve)] == [False, True, True]
@@ -42,7 +42,7 @@ def test_a_barrier_comes_before_what_an_earlier_pass_wrote():
 
 
 def test_what_the_frame_before_accessed_is_waited_for_where_it_is_written():
-    variant = fitted("ab-array").variant
+    variant = fitted("ab-array", sort="insertion").variant
     clear, _, resolve = (PassPlan.of(variant, p) for p in variant.passes if not p.probes)
     assert Barriers(("counter",)).due(clear)
     assert not Barriers(("counter", "nodes")).due(resolve)
