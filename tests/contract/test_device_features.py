@@ -1,5 +1,9 @@
 """The config `device-features` measures every variant that needs more of a device than llvmpipe has."""
 
+import csv
+from collections import defaultdict
+from pathlib import Path
+
 from mfr_bench.config import load
 from mfr_bench.methods import catalog
 
@@ -28,3 +32,15 @@ def test_every_variant_that_llvmpipe_lacks_the_features_of_is_measured():
     assert len(lacking) > 70
     assert not missing, "configs/device-features.yaml lacks:\n" + "\n".join(missing)
     assert len(measured) == len(experiment.methods), "a variant stands there twice"
+
+
+def test_zink_over_lavapipe_measures_nearly_all_of_them_and_none_is_wrong():
+    place = Path(__file__).parents[2] / "results" / "zink-llvmpipe-amd-epyc-2-cores" / "device-features"
+    statuses = defaultdict(set)
+    with (place / "results.csv").open(newline="") as rows:
+        for row in csv.DictReader(rows):
+            if row["method"] != "floor":
+                statuses[row["label"]].add(row["status"])
+    assert set().union(*statuses.values()) <= {"ok", "unsupported"}
+    measured = [label for label, found in statuses.items() if found == {"ok"}]
+    assert len(measured) >= 0.95 * len(statuses) > 70
