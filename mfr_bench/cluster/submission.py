@@ -1,0 +1,160 @@
+"""The tasks of a store, and what submits them: each kind of device measures the whole run, in shares."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ..errors import MfrError, StoreError, UsageError
+from ..store import write_file
+from ..store.record import read, text
+from .settings import Cluster, Kind
+from .task import Task
+
+FILE = "submission.json"
+SCHEMA = 1
+SIGNAL_S = 60  # before its time limit a task is asked to end, so that it is queued again
+
+
+@dataclass(frozen=True)
+class Share:
+    """One task: the share `number` of `count` of the run on a kind of device, its planned cells, the engine's job."""
+
+    kind: str
+    number: int
+    count: int
+    cells: int
+    job: str | None = None
+
+    @property
+    def name(self) -> str:
+        return f"{self.kind}-{self.number}"
+
+
+@dataclass(frozen=True)
+class Submission:
+    """What was submitted into a store: the run as `mfr-bench run` takes it, and its tasks."""
+
+    store: Path
+    engine: str
+    run: tuple[str, ...]
+    tasks: tuple[Share, ...]
+
+    def folder(self, share: Share) -> Path:
+        """The folder that a task alone writes."""
+        return self.store / "tasks" / share.name
+
+    def write(self) -> None:
+        """Keep it in the store. Raises StoreError."""
+        record = {"schema": SCHEMA, "engine": self.engine, "run": list(self.run),
+                  "tasks": [asdict(task) for task in self.tasks]}
+        write_file(self.store / FILE, text(record), durable=True)
+
+
+def read_submission(store: Path) -> Submission | None:
+    """What was submitted into a store before; None if nothing was. Raises UsageError where it cannot be read."""
+    path = store / FILE
+    try:
+        record = read(path)
+        tasks = tuple(Share(**task) for task in record["tasks"])
+        return Submission(store, record["engine"], tuple(record["run"]), tasks)
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        raise UsageError(f"{path}: cannot be read: {error}; allowed: what 'mfr-bench submit' wrote") from None
+
+
+def planned(cluster: Cluster, store: Path, run: Sequence[str], cells: Mapping[tuple[int, int], int]) -> Submission:
+    """The tasks of a run; cells: how many each share (number, count) has. Shares without a cell are no task.
+
+    Raises UsageError where the store holds another run.
+    """
+    before = read_submission(store)
+    if before and (before.run != tuple(run) or before.engine != cluster.engine):
+        raise UsageError(f"{store}: holds the run '{' '.join(before.run)}' of {before.engine}; allowed: the same "
+                         "again, or another store")
+    jobs = {(task.kind, task.number, task.count): task.job for task in before.tasks} if before else {}
+    tasks = [Share(name, number, kind.shares, cells[number, kind.shares], jobs.get((name, number, kind.shares)))
+             for name, kind in cluster.kinds.items() for number in range(1, kind.shares + 1)]
+    return Submission(store, cluster.engine, tuple(run), tuple(task for task in tasks if task.cells))
+
+
+def submit(submission: Submission, cluster: Cluster, due: Sequence[Share]) -> Submission:
+    """Hand the due tasks to the engine, those of a kind together; the submission with their jobs, written as it grows.
+
+    Raises MfrError where the engine refuses or is not there.
+    """
+    for name, kind in cluster.kinds.items():
+        mine = [task for task in due if task.kind == name]
+        if mine:
+            jobs = _handed_over(submission, cluster, kind, mine)
+            given = {task.name: job for task, job in zip(mine, jobs, strict=True)}
+            submission = replace(submission, tasks=tuple(
+                replace(task, job=given.get(task.name, task.job)) for task in submission.tasks))
+            submission.write()
+    return submission
+
+
+def _handed_over(submission: Submission, cluster: Cluster, kind: Kind, tasks: Sequence[Share]) -> list[str]:
+    try:
+        import submitit
+    except ImportError:
+        raise MfrError("submit needs the package submitit; install mfr-bench[cluster]") from None
+    try:
+        executor = submitit.AutoExecutor(folder=submission.store / "logs" / "%j", cluster=cluster.engine)
+        executor.update_parameters(**_parameters(cluster, kind))
+        with _own_output(), executor.batch():
+            jobs = [executor.submit(Task(command_of(submission, task, kind))) for task in tasks]
+        return [job.job_id for job in jobs]
+    except (RuntimeError, OSError, submitit.core.utils.FailedJobError) as error:
+        lines = [line for line in str(error).splitlines() if line.strip()]
+        raise MfrError(f"{cluster.engine} takes no task: {lines[-1] if lines else type(error).__name__}") from error
+
+
+@contextmanager
+def _own_output() -> Iterator[None]:
+    """Within it what this process starts does not inherit its output, which a reader would wait for the end of."""
+    sys.stdout.flush()
+    kept = [os.dup(descriptor) for descriptor in (1, 2)]
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    try:
+        for descriptor in (1, 2):
+            os.dup2(nowhere, descriptor)
+        yield
+    finally:
+        for descriptor, own in zip((1, 2), kept, strict=True):
+            os.dup2(own, descriptor)
+            os.close(own)
+        os.close(nowhere)
+
+
+def _parameters(cluster: Cluster, kind: Kind) -> dict[str, Any]:
+    asked: dict[str, Any] = {"name": "mfr-bench", "timeout_min": kind.minutes}
+    if cluster.engine == "local":
+        return asked
+    slurm = {"partition": kind.partition, "gres": kind.gres, "constraint": kind.constraint, "account": kind.account,
+             "qos": kind.qos, "additional_parameters": {"requeue": True, **kind.options}, "setup": list(cluster.setup),
+             "signal_delay_s": min(SIGNAL_S, 30 * kind.minutes)}
+    memory = {} if kind.memory_gb is None else {"mem_gb": kind.memory_gb}
+    return asked | {"cpus_per_task": kind.cpus} | memory | {
+        f"slurm_{name}": value for name, value in slurm.items() if value not in (None, [])}
+
+
+def command_of(submission: Submission, task: Share, kind: Kind) -> list[str]:
+    """The command that measures a task's share; the same by hand, on a machine without an engine."""
+    share = [] if task.count == 1 else ["--shard", f"{task.number}/{task.count}"]
+    return [sys.executable, "-m", "mfr_bench", "run", *submission.run, *share, "--device", kind.device, "--quiet",
+            "--out", str(submission.folder(task) / "results")]
+
+
+def make_store(store: Path) -> None:
+    """Make the folder. Raises StoreError."""
+    try:
+        store.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(f"{store}: cannot be made: {error.strerror}") from None

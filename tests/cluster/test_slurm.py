@@ -1,0 +1,197 @@
+"""The real engine: Slurm's daemons on this machine, with llvmpipe as the device of each node.
+
+`make test-cluster` runs it; it needs root and Debian's packages slurmctld, slurmd, slurm-client and munge. Whatever
+Slurm does to a job, no row is lost and none is measured twice.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import random
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from ..cli.conftest import apart
+
+pytestmark = pytest.mark.skipif(os.environ.get("MFR_BENCH_SLURM") != "1", reason="needs Slurm: make test-cluster")
+
+SCRIPT = Path(__file__).parents[2] / "scripts" / "slurm.sh"
+NODES = 4
+SHARES = 4
+LIMIT_S = 600
+EVENTS = int(os.environ.get("MFR_BENCH_SLURM_EVENTS", "12"))  # of the campaign
+RUN = """\
+name: tiny
+title: Tiny
+scene: {size: [64, 64], depth_complexity: 8}
+methods: [ab-array, ab-ll, kplus-array]
+params: {k: 4}
+sweep: {scene.depth_complexity: [8, 12, 16, 20, 24, 28, 32, 36]}
+measure: {target_rel_ci: 0.001, min_samples: 20, max_samples: 2000, time_limit_s: 1}
+"""
+CELLS = 8 * 4
+CLUSTER = """\
+engine: slurm
+store: store
+kinds: {{cpu: {{shares: {shares}, device: cpu, minutes: {minutes}, cpus: 1, partition: low, gres: 'gpu:1'}}}}
+"""
+
+
+def slurm(*arguments):
+    return subprocess.run(list(map(str, arguments)), capture_output=True, text=True, check=False, timeout=60).stdout
+
+
+@pytest.fixture(scope="module")
+def engine(tmp_path_factory):
+    at = tmp_path_factory.mktemp("slurm")
+    subprocess.run([SCRIPT, "start", at, str(NODES)], check=True, timeout=120)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SLURM_CONF", str(at / "slurm.conf"))
+        yield at
+    subprocess.run([SCRIPT, "stop", at], check=False, timeout=60)
+
+
+@pytest.fixture
+def place(engine, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "run.yaml").write_text(RUN)
+    (tmp_path / "cluster.yaml").write_text(CLUSTER.format(shares=SHARES, minutes=10))
+    yield tmp_path
+    slurm("scancel", "--me", "--full")
+    slurm("scontrol", "update", f"nodename=n[1-{NODES}]", "state=resume")
+
+
+def submit():
+    done = apart("submit", "run.yaml", "--cluster", "cluster.yaml")
+    assert done.status == 0, done.err
+    return done
+
+
+def cells(place):
+    """The moment at which each cell was measured, by task and key."""
+    found = {}
+    for path in place.glob("store/tasks/*/results/cells/*.json"):
+        found[path.parts[-4], path.stem] = json.loads(path.read_text())["measured"]
+    return found
+
+
+def until(true, what):
+    ends = time.monotonic() + LIMIT_S
+    while not (found := true()):
+        assert time.monotonic() < ends, f"not in time: {what}\n{slurm('squeue')}{apart('status', 'store').out}"
+        time.sleep(1)
+    return found
+
+
+def finish(place):
+    """Submit what has ended until all is done; what was measured before must stand as it was."""
+    before = cells(place)
+
+    def done():
+        if apart("status", "store").status == 1:
+            submit()
+        return f"{SHARES} of {SHARES} tasks done" in apart("status", "store").out
+
+    until(done, "the end of all tasks")
+    after = cells(place)
+    assert before.items() <= after.items() and len(after) == CELLS
+    assert len({key for _, key in after}) == CELLS
+    merged = apart("collect", "store", "--into", "merged")
+    assert merged.status == 0 and f"merged: {CELLS} cells" in merged.out, merged.err
+    with open(place / "merged" / "results.csv", newline="", encoding="utf-8") as file:
+        assert len(list(csv.DictReader(file))) == CELLS
+
+
+def running(place):
+    """Jobs that run, once some cell is measured."""
+    submit()
+    until(lambda: len(cells(place)) >= 2, "the first cells")
+    return slurm("squeue", "--noheader", "--array", "--states=running", "--format=%i").split()
+
+
+def processes_of(place):
+    found = []
+    for entry in Path("/proc").iterdir():
+        try:
+            if entry.name.isdecimal() and f"{place}/store/".encode() in (entry / "cmdline").read_bytes():
+                found.append(int(entry.name))
+        except OSError:
+            continue
+    return found
+
+
+def requeue(place, jobs, rng):
+    slurm("scontrol", "requeue", rng.choice(jobs))
+
+
+def cancel(place, jobs, rng):
+    slurm("scancel", rng.choice(jobs))
+
+
+def kill(place, jobs, rng):
+    processes = processes_of(place)
+    if processes:
+        os.kill(rng.choice(processes), signal.SIGKILL)
+
+
+def drain(place, jobs, rng):
+    node = f"n{rng.randint(1, NODES)}"
+    slurm("scontrol", "update", f"nodename={node}", "state=down", "reason=test")
+    time.sleep(2)
+    slurm("scontrol", "update", f"nodename={node}", "state=resume")
+
+
+@pytest.mark.parametrize("event", [requeue, cancel, kill, drain])
+def test_nothing_is_lost_and_nothing_measured_twice(place, event):
+    jobs = running(place)
+    event(place, jobs, random.Random(1))  # noqa: S311
+    finish(place)
+
+
+def test_a_preempted_task_goes_on(place):
+    running(place)
+    slurm("sbatch", "--partition=high", f"--nodes={NODES}", "--ntasks-per-node=1", "--gres=gpu:1", "--output=/dev/null",
+          "--wrap=sleep 3")
+    finish(place)
+
+
+def test_a_time_limit_costs_no_cell(place):
+    (place / "cluster.yaml").write_text(CLUSTER.format(shares=1, minutes=1))
+    submit()
+    until(lambda: "1 of 1 tasks done" in apart("status", "store").out or
+          (apart("status", "store").status == 1 and submit()), "the end of the task")
+    assert len(cells(place)) == CELLS
+
+
+def test_a_drained_node_is_reported(place):
+    slurm("scontrol", "update", "nodename=n2", "state=drain", "reason=fan")
+    submit()
+    assert "node n2 is drain" in apart("status", "store").err and "fan" in apart("status", "store").err
+    slurm("scontrol", "update", "nodename=n2", "state=resume")
+    finish(place)
+
+
+def test_results_can_be_collected_while_tasks_run(place):
+    running(place)
+    done = apart("collect", "store", "--into", "merged")
+    assert done.status == 0 and 0 < len(list((place / "merged" / "cells").glob("*.json"))) <= CELLS
+    finish(place)
+
+
+def test_a_campaign_of_random_events(place):
+    rng = random.Random(7)  # noqa: S311
+    submit()
+    for _ in range(EVENTS):
+        time.sleep(rng.uniform(0.5, 3))
+        if apart("status", "store").status == 1:
+            submit()
+        jobs = slurm("squeue", "--noheader", "--array", "--states=running", "--format=%i").split()
+        if jobs:
+            rng.choice([requeue, cancel, kill, drain])(place, jobs, rng)
+    finish(place)
