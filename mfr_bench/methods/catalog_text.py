@@ -13,7 +13,10 @@ Every method that mfr-bench runs, from its own declaration (`mfr-bench methods -
 most k of them, F all fragments of the frame, P the pixels. In addition to the words, occupancy takes 3 words per
 pixel and one for every 32 intervals, backwards memory allocation one, a payload of two words one more per fragment;
 `touched: tiles` takes one per tile of 16x16 pixels and 8 per frame.
-Whether a device runs a method, `mfr-bench methods` says. In what methods differ from their sources, what that is worth,
+Whether a device runs a method, `mfr-bench methods` says. By default loops over the k slots of a pixel are bounded
+by a uniform under a lock and by a constant elsewhere (`bound: auto`), and a resolve sorts up to 512 fragments by blocks
+in registers, more by shell sort (`sort: auto`): what was the fastest on llvmpipe; a GPU has not been asked. In what
+methods differ from their sources, what that is worth,
 and how they compare with independent implementations: docs/fairness.md.
 """
 CONTENTS = ("The formula of a buffer counts 32-bit words; in it `capacity` is the number of fragments that there is "
