@@ -59,6 +59,7 @@ WINDOW_DEPTH = "gl_FragCoord.z"
 # The float whose bits are those of 1 and of 2^-24, less those of the depth: from 2^-24 to 1, it grows from the eye.
 MIRRORED_DEPTH = "#define MIRRORED_DEPTH uintBitsToFloat(0x3F800000u + 0x33800000u - floatBitsToUint(gl_FragCoord.z))"
 PAYLOAD_FILE, SHADING_FILE = "common/payload.glsl", "scene/shading.glsl"  # the second stands behind the first
+ACCUMULATE_FILE, EFFECT_FILE = "common/accumulate.glsl", "effects/apply.glsl"  # so do these
 _INTEGER = {"r32ui": "u"}  # the letter before GLSL's type for texels that are whole numbers
 # Fragment and payload as GLSL types, by the words of the payload. A struct of three words has no padding in std430.
 TYPES: Mapping[int, tuple[str, ...]] = {
@@ -72,7 +73,8 @@ def define_values(fitted: Fitted, step: Pass) -> dict[str, int]:
     variant, stats = fitted.variant, fitted.stats
     values: dict[str, int] = {
         "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
-        "N": stats.n, "SHADING": stats.shading, "KEEP": fitted.value("keep"), "LOCAL": fitted.value("keep"),
+        "N": stats.n, "SHADING": stats.shading, "EFFECT_LAYER": stats.effect.layer,
+        "KEEP": fitted.value("keep"), "LOCAL": fitted.value("keep"),
         "REJECTS": int(stats.rejects), "OCCLUDED": int(stats.occluded), "LEAST": stats.least, "QUADS": stats.primitives,
         "COMPUTE": int(step.kind == "compute"),
         "PAYLOAD_RGBA16F": 0, "STORES_ALL": 0, "SUMS_FRAGMENT": 0,
@@ -189,7 +191,11 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     slots = {name: path for name, path in (("fetch", step.fetch), ("resolver", step.resolver)) if path}
     counted = (counted or mapped is not None) and not entry.endswith(".vert")
     shades = fitted.stats.shading and step.kind == "geometry" and not entry.endswith(".vert")
-    body, files = expand(entry, slots, counted, {PAYLOAD_FILE: SHADING_FILE} if shades else None)
+    behind = {PAYLOAD_FILE: SHADING_FILE} if shades else {}
+    if not fitted.stats.blended and step.hands_on and not entry.endswith(".vert"):
+        slots["effect"] = f"effects/{fitted.stats.effect.name}.glsl"
+        behind[ACCUMULATE_FILE] = EFFECT_FILE
+    body, files = expand(entry, slots, counted, behind)
     mirrored = fitted.stats.geometry == REVERSED and step.kind == "geometry" and not entry.endswith(".vert")
     body = body.replace(WINDOW_DEPTH, "MIRRORED_DEPTH") if mirrored else body
     macro = _clear_macro(variant, step)

@@ -6,9 +6,11 @@ from functools import cached_property
 
 import numpy as np
 
+from ..effects import PLAIN
 from ..methods.spec import Promise, SceneStats
 from ..oracle import twochannel
 from ..oracle.composite import Fragments, fragment_counts, scene_stats, stats_of
+from ..oracle.effects import answer_of_effect
 from ..oracle.listed import counts_of, listed
 from ..oracle.ties import Answer, answer_of_fragments, answer_of_quads
 from ..scene.pieces import Pieces
@@ -51,6 +53,9 @@ class Truth:
 
     def answer(self, promise: Promise) -> Answer:
         """The images that are right, of the promised fragments."""
+        if self.scene.effect != PLAIN:
+            return answer_of_effect(self._fragments or listed(self.scene), self.scene.effect, promise.layers,
+                                    promise.criterion)
         payload = twochannel.straight(self.scene.rgba) if promise.two_channel else None
         if self._fragments:
             return answer_of_fragments(self._fragments, promise.layers, promise.criterion, payload)

@@ -9,6 +9,7 @@ import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from ..effects import Settings
 from ..glsl import stages
 from ..glsl.digest import fitted_nominally, glsl_hash
 from ..methods import catalog
@@ -41,7 +42,7 @@ class Shaders:
 
 def shaders_of(points: Iterable[Point]) -> Shaders:
     """The shaders of every method and set of parameters among the points, in their order."""
-    known: dict[tuple, tuple[Point, Variant]] = {}
+    known: dict[tuple, tuple[Point, Variant]] = {}  # by what the text depends on
     for point in points:
         method = catalog().get(point.method)
         if method is None:
@@ -50,24 +51,26 @@ def shaders_of(points: Iterable[Point]) -> Shaders:
             variant = method.variant(point.cell["params"])
         except ValueError:  # parameters that the method no longer takes
             continue
-        known.setdefault((point.method, tuple(sorted(variant.params.items()))), (point, variant))
+        effect = Settings.of(point.cell["scene"])
+        known.setdefault((point.method, tuple(sorted(variant.params.items())), effect), (point, variant))
     entries, texts, rows = [], {}, []
     for point, variant in known.values():
         entries.append(_entry(point, variant))
         rows.append([[step.name, stage.entry, texts.setdefault(stage.text, len(texts))]
                      for step in variant.passes if step.kind != "clear" and not step.probes
-                     for stage in stages(fitted_nominally(variant, "quad"), step)])
+                     for stage in stages(fitted_nominally(variant, "quad", Settings.of(point.cell["scene"])), step)])
     content = json.dumps({"texts": list(texts), "rows": rows}).encode()
     return Shaders(tuple(entries), base64.b64encode(zlib.compress(content, 9)).decode())
 
 
 def _entry(point: Point, variant: Variant) -> ShaderEntry:
     defaults = variant.method.complete({})
-    others = {name: value for name, value in variant.params.items() if defaults[name] != value}
+    effect = Settings.of(point.cell["scene"])
+    others = {name: value for name, value in variant.params.items() if defaults[name] != value} | effect.keys
     command = ["mfr-bench", "shader", point.method]
     for name, value in others.items():
         command += ["--set", f"{name}={value:g}" if isinstance(value, float) else f"{name}={value}"]
     said = ", ".join(f"{name} {value}" for name, value in others.items())
     ran = str(point.cell.get("glsl_hash") or "")
     return ShaderEntry(f"{point.method} ({said})" if said else point.method, shlex.join(command), ran,
-                       any(ran == glsl_hash(variant, geometry) for geometry in GEOMETRIES))
+                       any(ran == glsl_hash(variant, geometry, effect) for geometry in GEOMETRIES))

@@ -25,7 +25,7 @@ def expected_stats(scene: Scene) -> SceneStats:
     return SceneStats(
         *scene.size, n=max(1, len(histogram) - 1), F=fragments, primitives=kind.primitives(scene), histogram=histogram,
         rejects=kind.rejects(scene), geometry=kind.geometry_of(scene), least=kind.least_layers(scene),
-        shading=scene.shading)
+        shading=scene.shading, effect=scene.settings)
 
 
 def _whole_pixels(counts: Sequence[float], total: int) -> list[int]:

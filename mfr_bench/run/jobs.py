@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from ..effects import Settings
 from ..glsl.digest import glsl_hash
 from ..methods.spec import Method, Variant
 from ..plan import Cell, expected_stats
 from ..store.record import cell_key
 
-Shaders = tuple[Variant, str]  # the geometry, which has a vertex shader of its own
+Shaders = tuple[Variant, str, Settings]  # the geometry has a vertex shader of its own, the effect a file in resolves
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,8 @@ def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[s
     found = []
     for cell in cells:
         method = catalog[cell.method]
-        shaders = method.variant(cell.params), expected_stats(cell.scene).geometry
+        stats = expected_stats(cell.scene)
+        shaders = method.variant(cell.params), stats.geometry, stats.effect
         code = codes.get(shaders) or codes.setdefault(shaders, glsl_hash(*shaders))
         name = cell_key({"method": cell.method, "params": dict(cell.params), "glsl_hash": code,
                          "scene": cell.scene.as_dict(), "measure": cell.measure.as_dict(), "device": device,

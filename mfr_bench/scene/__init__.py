@@ -9,6 +9,7 @@ from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from ..effects import PLAIN
 from .kinds import kind_of
 from .parameters import Scene
 
@@ -20,7 +21,8 @@ def generate(scene: Scene, frame: int = 0) -> Geometry:
     """The primitives of a scene. In an animation's `frame` quads have another seed; an object is seen from nearer."""
     module, _, name = kind_of(scene).generator.rpartition(".")
     made = getattr(import_module(f"{__name__}.{module}"), name)(scene, frame)
-    return replace(made, shading=scene.shading) if scene.shading else made
+    made = replace(made, shading=scene.shading) if scene.shading else made
+    return replace(made, effect=scene.settings) if scene.settings != PLAIN else made
 
 
 __all__ = ["Scene", "generate"]

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..effects import PLAIN, Settings
 from .overlap import bounds_of, boxes_of, depth_bounds_of, most_over
 
 
@@ -17,6 +18,7 @@ class Primitives:
     geometry: ClassVar[str]  # how primitives reach the device: shaders/scene/<geometry>.vert
     fragment_probability: float
     shading: int
+    effect: Settings
 
     @property
     def keep_threshold(self) -> int:
@@ -34,7 +36,7 @@ class Cornered(Primitives):
     """Primitives in submission order, given by corners in clip space, each with one colour.
 
     position: float32 (n, corners, 4), x y z w. rgba: uint8 (n, 4), straight alpha. seed decides which fragments are
-    rejected. shading: steps of each fragment that is shaded.
+    rejected. shading: steps of each fragment that is shaded. effect: what is done with the fragments of a pixel.
     """
 
     triangles_each: ClassVar[int]  # that a primitive is drawn as
@@ -46,6 +48,7 @@ class Cornered(Primitives):
     fragment_probability: float
     seed: int
     shading: int = field(default=0, kw_only=True)
+    effect: Settings = field(default=PLAIN, kw_only=True)
 
     def __len__(self) -> int:
         return len(self.position)

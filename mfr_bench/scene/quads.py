@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..effects import PLAIN, Settings
 from ..hashing import hash3
 from .overlap import bounds_of, most_over
 from .primitives import Primitives
@@ -22,7 +23,7 @@ class Quads(Primitives):
     depth: float32 (n,); outside [0, 1] there is nothing to see.
     rgba: uint8 (n, 4), straight alpha. seed decides which fragments are rejected.
     least: where above 0, each pixel draws how many of all quads it receives, at least this many. shading: steps of
-    each fragment that is shaded.
+    each fragment that is shaded. effect: what is done with the fragments of a pixel.
     """
 
     geometry: ClassVar[str] = "quad"
@@ -35,6 +36,7 @@ class Quads(Primitives):
     seed: int
     least: int = 0
     shading: int = field(default=0, kw_only=True)
+    effect: Settings = field(default=PLAIN, kw_only=True)
 
     def __len__(self) -> int:
         return len(self.depth)

@@ -89,6 +89,12 @@ def test_every_shader_is_used():
             for step in variant.passes:
                 for stage in stages(Fitted(variant, SIZES), step) if step.kind != "clear" else ():
                     used |= set(stage.files)
+    special = [replace(SIZES, shading=1), *(replace(SIZES, effect=Settings(name)) for name in EFFECTS)]
+    for sizes in special:
+        variant = every_method()[0].variant({}) if sizes.shading else catalog()["ab-array"].variant({})
+        for step in variant.passes:
+            for stage in stages(Fitted(variant, sizes), step) if step.kind != "clear" else ():
+                used |= set(stage.files)
     files = {str(p.relative_to(shaders_dir())) for p in shaders_dir().rglob("*.*")}
     assert {f for f in files - used if not f.startswith("probe/")} == set()
 

@@ -28,12 +28,14 @@ STAGE = Param("resolve", "fragment", "the resolve as a full-screen draw, or as a
               choices=("fragment", "compute"))
 STOP_OPACITY = Param("stop_opacity", 1.0, "opacity at which a pixel's compositing, or its peeling, ends; 1: never",
                      real=True, low=0, high=1, closed=True,
+                     asks={"0-0.999999": "blended"},
                      weakens={"0-0.999999": "fragments behind an opacity of `stop_opacity` may be missing, an error of "
                               "up to 1 - stop_opacity"})
 ACCUMULATE = Param(
     "accumulate", "float32", "the colour that fragments are added to, front to back: 32-bit floats; the same with what "
     "each addition rounds away carried along; rounded after each fragment to 16-bit floats, or to 8 bits",
     choices=("float32", "compensated", "float16", "unorm8"),
+    asks=dict.fromkeys(("compensated", "float16", "unorm8"), "blended"),
     weakens={"float16": "rounded to 11 bits after each fragment: a layer behind an opacity of 0.9995 is lost",
              "unorm8": "rounded to 8 bits after each fragment, an error of up to n/510"})
 # Options of `resolve`; a method may offer some or all.
@@ -44,7 +46,7 @@ REUSE_COUNT = Param("reuse_count", "off", "fragments are counted, and ranges mad
 ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emulated by 32-bit ones",
                  choices=("native", "emulated"), needs={"native": "shader_atomic_int64"})
 EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of `culling_opacity`",
-                      choices=ON_OFF,
+                      choices=ON_OFF, asks={"on": "blended"},
                       weakens={"on": "fragments behind an opacity of `culling_opacity` may be missing, an error of up "
                                      "to 1 - culling_opacity"})
 CULLING_OPACITY = Param("culling_opacity", 0.95, "opacity behind which early culling drops fragments; 0.95 in "
@@ -53,7 +55,7 @@ PEELED = Param("layers", 0, "layers peeled at most; 0: all of them", low=0, high
 PAYLOAD = Param("payload", "rgba8", "stored colour, straight: 8 bits a channel; 16-bit floats in two words, in "
                 "units of 1/255, which hold an 8-bit colour without error; or two channels, luminance and a blend of "
                 "the scene's two base colours, with alpha 24 bits in a word",
-                choices=("rgba8", "rgba16f", "two_channel"),
+                choices=("rgba8", "rgba16f", "two_channel"), asks={"two_channel": "blended"},
                 weakens={"two_channel": "hues come from one plane through the scene's colours; luminance is kept"})
 
 MULTISAMPLING = Param(

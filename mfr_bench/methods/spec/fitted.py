@@ -61,9 +61,9 @@ class Fitted:
     def error_bound(self) -> float | None:
         """Largest channel error by float32 rounding (docs/accuracy.md) and by what the method leaves out.
 
-        None where no image is promised.
+        None where no image is promised, or another effect than transparency is.
         """
-        if not self.variant.guarantee.startswith("exact"):
+        if not (self.variant.guarantee.startswith("exact") and self.stats.blended):
             return None
         method = self.variant.method
         layers = min(self.stats.n, self.promise().layers or self.stats.n)

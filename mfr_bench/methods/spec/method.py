@@ -11,9 +11,10 @@ from .capacity import Counted, Decided, Grown, Planned
 from .formulas import evaluate
 from .params import Param, Params, Value
 from .passes import Loop, Pass
-from .resources import PAYLOAD_WORDS, Buffer, Target
+from .resources import IMAGE, PAYLOAD_WORDS, Buffer, Target
 from .scene_stats import SceneStats
 
+CLASSIFY = "common/classify.frag"  # sorts pixels into classes, and gives colour to none
 ONE = SceneStats(W=1, H=1, n=1, F=1, primitives=1)  # for formulas that depend on parameters alone
 
 Guarantee = Literal["exact all", "exact k nearest", "exact k best", "approximate", "none"]
@@ -172,9 +173,19 @@ class Variant(_Stepped):
     @property
     def asks(self) -> tuple[str, ...]:
         """Facts of a scene without which these parameters do not work."""
-        chosen = tuple(p.asks[str(self.params[p.name])] for p in self.acting if str(self.params[p.name]) in p.asks)
+        chosen = {p.asked(self.params[p.name]): None for p in self.acting if p.asked(self.params[p.name])}
         tests = any(step.kind == "geometry" and step.state.depth_test for step in self.passes)
-        return (*chosen, "forward") if tests else chosen
+        blends = self.method.guarantee != "none" and not self.hands_on
+        return tuple(chosen | ({"forward": None} if tests else {}) | ({"blended": None} if blends else {}))
+
+    @property
+    def hands_on(self) -> bool:
+        """Whether the image is made of the fragments that are kept of a pixel one by one, nearest first.
+
+        Any effect can then take the place of transparency.
+        """
+        shaded = [p for p in self.passes if IMAGE in p.into and p.shader and p.shader != CLASSIFY]
+        return not self.method.mixes and bool(shaded) and all(p.hands_on for p in shaded)
 
     @property
     def weaknesses(self) -> tuple[str, ...]:

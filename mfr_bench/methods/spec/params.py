@@ -33,7 +33,7 @@ class Param:
     of: tuple[int, ...] = ()
     needs: Mapping[str, str] = field(default_factory=dict)  # choice, or a range "5-8" -> feature the device must have
     needs_where: When | None = None  # where `needs` holds; elsewhere every value can be had. None: everywhere
-    asks: Mapping[str, str] = field(default_factory=dict)  # choice -> what it asks of a scene, a key of SCENE_FACTS
+    asks: Mapping[str, str] = field(default_factory=dict)  # choice or range -> what it asks of a scene: SCENE_FACTS
     weakens: Mapping[str, str] = field(default_factory=dict)  # choice or range -> the known failure that it brings
     acts: When | Above | None = None  # where it has an effect; elsewhere it stands at its default
 
@@ -55,6 +55,10 @@ class Param:
     def weakness(self, value: Value) -> str | None:
         """The known failure that the value brings."""
         return self._said(self.weakens, value)
+
+    def asked(self, value: Value) -> str | None:
+        """The fact of a scene that the value asks for, a key of SCENE_FACTS."""
+        return self._said(self.asks, value)
 
     def _said(self, of: Mapping[str, str], value: Value) -> str | None:
         if self.choices:

@@ -10,6 +10,8 @@ from .capacity import Plan
 from .params import Params, When
 from .resources import Buffer, Target
 
+SHARED_RESOLVERS = "common/resolve_"  # files that all methods share; each adds fragment by fragment
+
 
 @dataclass(frozen=True)
 class Stencil:
@@ -95,6 +97,12 @@ class Pass:
     expand: Callable[[Pass, Params], tuple[Pass, ...]] | None = None
     targets: tuple[Target, ...] = ()
     buffers: tuple[Buffer, ...] = ()
+
+    @property
+    def hands_on(self) -> bool:
+        """Whether it makes a pixel of the image of the pixel's fragments one by one, nearest first."""
+        shared = (self.resolver or "").startswith(SHARED_RESOLVERS)
+        return shared and self.state.blend is None and self.defines.get("LISTS") == 1
 
 
 @dataclass(frozen=True)

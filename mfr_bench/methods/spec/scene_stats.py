@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from ...effects import PLAIN, TRANSPARENCY, Settings
+
 
 @dataclass(frozen=True)
 class SceneStats:
@@ -24,6 +26,7 @@ class SceneStats:
     reach: int | None = None  # most fragments that the geometry can have; None: every layer in every pixel
     occluded: bool = False  # opaque triangles in a depth buffer of their own may hide fragments
     shading: int = 0  # arithmetic steps of each fragment that is shaded
+    effect: Settings = PLAIN  # what is done with the fragments of a pixel
     least: int = 0  # fewest fragments that a pixel draws of those of all primitives; 0: every pixel has all
 
     @property
@@ -40,6 +43,11 @@ class SceneStats:
     def forward(self) -> bool:
         """Whether window depths grow from the eye."""
         return self.geometry != "reversed"
+
+    @property
+    def blended(self) -> bool:
+        """Whether the fragments of a pixel are blended, and nothing else is done with them."""
+        return self.effect.name == TRANSPARENCY
 
     @property
     def most_layers(self) -> int:
@@ -61,5 +69,6 @@ class SceneStats:
 # What a parameter may ask of a scene: facts of SceneStats, in words.
 SCENE_FACTS: Mapping[str, str] = {
     "flat": "flat primitives that meet no pixel but at its edges",
+    "blended": "the effect transparency, since its image is not made of the fragments one by one, nearest first",
     "forward": "depths that grow from the eye, since a pass tests against a depth buffer",
 }

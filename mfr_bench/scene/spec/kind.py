@@ -8,10 +8,12 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
 
+from ...effects import EFFECTS, PLAIN, Settings
 from .values import Allowed, Alpha, Colours, Seed, Share, Size, Text
 
 MAX_PRIMITIVES = 2**22  # distinct depths on the grid of 2**-23, with a free point between any two
 MAX_SHADING = 16384  # steps, well below the 65,535 iterations at which llvmpipe ends a loop silently
+MAX_LAYER = 4096
 LATE = "late"  # metadata of a key that was added later
 LOCAL = "local"  # metadata of a key that is no part of any record, and that no config may give
 
@@ -35,7 +37,8 @@ class CommonKeys:
     size: viewport, pixels. pixel_density: share of the pixels that the block or the tiles cover, or the block around
     an object. depth_complexity: fragments over every covered pixel, or the maximum over the pixels where the kind has
     a mean_depth (None: two fifths of the maximum); 0 where a kind measures it. alpha: lowest and highest opacity, or a
-    word that a kind knows. shading: arithmetic steps of each fragment that is shaded, which change no colour.
+    word that a kind knows. shading: arithmetic steps of each fragment that is shaded, which change no colour. effect:
+    what is done with the fragments of a pixel; layer: which of them `layers` shows, from the nearest, 0 for all.
     """
 
     kind: str
@@ -53,6 +56,14 @@ class CommonKeys:
     animate: bool = False
     shading: Annotated[int, Interval(ge=0, le=MAX_SHADING),
                        Allowed(f"a whole number from 0 to {MAX_SHADING}")] = late(0)
+    effect: Literal[tuple(EFFECTS)] = late(PLAIN.name)
+    layer: Annotated[int, Interval(ge=0, le=MAX_LAYER),
+                     Allowed(f"a whole number from 0 to {MAX_LAYER}")] = late(PLAIN.layer)
+
+    @property
+    def settings(self) -> Settings:
+        """The effect with the values that it reads."""
+        return Settings(self.effect, **{key: getattr(self, key) for key in EFFECTS[self.effect].keys})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,7 +147,8 @@ class Kind:
 
     def faults(self, scene: CommonKeys) -> list[Fault]:
         """The faults of values that are each allowed."""
-        first = [fault for rule in (*self.rules, self._unknown_word, self._no_use) if (fault := rule(scene))]
+        rules = (*self.rules, self._unknown_word, self._no_use, self._no_effect)
+        first = [fault for rule in rules if (fault := rule(scene))]
         if self.measured:
             return first  # nothing is counted before the scene is made
         found = (rule(scene) for rule in (self._too_many, self._no_mean, self._mean_too_high))
@@ -167,6 +179,17 @@ class Kind:
             return None
         what = f"{changed[0]} has no use {self.where(scene)}; allowed: without it"
         return (f"scene.{changed[0]}", "scene.kind"), what
+
+    def _no_effect(self, scene: CommonKeys) -> Fault | None:
+        """A key that only another effect reads has been given."""
+        every = {key: name for name, effect in EFFECTS.items() for key in effect.keys}
+        unused = [key for key in every.keys() - set(EFFECTS[scene.effect].keys)
+                  if getattr(scene, key) != getattr(PLAIN, key)]
+        if not unused:
+            return None
+        readers = " | ".join(name for name, effect in EFFECTS.items() if unused[0] in effect.keys)
+        what = f"{unused[0]} has no use with effect {scene.effect}; allowed: with effect {readers}"
+        return (f"scene.{unused[0]}", "scene.effect"), what
 
     def _too_many(self, scene: CommonKeys) -> Fault | None:
         count = self.primitives(scene)

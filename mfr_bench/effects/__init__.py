@@ -1,0 +1,61 @@
+"""Effects: what is done with the fragments of a pixel once they are in order, nearest first.
+
+An effect is an entry of EFFECTS, a file of shaders/effects/ with begin, add and end, and a module here of the same name
+whose `model` computes the same in float64. Importing this package loads no numpy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Literal
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An effect. needs: what it reads of a fragment beside depth and colour. ordered: whether it tells fragments of
+    one depth apart by their order. measures: whether it takes differences of depth as distances.
+    """
+
+    what: str
+    needs: Literal["nothing", "facing", "objects"] = "nothing"
+    ordered: bool = False
+    measures: bool = False
+    keys: tuple[str, ...] = ()  # of a scene, which this effect reads
+
+
+TRANSPARENCY = "transparency"
+EFFECTS: Mapping[str, Effect] = {
+    TRANSPARENCY: Effect("fragments blended nearest first, as the papers measure", ordered=True),
+    "layers": Effect("the `layer`-th fragment alone, opaque; with layer 0 an x-ray view, in which every fragment takes "
+                     "a tenth of the light", ordered=True, keys=("layer",)),
+    "coplanar": Effect("where fragments share a depth: their share of the pixel's fragments, and the largest group"),
+}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """An effect by name, and the values of the keys that effects read."""
+
+    name: str = TRANSPARENCY
+    layer: int = 1
+
+    @classmethod
+    def of(cls, scene: Mapping[str, Any]) -> Settings:
+        """Those in the record of a scene, which leaves defaults out."""
+        return cls(scene.get("effect", cls.name), **{f.name: scene[f.name] for f in fields(cls)[1:] if f.name in scene})
+
+    @property
+    def keys(self) -> dict[str, Any]:
+        """The keys of a config that make a scene have this effect, where they differ from their defaults."""
+        found = {"effect": self.name} | {key: getattr(self, key) for key in self.effect.keys}
+        return {f"scene.{key}": value for key, value in found.items() if value != DEFAULTS[key]}
+
+    @property
+    def effect(self) -> Effect:
+        """The entry of the effect."""
+        return EFFECTS[self.name]
+
+
+PLAIN = Settings()
+DEFAULTS = {"effect": TRANSPARENCY} | {f.name: f.default for f in fields(Settings)[1:]}
