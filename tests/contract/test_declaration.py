@@ -1,9 +1,12 @@
 """Declarations say what they have to, and shaders look as they have to; no GL."""
 
+from dataclasses import replace
+
 import pytest
 
 from mfr_bench.contract import declaration
 from mfr_bench.contract.declaration import SIZES
+from mfr_bench.effects import EFFECTS, Settings
 from mfr_bench.glsl import stages
 from mfr_bench.gpu.scene_buffer import LAYOUTS
 from mfr_bench.methods import catalog
@@ -91,7 +94,7 @@ def test_every_shader_is_used():
                     used |= set(stage.files)
     special = [replace(SIZES, shading=1), *(replace(SIZES, effect=Settings(name)) for name in EFFECTS)]
     for sizes in special:
-        variant = every_method()[0].variant({}) if sizes.shading else catalog()["ab-array"].variant({})
+        variant = catalog()["ab-array"].variant({})
         for step in variant.passes:
             for stage in stages(Fitted(variant, sizes), step) if step.kind != "clear" else ():
                 used |= set(stage.files)
