@@ -194,3 +194,14 @@ def test_devices_stand_side_by_side(tmp_path):
 def test_an_experiment_of_one_folder_is_not_drawn_together(tmp_path):
     folders = [planted.folder(tmp_path / name, two_methods(), [STACKED], name=name) for name in ("a", "b")]
     assert figures.write_together(folders, tmp_path / "out") == []
+
+
+def test_figures_of_an_earlier_config_do_not_stay(tmp_path):
+    folder = planted.folder(tmp_path, two_methods(), figures=[LINES])
+    kept = folder.path / "figures" / "mine.png"
+    assert {path.name for path in figures.write_figures(folder)} == {"planted.png", "planted.svg"}
+    kept.write_bytes(b"a user's own")
+    folder.write_manifest({**folder.manifest(), "figures": [LINES, STACKED]})
+    figures.write_figures(folder)
+    assert {path.name for path in kept.parent.iterdir()} == {
+        "mine.png", "planted-1.png", "planted-1.svg", "planted-2.png", "planted-2.svg"}

@@ -9,7 +9,7 @@ import multiprocessing
 import os
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -34,9 +34,20 @@ FORMATS: Mapping[str, Mapping[str, Any]] = {
 def write_figures(folder: ResultFolder, processes: int = 1) -> list[Path]:
     """Write figures/<name>.png and .svg, numbered where there are several. Raises StoreError.
 
-    With 2 `processes` a forked child draws every other figure; not where the process holds a GL context.
+    Files of this experiment's name that an earlier config left there are removed. With 2 `processes` a forked child draws every other figure; not where the process holds a GL context.
     """
-    return _draw_all(data.load(folder), folder.path / "figures", processes)
+    result, target = data.load(folder), folder.path / "figures"
+    written = _draw_all(result, target, processes)
+    _remove_others(target, {path.stem for path in written}, _file_name(result))
+    return written
+
+
+def _remove_others(target: Path, stems: Collection[str], name: str) -> None:
+    """Delete the figures of this name, numbered or not, that are none of `stems`."""
+    mine = re.compile(rf"{re.escape(name)}(-\d+)?")
+    for path in target.glob("*.*"):
+        if path.suffix[1:] in FORMATS and mine.fullmatch(path.stem) and path.stem not in stems:
+            path.unlink(missing_ok=True)
 
 
 def write_all(folders: Sequence[ResultFolder],
@@ -80,9 +91,13 @@ def figure_paths(result: Result) -> list[Path]:
 
 def _stems(result: Result, target: Path) -> list[Path]:
     """The files of the result's figures without their endings: numbered where there are several."""
-    name = re.sub(r"[^\w.-]+", "-", result.name).strip("-.") or "figure"
-    several = len(result.figures) > 1
+    name, several = _file_name(result), len(result.figures) > 1
     return [target / (f"{name}-{i}" if several else name) for i in range(1, len(result.figures) + 1)]
+
+
+def _file_name(result: Result) -> str:
+    """The experiment's name as that of a file."""
+    return re.sub(r"[^\w.-]+", "-", result.name).strip("-.") or "figure"
 
 
 def _by_device(result: Result) -> Result:
