@@ -101,3 +101,15 @@ def _markdown_row(verdict: Verdict) -> str:
 def _section(verdict: Verdict) -> str:
     return "\n".join([f"### {verdict.claim.id}", "", f"**{verdict.verdict}**", "",
                       *(f"- {label}: {text}" for label, text in _lines(verdict))])
+
+
+def as_matrix(verdicts: Sequence[Verdict]) -> str:
+    """A Markdown table, a row per claim and a column per device, with on how many devices each verdict stands."""
+    devices = list(dict.fromkeys(v.device for v in verdicts))
+    found: dict[str, dict[str, str]] = {}
+    for verdict in verdicts:
+        found.setdefault(verdict.claim.id, {})[verdict.device] = verdict.verdict
+    head = ["claim", *VERDICTS, *devices]
+    rows = [[claim, *(str(list(on.values()).count(name)) for name in VERDICTS), *(on.get(d, "") for d in devices)]
+            for claim, on in found.items()]
+    return "\n".join("| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows))

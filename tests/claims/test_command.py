@@ -95,7 +95,7 @@ def test_markdown_has_a_table_and_a_section_for_each_claim(results):
 
 def test_one_form_at_a_time(results):
     done = CliRunner().invoke(cli, ["claims", str(results), "--json", "--csv"])
-    assert "more than one of --json, --csv and --markdown" in str(done.exception)
+    assert "more than one of --json, --csv, --devices and --markdown" in str(done.exception)
 
 
 def test_damaged_cells_are_named_and_the_rest_is_judged(results):
@@ -120,3 +120,12 @@ def test_no_gl_and_no_drawing_is_imported():
             "print([m for m in ('moderngl', 'glcontext', 'matplotlib') if m in sys.modules])")
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_column_for_each_device_says_where_a_claim_holds(results):
+    head, _, *rows = [line.strip("| ").split(" | ") for line in claims(results, "--devices").splitlines()]
+    assert len(rows) == len(CLAIMS) and len(head) == 6
+    found = {row[0]: dict(zip(head, row, strict=True)) for row in rows}
+    memory = found["sb-memory"]
+    assert (memory["holds"], memory["does not hold"]) == ("1", "1")
+    assert sorted(memory[device] for device in head[4:]) == ["does not hold", "holds"]
