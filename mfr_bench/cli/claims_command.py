@@ -30,7 +30,8 @@ def claims(folders: tuple[str, ...], as_json: bool, as_csv: bool, as_matrix: boo
     from ..store import ResultFolder, find_results
 
     if as_json + as_csv + as_matrix + as_markdown > 1:
-        raise UsageError("claims: more than one of --json, --csv, --devices and --markdown; allowed: one, or none for text")
+        raise UsageError("claims: more than one of --json, --csv, --devices and --markdown; allowed: one, "
+                         "or none for text")
     results = [ResultFolder(path) for path in find_results(folders)]
     verdicts = judge_all(CLAIMS, load_runs(results))
     if as_json:

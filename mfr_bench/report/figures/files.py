@@ -34,7 +34,8 @@ FORMATS: Mapping[str, Mapping[str, Any]] = {
 def write_figures(folder: ResultFolder, processes: int = 1) -> list[Path]:
     """Write figures/<name>.png and .svg, numbered where there are several. Raises StoreError.
 
-    Files of this experiment's name that an earlier config left there are removed. With 2 `processes` a forked child draws every other figure; not where the process holds a GL context.
+    Files of this experiment's name that an earlier config left there are removed. With 2 `processes`
+    a forked child draws every other figure; not where the process holds a GL context.
     """
     result, target = data.load(folder), folder.path / "figures"
     written = _draw_all(result, target, processes)
