@@ -15,8 +15,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ..errors import UsageError
+from ..store.columns import ARRAYS
 from ..store.pack import BROKEN
-from ..store.record import is_cell_file, parsed, text
+from ..store.record import ARRAY_FILE, is_cell_file, parsed, text
 
 SCHEMA = 1
 INDEX = "bundle.json"
@@ -24,7 +25,7 @@ MEMBER = re.compile(r"[\w+-][\w.+-]{0,99}/[\w+-][\w.+-]{0,99}/(manifest\.json|ce
 BUNDLE_BYTES = 64 * 2**20  # of the file
 MEMBERS = 20_000  # in a bundle
 CELLS = 100_000  # in a pack, as in a config
-OPENED_BYTES = 512 * 2**20  # of all members together, unpacked
+OPENED_BYTES = 512 * 2**20  # of all members together, unpacked, with the arrays in them
 PIECE_BYTES = 2**20
 
 
@@ -80,8 +81,20 @@ def _read(path: Path) -> dict[str, dict[str, bytes]]:
         if file == "manifest.json":
             sets.setdefault(where, {})[file] = content
         elif file == "cells.zip":
-            sets.setdefault(where, {}).update(_members(content, budget, 2 * CELLS, is_cell_file))
+            sets.setdefault(where, {}).update(_cells(content, budget))
     return sets
+
+
+def _cells(content: bytes, budget: Budget) -> dict[str, bytes]:
+    """The files of a pack. Arrays are zips of their own: what those give counts as well."""
+    found = _members(content, budget, 2 * CELLS, is_cell_file)
+    for name, packed in found.items():
+        if ARRAY_FILE.fullmatch(name):
+            try:
+                _members(packed, budget, len(ARRAYS), {f"{array}.npy" for array in ARRAYS}.__contains__)
+            except zipfile.BadZipFile as error:
+                raise ValueError(f"{name}: {error}") from error
+    return found
 
 
 def _members(content: bytes, budget: Budget, most: int, belongs) -> dict[str, bytes]:

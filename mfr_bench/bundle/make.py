@@ -17,8 +17,11 @@ def make_bundle(folders: Sequence[ResultFolder], signed_off: str) -> tuple[bytes
     """The bytes of a bundle of these results, and a line for each record that it leaves out.
 
     Raises UsageError where a record contradicts its key, where what would be removed is part of a key (the path of a
-    mesh), where two folders are one set, and where the bundle would be too large.
+    mesh) or of a set's name, where a manifest names no timer, where two folders are one set, where nobody signs off,
+    and where the bundle would be too large.
     """
+    if not signed_off.strip():
+        raise UsageError("--sign-off: nobody signs off; allowed: the name of who vouches for these results")
     personal = pattern(names())
     files: dict[str, bytes] = {}
     said: list[str] = []
@@ -29,6 +32,12 @@ def make_bundle(folders: Sequence[ResultFolder], signed_off: str) -> tuple[bytes
                              "'mfr-bench merge' joins them")
         if not MEMBER.fullmatch(f"{where}/cells.zip"):
             raise UsageError(f"{source.folder.path}: {where!r} is no name of a set; allowed: letters, digits, _ . + -")
+        if personal.search(where):
+            raise UsageError(f"{source.folder.path}: the set is named {where!r}, with a name of this machine or its "
+                             "user in it; allowed: a config of another name")
+        if source.manifest.get("timer") is None:
+            raise UsageError(f"{source.folder.path}: its manifest names no timer, which is part of every key; allowed: "
+                             "results whose manifest 'mfr-bench run' wrote")
         files[f"{where}/manifest.json"] = text(cleaned(source.manifest, personal))
         files[f"{where}/cells.zip"] = zipped(_clean_cells(source, personal, said))
     content = zipped({INDEX: index_of(files, signed_off), **files})
@@ -55,8 +64,7 @@ def _clean_record(source: Source, copy: Copy, personal) -> bytes:
     """The record without personal details; byte for byte where it has none. Raises UsageError."""
     cell = parsed(copy.content)
     clean = cleaned(cell, personal)
-    timer = source.manifest.get("timer")
-    if timer is not None and cell_key(clean, timer) != copy.key:
+    if cell_key(clean, source.manifest["timer"]) != copy.key:
         raise UsageError(f"{source.folder.path}: cell {copy.key}: a path or a name of this machine is part of its key; "
                          "allowed: files beside the config, named without a path")
     return copy.content if clean == cell else text(clean)

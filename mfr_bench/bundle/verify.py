@@ -8,9 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..config.schema import parse
 from ..errors import UsageError
 from ..merge.copies import Copy, Source
 from ..methods import FLOOR, catalog
+from ..plan import expected_stats
+from ..scene import Scene, generate
+from ..scene.kinds import FIRST, faults
+from ..scene.kinds.quads import is_flat
 from ..store import Cell, Floors, ResultFolder, derive, write_file
 from ..store.arrays import read_arrays
 from ..store.record import is_cell_file
@@ -19,7 +24,7 @@ CLOCKS = 2.0  # a device may run this much faster than its calibration saw
 OTHERS = 2  # devices that must agree before one that differs from them is named
 FAR = 10.0  # times the largest error of the others
 NOISE = 1e-6  # of an error in float32: less is no difference
-CHECKED_FRAGMENTS = 20_000_000  # of a scene whose kept image is composited again
+CHECKED_WORK = 20_000_000  # pixels and fragments of a scene whose kept image is composited again
 HALF_STEP = 0.5 / 255  # of a kept image, which has 8 bits
 
 
@@ -55,12 +60,24 @@ def verified(folders: Iterable[ResultFolder], others: Iterable[ResultFolder] = (
     elsewhere = _Errors(others)
     found: list[Finding] = []
     for folder in folders:
-        source = Source.of(folder)
+        source = _named(Source.of(folder))
         cells = [_sound(source, copy).cell for copy in source.copies()]
         derive(folder)
         where = f"{source.slug}/{source.name}"
         found += [Finding(where, cell["key"], what) for cell, what in _odd(folder, cells, elsewhere)]
     return found
+
+
+def _named(source: Source) -> Source:
+    """The source. Raises UsageError where its manifest does not name the set that its folder is, or not the timer."""
+    where = "/".join(source.folder.path.parts[-2:])
+    if where != f"{source.slug}/{source.name}":
+        raise UsageError(f"{where}: its manifest names {f'{source.slug}/{source.name}'[:80]!r}; allowed: the set that "
+                         "its folder is")
+    if source.manifest.get("timer") is None:
+        raise UsageError(f"{where}: its manifest names no timer, which is part of every key; allowed: a manifest that "
+                         "'mfr-bench run' wrote")
+    return source
 
 
 def _sound(source: Source, copy: Copy | str) -> Copy:
@@ -73,7 +90,8 @@ def _sound(source: Source, copy: Copy | str) -> Copy:
 
 def _odd(folder: ResultFolder, cells: list[Cell], elsewhere: _Errors) -> Iterator[tuple[Cell, str]]:
     floors = Floors(cells)
-    rates = (folder.manifest().get("calibration") or {}).get("rates") or {}
+    rates = (folder.manifest().get("calibration") or {}).get("rates")
+    rates = rates if isinstance(rates, Mapping) else {}
     for cell in cells:
         reasons = (_below_the_floor(cell, floors.of(cell)), _below_the_fill_rate(cell, rates),
                    elsewhere.unlike(cell), _other_image(folder, cell))
@@ -125,26 +143,25 @@ def _question(cell: Cell) -> str:
 def _other_image(folder: ResultFolder, cell: Cell) -> str | None:
     """The difference of a kept image from the oracle's, where numpy alone can tell: every fragment of flat quads."""
     method = catalog().get(cell["method"])
-    fragments = cell["values"].get("fragments") or CHECKED_FRAGMENTS
-    if method is None or method.guarantee != "exact all" or cell["status"] != "ok" or fragments >= CHECKED_FRAGMENTS:
+    if method is None or method.guarantee != "exact all" or cell["status"] != "ok":
         return None
     image = read_arrays(folder, cell["key"]).get("image")
-    if image is None or cell["scene"].get("kind") != "quads" or cell["scene"].get("slant") or cell["scene"]["animate"]:
+    if image is None or cell["scene"].get("kind") != FIRST:
+        return None
+    scene, wrong = parse(Scene, cell["scene"])
+    wrong = wrong or faults(scene)
+    if wrong:
+        return f"its scene is none that a config can have: {wrong[0][1]}"
+    stats = expected_stats(scene)
+    if not is_flat(scene) or scene.animate or stats.W * stats.H + stats.F >= CHECKED_WORK:
         return None
     import numpy as np
 
-    expected = np.clip(_oracle(cell), 0, 1)
+    from ..oracle.composite import composite
+
+    expected = np.clip(composite(generate(scene)), 0, 1)
     if image.shape != expected.shape:
         return f"its kept image has shape {image.shape}, its scene {expected.shape}"
     error = float(np.abs(image / 255.0 - expected).max())
     allowed = HALF_STEP + float(cell["values"].get("max_abs_error") or 0) + NOISE
     return f"its kept image differs from the oracle by {error:.3g}, its record says less" if error > allowed else None
-
-
-def _oracle(cell: Cell):
-    from ..oracle.composite import composite
-    from ..scene import Scene, generate
-
-    keys = {name: tuple(value) if isinstance(value, list) else value for name, value in cell["scene"].items()}
-    return composite(generate(Scene(**keys)))
-

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import click
 
-from .options import FOLDERS
+from .options import FOLDERS, OutPath
 from .output import ending, note, say
 
 
 @click.command("submit-results")
 @FOLDERS
-@click.option("--out", required=True, metavar="F.zip", type=click.Path(dir_okay=False), help="The bundle to write.")
+@click.option("--out", required=True, metavar="F.zip", type=OutPath(dir_okay=False), help="The bundle to write.")
 @click.option("--sign-off", required=True, metavar="TEXT",
               help="Who vouches that these results were measured so and may be published; stands in the bundle.")
 def submit_results(folders: tuple[str, ...], out: str, sign_off: str) -> None:
@@ -41,7 +41,7 @@ def submit_results(folders: tuple[str, ...], out: str, sign_off: str) -> None:
 @click.argument("bundle", type=click.Path(), metavar="BUNDLE")
 @click.option("--against", multiple=True, metavar="DIR", type=click.Path(file_okay=False),
               help="Results of other devices, whose errors are compared; may be given several times.")
-@click.option("--into", metavar="DIR", type=click.Path(file_okay=False),
+@click.option("--into", metavar="DIR", type=OutPath(file_okay=False),
               help="Merge the results into DIR if nothing is odd about them.")
 def verify(bundle: str, against: tuple[str, ...], into: str | None) -> int:
     """Check a bundle: its hashes, every record and key, times, errors, kept images; derive its tables anew.

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import MOST_SHARES, ConfigName
+from .options import MOST_SHARES, ConfigName, OutPath
 from .output import note, say
 
 STORE = click.argument("store", metavar="STORE", type=click.Path(file_okay=False))
@@ -99,7 +99,7 @@ def status(store: str) -> int:
 
 @click.command()
 @STORE
-@click.option("--into", metavar="DIR", type=click.Path(file_okay=False),
+@click.option("--into", metavar="DIR", type=OutPath(file_okay=False),
               help="Where the merged sets go (default: STORE/results).")
 def collect(store: str, into: str | None) -> None:
     """Merge what the tasks of a store have measured so far, also while they run; see merge.

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import click
 
-from .options import FOLDERS
+from .options import FOLDERS, OutPath
 from .output import note, say
 
 
 @click.command()
 @FOLDERS
-@click.option("--into", required=True, metavar="DIR", type=click.Path(file_okay=False),
+@click.option("--into", required=True, metavar="DIR", type=OutPath(file_okay=False),
               help="Where the sets go: DIR/<device>/<experiment>/; DIR itself for one experiment of one device.")
 def merge(folders: tuple[str, ...], into: str) -> None:
     """Merge all results at or below each DIR, cell by cell, into one set for each experiment and device.

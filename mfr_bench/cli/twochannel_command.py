@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -32,23 +32,42 @@ def twochannel(images: tuple[str, ...], out: str | None, as_json: bool) -> None:
               mfr-bench twochannel grass rock sand --json
     """
     from ..oracle.pictures import Encoded
+    from ..store.record import plain
 
+    _hold_names(images if out else ())
     records = {}
     for name in images:
         encoded = Encoded.of(_picture(name))
         records[name] = encoded.record()
         if out:
             records[name]["picture"] = str(_written(encoded, name, Path(out)))
-    say(json.dumps(records, indent=2) if as_json else "\n\n".join(map(_text, records, records.values())))
+    say(json.dumps(plain(records), indent=2, allow_nan=False) if as_json else "\n\n".join(map(_text, records, records.values())))
+
+
+def _hold_names(images: Sequence[str]) -> None:
+    """Raise UsageError where two pictures would be written to one file."""
+    from ..errors import UsageError
+
+    first: dict[str, str] = {}
+    for name in dict.fromkeys(images):
+        other = first.setdefault(_file_of(name), name)
+        if other != name:
+            raise UsageError(f"--out: {other} and {name} would both be written to {_file_of(name)}; allowed: pictures "
+                             "of different names")
+
+
+def _file_of(name: str) -> str:
+    return f"{Path(name).stem}-twochannel.png"
 
 
 def _picture(name: str):
     """uint8 (H, W, 3) of a file, or of a material that is made here. Raises UsageError for what is no picture."""
     import numpy as np
-    from PIL import Image, UnidentifiedImageError  # comes with matplotlib
+    from PIL import Image  # comes with matplotlib
 
     from ..errors import UsageError
     from ..scene.materials import MATERIALS, picture
+    from ..scene.meshes.textures import NO_PICTURE
 
     if name in MATERIALS and not Path(name).exists():
         return picture(name, MADE_SIZE)
@@ -59,7 +78,7 @@ def _picture(name: str):
             return np.asarray(opened.convert("RGB"))
     except FileNotFoundError:
         raise UsageError(f"{name}: no such file; allowed: a picture, or one of {', '.join(MATERIALS)}") from None
-    except (OSError, UnidentifiedImageError, Image.DecompressionBombError) as error:
+    except (*NO_PICTURE, Image.DecompressionBombError) as error:
         raise UsageError(f"{name}: no picture that can be read ({error}); allowed: a file that Pillow reads") from None
 
 
@@ -72,7 +91,7 @@ def _written(encoded, name: str, folder: Path) -> Path:
 
     data = io.BytesIO()
     Image.fromarray(encoded.side_by_side()).save(data, format="png")
-    path = folder / f"{Path(name).stem}-twochannel.png"
+    path = folder / _file_of(name)
     write_file(path, data.getvalue())
     return path
 

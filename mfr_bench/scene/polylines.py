@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
-import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UsageError
+from . import npz
 
 WANTED = "a file of strands: an .npz with points and lengths, or an OBJ with lines"
 MAX_POINTS = 2**24  # 16 million: about 4 GiB as strips
@@ -58,12 +57,9 @@ def read_polylines(path: str) -> Polylines:
 
 
 def _of_arrays(path: str) -> tuple[np.ndarray, np.ndarray]:
-    try:
-        with Path(path).open("rb") as file, np.lib.npyio.NpzFile(file, allow_pickle=False) as found:
-            missing = [name for name in ("points", "lengths") if name not in found]
-            arrays = {name: found[name] for name in ("points", "lengths") if name in found}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-        raise UsageError(f"{path}: cannot be read ({' '.join(str(error).split())}); allowed: {WANTED}") from None
+    with npz.opened(Path(path), WANTED) as found:
+        missing = [name for name in ("points", "lengths") if name not in found]
+        arrays = {name: found[name] for name in ("points", "lengths") if name in found}
     if missing:
         raise UsageError(f"{path}: the array {missing[0]} is missing; allowed: points and lengths")
     points, lengths = arrays["points"], arrays["lengths"]

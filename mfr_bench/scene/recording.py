@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
-import zlib
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -14,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import UsageError
-from . import files
+from . import files, npz
 from .flat import submission
 from .kinds.fragments import path_of
 from .parameters import Scene
@@ -22,6 +20,7 @@ from .pieces import Pieces
 from .spec.values import MAX_SIDE
 
 WANTED = "an .npz of recorded fragments (docs/recording.md)"
+AGAIN = f"{WANTED}; record it again"
 MEMORY_PER_BYTE = 8  # bytes of memory that a scene and its oracle take for each byte of the arrays
 MEMORY_MB = 4096.0  # most memory for recorded fragments
 
@@ -121,7 +120,7 @@ def recording_of(path: Path) -> Recording:
 def viewport_of(path: Path) -> tuple[int, int]:
     """Width and height of a recording, without reading its fragments."""
     files.stamp(path, WANTED)
-    with _opened(path) as found:
+    with npz.opened(path, AGAIN) as found:
         return _viewport(path, found)
 
 
@@ -144,7 +143,7 @@ def _covered(path: Path, stamped: tuple[int, int]) -> tuple[int, ...]:
 @lru_cache(maxsize=1)
 def _recording(path: Path, _stamped: tuple[int, int]) -> Recording:
     _hold_size(path)
-    with _opened(path) as found:
+    with npz.opened(path, AGAIN) as found:
         viewport = _viewport(path, found)
         missing = [name for name in NEEDED if name not in found]
         if missing:
@@ -157,17 +156,6 @@ def _recording(path: Path, _stamped: tuple[int, int]) -> Recording:
             raise UsageError(f"{path}: {name} {fault}")
     return Recording(viewport, arrays["pixel"].astype(np.int32), arrays["depth"] + np.float32(0), arrays["rgba"],
                      arrays["object"].astype(np.int32) if "object" in arrays else None, arrays.get("front"))
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[Mapping[str, np.ndarray]]:
-    """The arrays of an .npz; whatever numpy raises over a damaged one becomes a line."""
-    try:
-        with path.open("rb") as file, np.lib.npyio.NpzFile(file, allow_pickle=False) as found:
-            yield found
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-        raise UsageError(f"{path}: cannot be read ({' '.join(str(error).split())}); allowed: {WANTED}; "
-                         "record it again") from None
 
 
 def _viewport(path: Path, found: Mapping[str, np.ndarray]) -> tuple[int, int]:

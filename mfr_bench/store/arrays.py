@@ -6,16 +6,20 @@
 from __future__ import annotations
 
 import io
-import zipfile
+import tokenize
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from .columns import ARRAYS
 from .files import write_file
 from .folder import ResultFolder
+from .pack import BROKEN
 
 if TYPE_CHECKING:
     import numpy as np
+
+# What numpy raises over an .npz that is none, is damaged, or says of itself what it does not hold.
+NO_ARRAYS = (*BROKEN, MemoryError, SyntaxError, tokenize.TokenError)
 
 
 def write_arrays(folder: ResultFolder, key: str, arrays: Mapping[str, np.ndarray]) -> None:
@@ -40,11 +44,11 @@ def read_arrays(folder: ResultFolder, key: str) -> dict[str, np.ndarray]:
             arrays = {name: found[name] for name in ARRAYS if name in found.files}
     except FileNotFoundError:
         return {}
-    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile, zipfile.zlib.error) as error:
+    except NO_ARRAYS as error:
         folder.skip(path, f"cannot be read: {error}")
         return {}
-    wrong = [name for name, array in arrays.items()
-             if array.ndim != ARRAYS[name].dimensions or array.dtype != np.dtype(ARRAYS[name].type) or not array.size]
+    wrong = [name for name, array in arrays.items() if not isinstance(array, np.ndarray) or not array.size
+             or array.ndim != ARRAYS[name].dimensions or array.dtype != np.dtype(ARRAYS[name].type)]
     if wrong:
         folder.skip(path, f"{wrong[0]}: not {ARRAYS[wrong[0]].type} of {ARRAYS[wrong[0]].dimensions} dimensions")
     return {name: array for name, array in arrays.items() if name not in wrong}

@@ -189,6 +189,10 @@ def _wrong_parts(cell: Cell) -> str | None:
               if not is_number(cell["measure"].get(name, 0))]
     wrong += [name for name in ("reason", "glsl_hash", "measured") if not isinstance(cell.get(name), (str, type(None)))]
     wrong += [name for name in ("buffers", "work") if not isinstance(cell.get(name), (dict, type(None)))]
+    package = cell.get("package")
+    if not (package is None or (isinstance(package, dict)
+                                and all(isinstance(package.get(part), str) for part in ("name", "hash")))):
+        wrong.append("package")
     device = cell.get("device")
     if not (device is None or isinstance(device, str)
             or (isinstance(device, dict) and all(isinstance(v, (str, type(None))) for v in device.values()))):

@@ -32,3 +32,13 @@ def test_sets_of_several_devices_are_named(tmp_path, mfr):  # noqa: F811
                folder(tmp_path / "n2", record("ab-ll", device=other), device=other).path,
                "--into", tmp_path / "all")
     assert done.status == 0 and "all/card-a/planted: 1 cells" in done.out and "all/card-b/planted" in done.out
+
+
+def test_an_empty_name_is_no_place(tmp_path, mfr, monkeypatch):  # noqa: F811
+    monkeypatch.chdir(tmp_path)
+    source = folder(tmp_path / "n1", record("ab-array")).path
+    for command in (("merge", source, "--into", ""), ("verify", "b.zip", "--into", ""), ("collect", "s", "--into", ""),
+                    ("submit-results", source, "--sign-off", "A. Smith", "--out", "")):
+        done = mfr(*command)
+        assert done.status == 2 and "'' is no place to write to" in done.err, command
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["n1"]

@@ -76,3 +76,31 @@ def test_what_is_no_picture_is_one_line(mfr, here, name, line):  # noqa: F811
     (here / "text.png").write_text("no picture")
     ended = mfr("twochannel", name)
     assert ended.status == 2 and ended.complaint.startswith(line)
+
+
+def test_a_picture_that_loses_nothing_is_json_of_the_standard(mfr, here):  # noqa: F811
+    Image.fromarray(np.zeros((1, 1, 3), np.uint8)).save(here / "black.png")
+    found = json.loads(mfr("twochannel", "black.png", "--json").out, parse_constant=pytest.fail)
+    assert found["black.png"]["psnr_db"] == "inf"
+
+
+def test_two_pictures_are_never_written_to_one_file(mfr, here):  # noqa: F811
+    (here / "sub").mkdir()
+    for path in (here / "p.png", here / "sub" / "p.png"):
+        Image.fromarray(of_plane()).save(path)
+    ended = mfr("twochannel", "p.png", "sub/p.png", "--out", "two")
+    assert ended.status == 2 and not (here / "two").exists()
+    assert ended.complaint == ("--out: p.png and sub/p.png would both be written to p-twochannel.png; allowed: pictures "
+                               "of different names")
+    assert mfr("twochannel", "p.png", "p.png", "--out", "two").status == 0
+
+
+@pytest.mark.parametrize("error", [SyntaxError("broken PNG file"), ValueError("too large"), IndexError("out of range")])
+def test_whatever_a_decoder_raises_is_one_line(mfr, here, monkeypatch, error):  # noqa: F811
+    def raising(*_):
+        raise error
+
+    Image.fromarray(of_plane()).save(here / "p.png")
+    monkeypatch.setattr(Image.Image, "convert", raising)
+    ended = mfr("twochannel", "p.png")
+    assert ended.status == 2 and ended.complaint.startswith("p.png: no picture that can be read (")
