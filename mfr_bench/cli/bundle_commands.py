@@ -17,7 +17,7 @@ from .output import ending, note, say
 @click.option("--sign-off", required=True, metavar="TEXT",
               help="Who vouches that these results were measured so and may be published; stands in the bundle.")
 def submit_results(folders: tuple[str, ...], out: str, sign_off: str) -> None:
-    """Make a bundle of all results at or below each DIR, to be sent to a public collection.
+    """Bundle all results at or below DIR for a public collection.
 
     Every record is checked first. User, host, paths, UUIDs and PCI addresses are removed; the sign-off is the only name
     in it. A bundle has 64 MiB at most.
@@ -44,9 +44,10 @@ def submit_results(folders: tuple[str, ...], out: str, sign_off: str) -> None:
 @click.option("--into", metavar="DIR", type=OutPath(file_okay=False),
               help="Merge the results into DIR if nothing is odd about them.")
 def verify(bundle: str, against: tuple[str, ...], into: str | None) -> int:
-    """Check a bundle: its hashes, every record and key, times, errors, kept images; derive its tables anew.
+    """Check a bundle of results, and take it in.
 
-    A bundle is data: nothing in it is run. One that is too large, has other members than a bundle or is damaged is
+    Its hashes, every record and key, times, errors and kept images are checked, and its tables derived anew. A
+    bundle is data: nothing in it is run. One that is too large, has other members than a bundle or is damaged is
     refused with exit status 2. What is odd is listed, with exit status 3: a frame faster than drawing the geometry
     alone or than the device fills its pixels, an error unlike that of other devices, an image unlike the oracle's.
 

@@ -21,10 +21,11 @@ STORE = click.argument("store", metavar="STORE", type=click.Path(file_okay=False
 @click.option("--dry-run", is_flag=True, help="Print each task's command, which does the same by hand; submit nothing.")
 def submit(configs: tuple[str, ...], settings: str, profile: str | None, overrides: tuple[str, ...],
            dry_run: bool) -> int:
-    """Submit a run to Slurm, or to processes of this machine: in shares, the whole run for each kind of device.
+    """Submit a run in shares to Slurm, or to processes of this machine.
 
-    Every task writes a folder of its own in the store, goes on where it was cut off, and needs no database. The same
-    command again submits what is not done and not in the queue.
+    Each kind of device in cluster.yaml measures the whole run. Every task writes a folder of its own in the store,
+    goes on where it was cut off, and needs no database. The same command again submits what is not done and not in
+    the queue.
 
     \b
     Example: mfr-bench submit kplus2015-fig6 gpupro5-fig5 --cluster cluster.yaml
@@ -69,7 +70,7 @@ def _distinct(cells) -> int:
 @click.command()
 @STORE
 def status(store: str) -> int:
-    """Show every task of a store: its cells, failures, and whether it is done, running, waiting or ended.
+    """Show the tasks of a store: cells, failures, done, running, waiting or ended.
 
     A task is done if all its cells are there, whatever the engine says. Exit status 1 if a task has ended without.
 
@@ -102,7 +103,9 @@ def status(store: str) -> int:
 @click.option("--into", metavar="DIR", type=OutPath(file_okay=False),
               help="Where the merged sets go (default: STORE/results).")
 def collect(store: str, into: str | None) -> None:
-    """Merge what the tasks of a store have measured so far, also while they run; see merge.
+    """Merge what the tasks of a store have measured so far.
+
+    They may run meanwhile. See merge for what is checked.
 
     \b
     Example: mfr-bench collect /shared/mfr --into results

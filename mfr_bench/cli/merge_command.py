@@ -15,12 +15,13 @@ from .output import note, say
 @click.option("--into", required=True, metavar="DIR", type=OutPath(file_okay=False),
               help="Where the sets go: DIR/<device>/<experiment>/; DIR itself for one experiment of one device.")
 def merge(folders: tuple[str, ...], into: str) -> None:
-    """Merge all results at or below each DIR, cell by cell, into one set for each experiment and device.
+    """Merge results of several machines and runs, cell by cell.
 
-    Every record is held to its key first. Cells stay byte for byte, and each manifest is kept whole. Merging again,
-    or in another order, changes nothing; runs may go on meanwhile. One key with two contents is refused, and nothing
-    is written. If equal devices, told apart by UUID, measured a cell, their samples are added up where they are
-    equivalent, and kept apart where not.
+    All results at or below each DIR become one set for each experiment and device. Every record is held to its key
+    first. Cells stay byte for byte, and each manifest is kept whole. Merging again, or in another order, changes
+    nothing; runs may go on meanwhile. One key with two contents is refused, and nothing is written. If equal
+    devices, told apart by UUID, measured a cell, their samples are added up where they are equivalent, and kept
+    apart where not.
 
     \b
     Example: mfr-bench merge node1/results node2/results --into results
