@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
+import shlex
+from contextlib import nullcontext
 from pathlib import Path
 
 import click
 
 from .options import MOST_SHARES, ConfigName, OutPath
 from .output import note, say
+
+PLAN_DIGITS = 16
 
 STORE = click.argument("store", metavar="STORE", type=click.Path(file_okay=False))
 
@@ -37,34 +42,37 @@ def submit(configs: tuple[str, ...], settings: str, profile: str | None, overrid
     files = [str(Path(name).resolve()) if Path(name).exists() else name for name in configs]
     run = [*files, *(["--profile", profile] if profile else []), *(part for o in overrides for part in ("--set", o))]
     counts = {kind.shares for kind in cluster.kinds.values()}
-    plan = submission.planned(cluster, store, run, _cells_by_share(files, profile, overrides, counts))
-    states = state.task_states(plan, queue.states(plan.engine, [t.job for t in plan.tasks if t.job]))
-    due = state.wanting(states)
-    if dry_run:
-        for task in due:
-            say(" ".join(submission.command_of(plan, task, cluster.kinds[task.kind])))
-        return 0
-    submission.make_store(store)
-    plan.write()
-    submission.submit(plan, cluster, due)
+    cells = _cells_by_share(files, profile, overrides, counts)
+    with nullcontext() if dry_run else submission.alone(store):
+        plan = submission.planned(cluster, store, run, cells)
+        states = state.task_states(plan, queue.states(plan.engine, [t.job for t in plan.tasks if t.job]))
+        due = state.wanting(states)
+        if dry_run:
+            for task in due:
+                say(shlex.join(submission.command_of(plan, task, cluster.kinds[task.kind])))
+            return 0
+        plan.write()
+        submission.submit(plan, cluster, due)
     say(f"{store}: {len(due)} of {len(plan.tasks)} tasks submitted; mfr-bench status {store}")
     if any(each.state == state.UNKNOWN for each in states):
         note(f"{plan.engine} does not answer: tasks whose jobs may be in the queue were not submitted again")
     return 0
 
 
-def _cells_by_share(configs, profile, overrides, counts) -> dict[tuple[int, int], int]:
-    """How many cells each share has, those that entries of one config share once."""
+def _cells_by_share(configs, profile, overrides, counts) -> dict[tuple[int, int], tuple[int, str]]:
+    """How many cells each share has, those that entries of one config share once, and the digest of them all."""
     from ..plan.shards import shard
     from .run_command import plans_of
 
     plans = plans_of(configs, profile, None, overrides)
-    return {(number, count): sum(_distinct(cells) for _, cells in shard(plans, number, count))
+    return {(number, count): _counted(shard(plans, number, count))
             for count in counts if count <= MOST_SHARES for number in range(1, count + 1)}
 
 
-def _distinct(cells) -> int:
-    return len({(cell.method, repr(sorted(dict(cell.params).items())), cell.scene, cell.measure) for cell in cells})
+def _counted(plans) -> tuple[int, str]:
+    found = [sorted({repr((cell.method, sorted(dict(cell.params).items()), cell.scene, cell.measure))
+                     for cell in cells}) for _, cells in plans]
+    return sum(map(len, found)), hashlib.sha256(repr(found).encode()).hexdigest()[:PLAN_DIGITS]
 
 
 @click.command()
@@ -81,7 +89,7 @@ def status(store: str) -> int:
 
     found = _submission(store)
     states = state.task_states(found, queue.states(found.engine, [t.job for t in found.tasks if t.job]))
-    longest = max(len(each.task.name) for each in states)
+    longest = max((len(each.task.name) for each in states), default=0)
     for each in states:
         failed = f", {each.failed} failed" if each.failed else ""
         say(f"{each.task.name:{longest}}  {each.cells:5} of {each.task.cells} cells{failed}  {each.state}"

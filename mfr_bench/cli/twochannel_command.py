@@ -41,7 +41,8 @@ def twochannel(images: tuple[str, ...], out: str | None, as_json: bool) -> None:
         records[name] = encoded.record()
         if out:
             records[name]["picture"] = str(_written(encoded, name, Path(out)))
-    say(json.dumps(plain(records), indent=2, allow_nan=False) if as_json else "\n\n".join(map(_text, records, records.values())))
+    say(json.dumps(plain(records), indent=2, allow_nan=False) if as_json else
+        "\n\n".join(map(_text, records, records.values())))
 
 
 def _hold_names(images: Sequence[str]) -> None:

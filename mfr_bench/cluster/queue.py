@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 
 from ..environment import ask
 
@@ -41,9 +41,11 @@ def drained_nodes() -> list[str]:
 
 
 def _alive(job: str) -> bool:
-    """Whether a process of submitit's local engine, whose id is the job's, is there and no zombie."""
+    """Whether a process of submitit's local engine, whose id is the job's, is there.
+
+    The id may be that of another program by now. The command of a zombie is empty.
+    """
     try:
-        with open(f"/proc/{int(job)}/stat", encoding="utf-8") as file:
-            return file.read().rpartition(")")[2].split()[0] != "Z" and os.path.exists(f"/proc/{job}")
+        return b"submitit" in Path(f"/proc/{int(job)}/cmdline").read_bytes()
     except (OSError, ValueError):
         return False

@@ -46,7 +46,7 @@ class Cluster(Settings):
     """
 
     engine: Literal["slurm", "local"]
-    store: str
+    store: Annotated[str, Field(min_length=1, pattern=r"^[^\x00]+$")]
     setup: list[str] = []
     kinds: Annotated[dict[str, Kind], Field(min_length=1)]
 

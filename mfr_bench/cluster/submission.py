@@ -2,38 +2,60 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError
 
 from ..errors import MfrError, StoreError, UsageError
 from ..store import write_file
-from ..store.record import read, text
-from .settings import Cluster, Kind
+from ..store.record import text
+from .settings import Cluster, Kind, Settings
 from .task import Task
 
 FILE = "submission.json"
 SCHEMA = 1
+KIND = r"^[\w-]+$"  # the name of a kind of device: also that of a folder
 SIGNAL_S = 60  # before its time limit a task is asked to end, so that it is queued again
 
 
 @dataclass(frozen=True)
 class Share:
-    """One task: the share `number` of `count` of the run on a kind of device, its planned cells, the engine's job."""
+    """One task: the share `number` of `count` of the run on a kind of device, its planned cells, the engine's job.
 
-    kind: str
-    number: int
-    count: int
-    cells: int
+    plan: digest of what its cells are.
+    """
+
+    kind: Annotated[str, Field(pattern=KIND)]
+    number: Annotated[int, Field(ge=1)]
+    count: Annotated[int, Field(ge=1)]
+    cells: Annotated[int, Field(ge=1)]
+    plan: str
     job: str | None = None
+
+    @property
+    def identity(self) -> tuple[str, int, int, str]:
+        """Equal for tasks that measure the same on the same kind of device."""
+        return self.kind, self.number, self.count, self.plan
 
     @property
     def name(self) -> str:
         return f"{self.kind}-{self.number}"
+
+
+class Record(Settings):
+    """The content of submission.json."""
+
+    layout: Literal[SCHEMA] = Field(alias="schema")
+    engine: Literal["slurm", "local"]
+    run: list[str]
+    tasks: list[Share]
 
 
 @dataclass(frozen=True)
@@ -60,28 +82,62 @@ def read_submission(store: Path) -> Submission | None:
     """What was submitted into a store before; None if nothing was. Raises UsageError where it cannot be read."""
     path = store / FILE
     try:
-        record = read(path)
-        tasks = tuple(Share(**task) for task in record["tasks"])
-        return Submission(store, record["engine"], tuple(record["run"]), tasks)
+        record = Record.model_validate_json(path.read_bytes())
+        return Submission(store, record.engine, tuple(record.run), tuple(record.tasks))
     except FileNotFoundError:
         return None
-    except (OSError, ValueError, TypeError, KeyError) as error:
-        raise UsageError(f"{path}: cannot be read: {error}; allowed: what 'mfr-bench submit' wrote") from None
+    except ValidationError as error:
+        where = ".".join(map(str, error.errors()[0]["loc"])) or "the file"
+        wrong = f"{where}: {error.errors()[0]['msg']}"
+    except OSError as error:
+        wrong = error.strerror
+    raise UsageError(f"{path}: cannot be read: {wrong}; allowed: what 'mfr-bench submit' of this version wrote")
 
 
-def planned(cluster: Cluster, store: Path, run: Sequence[str], cells: Mapping[tuple[int, int], int]) -> Submission:
-    """The tasks of a run; cells: how many each share (number, count) has. Shares without a cell are no task.
+@contextmanager
+def alone(store: Path) -> Iterator[None]:
+    """Within it no other process submits into the store, which is made. Raises StoreError."""
+    try:
+        store.mkdir(parents=True, exist_ok=True)
+        handle = os.open(store, os.O_RDONLY)
+    except OSError as error:
+        raise StoreError(f"{store}: cannot be made: {error.strerror}") from None
+    try:
+        with suppress(OSError):  # a file system without locks
+            _lock(store, handle)
+        yield
+    finally:
+        os.close(handle)
 
-    Raises UsageError where the store holds another run.
+
+def _lock(store: Path, handle: int) -> None:
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise StoreError(f"{store}: another process submits into it; wait for its end, then run the same command "
+                         "again") from None
+
+
+def planned(cluster: Cluster, store: Path, run: Sequence[str],
+            cells: Mapping[tuple[int, int], tuple[int, str]]) -> Submission:
+    """The tasks of a run; cells: how many each share (number, count) has, and their digest.
+
+    Shares without a cell are no task. Raises UsageError where the store holds another run, or tasks that this one has
+    not: their cells would count for others.
     """
     before = read_submission(store)
     if before and (before.run != tuple(run) or before.engine != cluster.engine):
         raise UsageError(f"{store}: holds the run '{' '.join(before.run)}' of {before.engine}; allowed: the same "
                          "again, or another store")
-    jobs = {(task.kind, task.number, task.count): task.job for task in before.tasks} if before else {}
-    tasks = [Share(name, number, kind.shares, cells[number, kind.shares], jobs.get((name, number, kind.shares)))
-             for name, kind in cluster.kinds.items() for number in range(1, kind.shares + 1)]
-    return Submission(store, cluster.engine, tuple(run), tuple(task for task in tasks if task.cells))
+    jobs = {task.identity: task.job for task in before.tasks} if before else {}
+    tasks = [Share(name, number, kind.shares, *cells[number, kind.shares])
+             for name, kind in cluster.kinds.items() for number in range(1, kind.shares + 1)
+             if cells[number, kind.shares][0]]
+    if others := [f"{kind}-{number}" for kind, number, *_ in jobs.keys() - {task.identity for task in tasks}]:
+        raise UsageError(f"{store}: holds tasks that are no part of this run, such as {min(others)}: the config, the "
+                         "number of shares or a kind of device is another; allowed: the same again, or another store")
+    return Submission(store, cluster.engine, tuple(run),
+                      tuple(replace(task, job=jobs.get(task.identity)) for task in tasks))
 
 
 def submit(submission: Submission, cluster: Cluster, due: Sequence[Share]) -> Submission:
@@ -150,11 +206,3 @@ def command_of(submission: Submission, task: Share, kind: Kind) -> list[str]:
     share = [] if task.count == 1 else ["--shard", f"{task.number}/{task.count}"]
     return [sys.executable, "-m", "mfr_bench", "run", *submission.run, *share, "--device", kind.device, "--quiet",
             "--out", str(submission.folder(task) / "results")]
-
-
-def make_store(store: Path) -> None:
-    """Make the folder. Raises StoreError."""
-    try:
-        store.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StoreError(f"{store}: cannot be made: {error.strerror}") from None

@@ -90,8 +90,7 @@ def test_two_pictures_are_never_written_to_one_file(mfr, here):  # noqa: F811
         Image.fromarray(of_plane()).save(path)
     ended = mfr("twochannel", "p.png", "sub/p.png", "--out", "two")
     assert ended.status == 2 and not (here / "two").exists()
-    assert ended.complaint == ("--out: p.png and sub/p.png would both be written to p-twochannel.png; allowed: pictures "
-                               "of different names")
+    assert ended.complaint.startswith("--out: p.png and sub/p.png would both be written to p-twochannel.png; allowed: ")
     assert mfr("twochannel", "p.png", "p.png", "--out", "two").status == 0
 
 

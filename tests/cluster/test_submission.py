@@ -1,0 +1,106 @@
+"""What a store says of its tasks: never more than what this run planned, and never another process's job."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import shlex
+import subprocess
+import sys
+from dataclasses import asdict
+
+import pytest
+
+from mfr_bench.cluster import queue
+from mfr_bench.cluster.settings import Cluster, Kind
+from mfr_bench.cluster.submission import FILE, Share, alone, planned, read_submission
+from mfr_bench.errors import StoreError, UsageError
+
+from ..cli.conftest import mfr  # noqa: F401
+from .test_local import CLUSTER, RUN
+
+TASK = asdict(Share("cpu", 1, 2, 4, "a"))
+RECORD = {"schema": 1, "engine": "local", "run": ["run.yaml"], "tasks": [TASK]}
+
+
+def cluster(shares, **kinds):
+    return Cluster(engine="local", store="s", kinds={"cpu": Kind(shares=shares), **kinds})
+
+
+def shares(count, plan="a"):
+    return {(number, count): (4, f"{plan}{number}") for number in range(1, count + 1)}
+
+
+@pytest.mark.parametrize("record", [
+    [], {}, RECORD | {"schema": 2}, RECORD | {"run": "run.yaml"}, RECORD | {"engine": 5}, RECORD | {"tasks": [{}]},
+    *(RECORD | {"tasks": [TASK | part]} for part in (
+        {"kind": "../.."}, {"kind": None}, {"number": "1"}, {"number": 0}, {"cells": "4"}, {"job": 7}, {"other": 1}))])
+def test_what_submit_did_not_write_is_one_line(tmp_path, mfr, record):  # noqa: F811
+    (tmp_path / FILE).write_text(json.dumps(record))
+    for command in ("status", "collect"):
+        done = mfr(command, tmp_path)
+        assert done.status == 2 and done.err.startswith(f"{tmp_path / FILE}: cannot be read: ")
+        assert done.err.count("\n") == 1
+
+
+def test_a_store_without_tasks_has_a_status(tmp_path, mfr):  # noqa: F811
+    (tmp_path / FILE).write_text(json.dumps(RECORD | {"tasks": []}))
+    assert mfr("status", tmp_path).out == "0 of 0 cells, 0 of 0 tasks done\n"
+
+
+@pytest.mark.parametrize(("settings", "cells"), [
+    (cluster(3), shares(3)), (cluster(1), shares(1)), (cluster(2), shares(2, plan="b")),
+    (Cluster(engine="local", store="s", kinds={"gpu": Kind(shares=2)}), shares(2))])
+def test_cells_of_another_plan_count_for_none(tmp_path, settings, cells):
+    planned(cluster(2), tmp_path, ["run.yaml"], shares(2)).write()
+    with pytest.raises(UsageError, match=r"such as cpu-1: the config, the number of shares .* another store"):
+        planned(settings, tmp_path, ["run.yaml"], cells)
+
+
+def test_the_same_plan_keeps_its_jobs_and_takes_further_kinds(tmp_path):
+    first = planned(cluster(2), tmp_path, ["run.yaml"], shares(2))
+    with_jobs = type(first)(first.store, first.engine, first.run,
+                            tuple(Share(**asdict(task) | {"job": f"{task.number}7"}) for task in first.tasks))
+    with_jobs.write()
+    again = planned(cluster(2, gpu=Kind(shares=1)), tmp_path, ["run.yaml"], shares(2) | shares(1, plan="whole"))
+    assert [(task.name, task.job) for task in again.tasks] == [("cpu-1", "17"), ("cpu-2", "27"), ("gpu-1", None)]
+    assert read_submission(tmp_path) == with_jobs
+
+
+def test_two_processes_never_submit_into_one_store(tmp_path):
+    store = tmp_path / "store"
+    with alone(store), pytest.raises(StoreError, match="another process submits into it"), alone(store):
+        pass
+    handle = os.open(store, os.O_RDONLY)
+    fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    os.close(handle)
+
+
+def test_a_job_is_a_process_of_the_engine_and_no_other_of_its_number():
+    program = [sys.executable, "-c", "print(flush=True); input()"]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen(program, **pipes) as other, subprocess.Popen([*program, "submitit"], **pipes) as job:
+        for process in (other, job):
+            process.stdout.readline()  # the kernel has its command by then
+        assert queue.states("local", [str(other.pid), str(job.pid), "0"]) == {str(job.pid): "running"}
+        for process in (other, job):
+            process.communicate(b"\n")
+    assert queue.states("local", [str(job.pid)]) == {}
+
+
+@pytest.mark.parametrize("store", ['""', r'"s\0t"'])
+def test_a_store_that_no_folder_can_be_is_one_line(tmp_path, mfr, store, monkeypatch):  # noqa: F811
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "run.yaml").write_text(RUN)
+    (tmp_path / "cluster.yaml").write_text(CLUSTER.replace("store: store", f"store: {store}"))
+    done = mfr("submit", "run.yaml", "--cluster", "cluster.yaml", "--dry-run")
+    assert done.status == 2 and done.err.startswith("cluster.yaml: store: string should")
+
+
+def test_a_printed_command_is_quoted_for_a_shell(tmp_path, mfr, monkeypatch):  # noqa: F811
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "run.yaml").write_text(RUN)
+    (tmp_path / "cluster.yaml").write_text(CLUSTER)
+    done = mfr("submit", "run.yaml", "--cluster", "cluster.yaml", "--dry-run", "--set", "title=$HOME; a b")
+    assert done.status == 0 and all("title=$HOME; a b" in shlex.split(line) for line in done.out.splitlines())
