@@ -18,7 +18,7 @@ from mfr_bench.cluster.submission import FILE, Share, alone, planned, read_submi
 from mfr_bench.errors import StoreError, UsageError
 
 from ..cli.conftest import mfr  # noqa: F401
-from .test_local import CLUSTER, RUN
+from .test_local import CLUSTER, place  # noqa: F401
 
 TASK = asdict(Share("cpu", 1, 2, 4, "a"))
 RECORD = {"schema": 1, "engine": "local", "run": ["run.yaml"], "tasks": [TASK]}
@@ -90,17 +90,12 @@ def test_a_job_is_a_process_of_the_engine_and_no_other_of_its_number():
 
 
 @pytest.mark.parametrize("store", ['""', r'"s\0t"'])
-def test_a_store_that_no_folder_can_be_is_one_line(tmp_path, mfr, store, monkeypatch):  # noqa: F811
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "run.yaml").write_text(RUN)
-    (tmp_path / "cluster.yaml").write_text(CLUSTER.replace("store: store", f"store: {store}"))
+def test_a_store_that_no_folder_can_be_is_one_line(place, mfr, store):  # noqa: F811
+    (place / "cluster.yaml").write_text(CLUSTER.replace("store: store", f"store: {store}"))
     done = mfr("submit", "run.yaml", "--cluster", "cluster.yaml", "--dry-run")
     assert done.status == 2 and done.err.startswith("cluster.yaml: store: string should")
 
 
-def test_a_printed_command_is_quoted_for_a_shell(tmp_path, mfr, monkeypatch):  # noqa: F811
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "run.yaml").write_text(RUN)
-    (tmp_path / "cluster.yaml").write_text(CLUSTER)
+def test_a_printed_command_is_quoted_for_a_shell(place, mfr):  # noqa: F811
     done = mfr("submit", "run.yaml", "--cluster", "cluster.yaml", "--dry-run", "--set", "title=$HOME; a b")
     assert done.status == 0 and all("title=$HOME; a b" in shlex.split(line) for line in done.out.splitlines())
