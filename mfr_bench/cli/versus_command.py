@@ -24,7 +24,7 @@ from .output import note
 @click.option("--seconds", type=click.FloatRange(0, 3600, min_open=True), default=1.5, show_default=True,
               help="Time of a cell in a round, about.")
 @click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
-              help="Keep what was measured, as results in DIR/before and DIR/after.")
+              help="Keep what was measured, as results in DIR/before and DIR/after, which are not there yet.")
 @PROFILE
 @ONLY
 @SET
@@ -63,10 +63,12 @@ def versus(names: tuple[str, ...], against: str | None, threshold: float, rounds
     before, after, config = _named(names, against)
     ask = Ask(_config_path(config), profile, tuple(only.split(",")) if only else None, overrides, device,
               rounds, seconds)
-    with Interruption(device_here=True), ExitStack() as stack:
+    _hold_free(out)
+    with Interruption() as interruption, ExitStack() as stack:
         repository = Path(after) if against is not None and Path(after).is_dir() else Path()
         trees = tuple(stack.enter_context(tree(name, repository)) for name in (before, after))
-        measured = measure(trees, ask, lambda done, of: None if quiet else note(f"{done} of {of} visits to every cell"))
+        measured = measure(trees, ask, lambda done, of: None if quiet else note(f"{done} of {of} visits to every cell"),
+                           asked=interruption.asked)
         folder = Path(out) if out else Path(stack.enter_context(TemporaryDirectory()))
         found = judged(measured, (before, after), folder, threshold)
     if not found.verdicts:
@@ -82,6 +84,14 @@ def _named(names: tuple[str, ...], against: str | None) -> tuple[str, str, str]:
     if len(given) != 3:
         raise UsageError(f"versus: {' '.join(names)}: allowed: A B CONFIG, or B CONFIG --against A")
     return given
+
+
+def _hold_free(out: str | None) -> None:
+    """Raise UsageError where the folder has results of a comparison before this one, which would count for this one."""
+    for side in ("before", "after") if out else ():
+        if (Path(out) / side / "manifest.json").exists():
+            raise UsageError(f"--out {out}: has the results of another comparison; allowed: a folder without "
+                             "before/ and after/")
 
 
 def _config_path(reference: str) -> str:

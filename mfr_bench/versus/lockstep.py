@@ -73,8 +73,11 @@ def identity(told: Mapping[str, Any]) -> Identity:
 
 
 def measure(trees: tuple[Tree, Tree], ask: Ask, progress: Callable[[int, int], None] = lambda done, of: None,
-            seed: int = 0) -> Measured:
-    """Measure every cell that both trees have. Raises UsageError and DeviceError where a tree cannot begin."""
+            seed: int = 0, asked: Callable[[], bool] = lambda: False) -> Measured:
+    """Measure every cell that both trees have. Raises UsageError and DeviceError where a tree cannot begin.
+
+    Raises KeyboardInterrupt before the next cell once `asked` is true; both processes have ended then.
+    """
     found: Measured | None = None
     shuffle = random.Random(seed)  # noqa: S311 - an order, not a secret
     for number in range(ask.rounds):
@@ -82,7 +85,7 @@ def measure(trees: tuple[Tree, Tree], ask: Ask, progress: Callable[[int, int], N
             links = tuple(stack.enter_context(closing(Link(tree))) for tree in trees)
             opened = _opened(links, ask)
             found = found or _start(opened)
-            _round(links, opened, found, ask, number, shuffle, progress)
+            _round(links, opened, found, ask, number, shuffle, progress, asked)
     return found
 
 
@@ -105,7 +108,7 @@ def _start(opened: Sequence[Mapping[str, Any]]) -> Measured:
 
 
 def _round(links: Sequence[Link], opened: Sequence[Mapping[str, Any]], found: Measured, ask: Ask, number: int,
-           shuffle: random.Random, progress: Callable[[int, int], None]) -> None:
+           shuffle: random.Random, progress: Callable[[int, int], None], asked: Callable[[], bool]) -> None:
     """Visit each shared cell VISITS times; one that fails on a side stays out from then on."""
     places = [{identity(told): at for at, told in enumerate(answer["cells"])} for answer in opened]
     shared = [key for key in places[0] if key in places[1]]
@@ -114,6 +117,8 @@ def _round(links: Sequence[Link], opened: Sequence[Mapping[str, Any]], found: Me
             side[key].rounds_ms.append([])
     for visit in range(VISITS):
         for key in shared:
+            if asked():
+                raise KeyboardInterrupt
             halves = tuple(side[key] for side in found.halves)
             if all(half.status == "ok" for half in halves):
                 _cell(links, [place[key] for place in places], halves, ask, shuffle, check=not number and not visit)

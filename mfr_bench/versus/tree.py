@@ -45,6 +45,8 @@ def tree(name: str, repository: Path) -> Iterator[Tree]:
 
     Raises UsageError where it is neither, or holds neither this program nor a method.
     """
+    if not name:
+        raise UsageError("versus: '' is no folder and no revision; allowed: a source tree, or a commit, such as HEAD")
     if Path(name).is_dir():
         yield _checked(Tree(name, Path(name).resolve()))
         return

@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -112,3 +113,31 @@ def test_outside_a_repository_a_revision_is_no_folder(tmp_path):
     done = versus(tmp_path, "HEAD", ".", "smoke", *QUICK, GIT_CEILING_DIRECTORIES=str(tmp_path.parent))
     line, = done.stderr.splitlines()
     assert done.returncode == 2 and "is in no git repository" in line
+
+
+def test_ctrl_c_ends_it_at_the_next_cell_and_leaves_nothing_behind(repository):
+    command = [sys.executable, "-m", "mfr_bench", "versus", ".", "my-array.yaml", "--against", "HEAD", "--rounds", "50",
+               "--seconds", "0.1", "--set", "scene.size=[24,24]"]
+    with subprocess.Popen(command, cwd=repository, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          env=os.environ | {"PYTHONPATH": str(ROOT)}) as process:
+        first = process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        said = process.stderr.read()
+    assert first.startswith("1 of 200 visits") and process.returncode == 130
+    assert said.splitlines()[-1] == "interrupted" and len(said.splitlines()) < 10
+    listed = subprocess.run(["git", "worktree", "list"], cwd=repository, capture_output=True, text=True, check=True)
+    assert len(listed.stdout.splitlines()) == 1
+
+
+def test_a_folder_with_another_comparison_is_refused_before_anything_is_measured(tmp_path):
+    (tmp_path / "kept" / "after").mkdir(parents=True)
+    (tmp_path / "kept" / "after" / "manifest.json").write_text("{}")
+    done = versus(tmp_path, ROOT, ROOT, "smoke", "--out", "kept", *QUICK)
+    line, = done.stderr.splitlines()
+    assert done.returncode == 2 and "--out kept: has the results of another comparison" in line
+
+
+def test_an_empty_name_is_no_tree(tmp_path):
+    for arguments in (("", ".", "smoke"), (".", "smoke", "--against", "")):
+        line, = versus(tmp_path, *arguments, *QUICK).stderr.splitlines()
+        assert "'' is no folder and no revision" in line
