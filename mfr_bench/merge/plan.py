@@ -41,10 +41,26 @@ def merged_sets(folders: Sequence[ResultFolder], into: Path) -> tuple[list[Merge
     left_out, wrong = [], []
     for merged in sets:
         _settle(merged, left_out, wrong)
+    _refuse(wrong, "nothing was merged")
+    return sets, left_out
+
+
+def decide_again(merged: Merged) -> None:
+    """Decide a set anew, whose folder another process may have written to since. The caller has the folder's lock.
+
+    Raises UsageError where that contradicts what was to be written.
+    """
+    merged.sources = [Source.of(source.folder) for source in merged.sources if source.folder is not merged.folder]
+    merged.cells = {}
+    wrong: list[str] = []
+    _settle(merged, [], wrong)
+    _refuse(wrong, f"nothing was merged into {merged.folder.path}")
+
+
+def _refuse(wrong: Sequence[str], end: str) -> None:
     if wrong:
         more = [f"and {len(wrong) - SHOWN} more"] if len(wrong) > SHOWN else []
-        raise UsageError([*wrong[:SHOWN], *more, "nothing was merged"])
-    return sets, left_out
+        raise UsageError([*wrong[:SHOWN], *more, end])
 
 
 def _sets(sources: Iterable[Source], into: Path) -> list[Merged]:
@@ -72,7 +88,10 @@ def _settle(merged: Merged, left_out: list[str], wrong: list[str]) -> None:
     target = merged.folder
     if target.path.is_dir() and target.manifest() and target.path.resolve() not in {
             source.folder.path.resolve() for source in merged.sources}:
-        merged.sources.append(Source.of(target))
+        there, mine = Source.of(target), merged.sources[0]
+        if (there.slug, there.name) != (mine.slug, mine.name):
+            wrong.append(f"{target.path}: is the set {there.name} of {there.slug}, not {mine.name} of {mine.slug}")
+        merged.sources.append(there)
     found: dict[str, dict[str, Copy]] = {}
     for source in merged.sources:
         for copy in source.copies():

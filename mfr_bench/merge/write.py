@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..store.pack import remove, write_pack
-from .plan import Merged
+from .plan import Merged, decide_again
 
 DESIGN = ("scene", "params", "sweep", "zip", "methods", "measure")  # what makes one config of a name another
 
@@ -25,8 +25,11 @@ class Written:
 def write_set(merged: Merged) -> Written:
     """Write the cells, their originals and the manifest of a set. Raises StoreError; a merge again then goes on.
 
-    The caller has the folder's lock.
+    The caller has the folder's lock. What others wrote there before it had counts as well: UsageError where that
+    contradicts the set.
     """
+    if merged.folder.manifest():
+        decide_again(merged)
     folder, files = merged.folder, {}
     for key, cell in merged.cells.items():
         files[f"{key}.json"] = cell.content

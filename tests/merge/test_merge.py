@@ -190,3 +190,35 @@ def test_a_merge_that_was_cut_off_goes_on(tmp_path, three):
     shutil.rmtree(tmp_path / "all" / "cells")
     merge(tmp_path / "all", *three)
     assert content(tmp_path / "all") == content(tmp_path / "whole")
+
+
+def test_two_merges_at_once_lose_nothing(tmp_path):
+    """Both decide before either writes, as two processes do."""
+    one, other = folder(tmp_path / "n1", record("ab-array")), folder(tmp_path / "n2", record("ab-ll"), started="2027")
+    plans = [merged_sets([each], tmp_path / "all")[0][0] for each in (one, other)]
+    for plan in plans:
+        with plan.folder.lock():
+            write_set(plan)
+    manifest = ResultFolder(tmp_path / "all").manifest()
+    assert len(manifest["merged"]) == 2 and len(manifest["cells"]) == 2
+    assert len(ResultFolder(tmp_path / "all").cells()) == 2
+
+
+def test_a_contradiction_that_comes_meanwhile_is_refused(tmp_path):
+    one = folder(tmp_path / "n1", record("ab-array"))
+    other = folder(tmp_path / "n2", record("ab-array", values={"max_abs_error": 0.5}), started="2027")
+    plans = [merged_sets([each], tmp_path / "all")[0][0] for each in (one, other)]
+    write_set(plans[0])
+    before = content(tmp_path / "all")
+    with pytest.raises(UsageError, match="nothing was merged into"):
+        write_set(plans[1])
+    assert content(tmp_path / "all") == before
+
+
+def test_two_sets_are_never_written_into_one_folder(tmp_path):
+    one, other = folder(tmp_path / "n1", record("ab-array")), folder(tmp_path / "n2", record("ab-ll"), name="other")
+    plans = [merged_sets([each], tmp_path / "all")[0][0] for each in (one, other)]
+    write_set(plans[0])
+    with pytest.raises(UsageError, match="is the set planted of card-a, not other of card-a"):
+        write_set(plans[1])
+    assert ResultFolder(tmp_path / "all").manifest()["name"] == "planted"
