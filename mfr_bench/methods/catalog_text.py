@@ -8,16 +8,17 @@ from .spec import ALPHA_STEPS, LEAF_ROUNDINGS, Buffer, Method, Param, Target
 
 HEAD = """# The methods
 
-Every method that mfr-bench runs, from its own declaration (`mfr-bench methods --markdown` prints this page). Words are
+Every method that mfr-bench runs, taken from its declaration (`mfr-bench methods --markdown` prints this page). Words are
 32-bit words per pixel by the paper's formula; n is the most fragments of any pixel, f the fragments of a pixel, f_k at
 most k of them, F all fragments of the frame, P the pixels. In addition to the words, occupancy takes 3 words per
 pixel and one for every 32 intervals, backwards memory allocation one, a payload of two words one more per fragment;
 `touched: tiles` takes one per tile of 16x16 pixels and 8 per frame.
-Whether a device runs a method, `mfr-bench methods` says. By default loops over the k slots of a pixel are bounded
-by a uniform under a lock and by a constant elsewhere (`bound: auto`), and a resolve sorts up to 512 fragments by blocks
-in registers, more by shell sort (`sort: auto`): what was the fastest on llvmpipe; a GPU has not been asked. In what
-methods differ from their sources, what that is worth,
-and how they compare with independent implementations: docs/fairness.md.
+
+`mfr-bench methods` says whether a device runs a method. By default loops over the k slots of a pixel are bounded by a
+uniform under a lock and by a constant elsewhere (`bound: auto`), and a resolve sorts up to 512 fragments by blocks in
+registers, more by shell sort (`sort: auto`): this was the fastest on llvmpipe, and no GPU was measured.
+docs/fairness.md says how methods differ from their sources, what that is worth, and how they compare with independent
+implementations.
 """
 CONTENTS = ("The formula of a buffer counts 32-bit words; in it `capacity` is the number of fragments that there is "
             "room for. A target has the size of the viewport.")

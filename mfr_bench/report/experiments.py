@@ -11,13 +11,13 @@ from .data import figure_of, plain, short
 
 HEAD = """# The experiments
 
-Every experiment of the papers that mfr-bench runs, from its own config (`mfr-bench configs --markdown` prints this
+Every experiment of the papers that mfr-bench runs, taken from its config (`mfr-bench configs --markdown` prints this
 page). Sizes are those of the config, which are the paper's, and of its profile `smoke`, which ends in seconds on two
 CPU cores. Where a paper used a mesh that is not free, the scene is a stand-in of the same depth complexity and density.
-The numbers that the papers print are in `results/reference/`, and stand beside the measured ones in tables and figures.
+The numbers that the papers print are in `results/reference/`, and are shown with the measured ones in tables and figures.
 
-`mfr-bench run NAME` runs one, `mfr-bench run configs/ --profile smoke` runs all of them; `mfr-bench claims results`
-tells which of the papers' sentences hold.
+`mfr-bench run NAME` runs one of them, `make papers` or `mfr-bench run $(mfr-bench configs --papers)` all. Then
+`mfr-bench claims results` says which of the papers' sentences hold.
 """
 READINGS = "Where a paper leaves a setting open, this is how it is read; the small print of the figures says the same."
 COLUMNS = ("config", "source", "shows", "scene", "full size", "smoke")

@@ -22,29 +22,29 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
 }
 HEAD = """# Fair to every method
 
-`mfr-bench methods --fairness` prints this page from the tables in `results/peers`; a test holds it to them.
+`mfr-bench methods --fairness` prints this page from the tables in `results/peers`; a test compares the two.
 
-## Beside independent implementations
+## Compared with independent implementations
 
 The public code of others and the methods here drew the same quads in one process, frame by frame in turns, in random
 order. Times are CPU times of a frame in all threads of the process, medians of 9 rounds; a ratio is ours over theirs,
 paired within rounds, with the 95 % interval of its median by the bootstrap. The images were compared first: they
-differ by what colours of 8 bits premultiplied round away, at most 0.0024. Their shaders were taken as they are, but
-for what binds them: rectangle textures became plain ones, and colours and depths come from the quads. Nothing of them
-is part of this project. The device is llvmpipe, where the fragments of a pixel come one by one: what a GPU's contention
-costs is not in these numbers, and no GPU has been asked.
+differ by at most 0.0024, the rounding of premultiplied 8-bit colours. Their shaders were used unchanged, except for what
+connects them: rectangle textures became plain ones, and colours and depths come from the quads. None of that code is
+part of this project. The device is llvmpipe, where the fragments of a pixel come one by one: what contention costs on a
+GPU is not in these numbers, and nothing was measured on a GPU.
 """
 REASONS = """Why a ratio lies outside 0.85 to 1.15:
 """
 OPEN = """Not compared yet: the A-buffers' stores alone, the S-buffer, LL-Paged and the peeling methods of the authors'
 renderer; registers and backwards memory allocation of pknowles/oit; the sample of nvpro-samples, which converts
-colours to sRGB and back for each fragment; Lefebvre's lists and hash tables, whose code could not be had; MBOIT, WBOIT
-and HT of PixelSyncOIT. And everything on a GPU.
+colours to sRGB and back for each fragment; Lefebvre's lists and hash tables, whose code is not available; MBOIT, WBOIT
+and HT of PixelSyncOIT; and everything on a GPU.
 """
 DIFFERENCES = """## Where methods differ from their sources, and what that is worth
 
-A worth is a ratio of CPU times of a frame on llvmpipe, 256×256 pixels, all of them covered: the way here over that of
-the source, or as it says.
+Worth is a ratio of CPU times of a frame on llvmpipe, 256×256 pixels, all of them covered: the way here over that of
+the source, unless the row says otherwise.
 """
 
 

@@ -10,10 +10,10 @@ from .status import STATUSES
 
 HEAD = f"""# Result folders
 
-What stands in a folder that `mfr-bench run` wrote (`mfr-bench table --columns` prints this page). An empty field was
+What is in a folder that `mfr-bench run` wrote (`mfr-bench table --columns` prints this page). An empty field was
 not measured; it is never 0.
 
-The format has schema {SCHEMA}, which every cell file and manifest says. A file of a later schema is left in place and
+The format has schema {SCHEMA}, which every cell file and manifest states. A file of a later schema is left in place and
 not used, and a run into its folder is refused. The history of the format:
 """
 
@@ -25,7 +25,7 @@ FILES = """
 | `manifest.json` | the config, the device, versions, calibration, the planned cells in order, where the time went |
 | `cells/<key>.json` | one measured cell, every raw sample included; written whole, renamed into place |
 | `cells/<key>.npz` | the arrays that the cell keeps, where `measure.keep` asks for them |
-| `cells.zip` | both, packed by `mfr-bench pack`; a file in cells/ counts before the one of its name in the pack |
+| `cells.zip` | both, packed by `mfr-bench pack`; a file in cells/ takes precedence over the one of its name in the pack |
 | `replicates/<key>.<hash>.json` | records of one cell that equal devices gave, where `mfr-bench merge` joined them |
 | `unfinished.jsonl` | samples of cells that a killed run did not finish, a line per batch; gone when they are |
 | `results.csv` | a row per cell: every cell in the folder |
