@@ -13,7 +13,7 @@ class MfrError(Exception):
 
 
 class UsageError(MfrError):
-    """The command or the config is wrong. `lines` holds one complete message per mistake."""
+    """The command or the config is wrong. `lines` has one complete message per mistake."""
 
     exit_status = 2
 

@@ -107,7 +107,7 @@ def gain(percent: float) -> Bound:
 
 @dataclass(frozen=True)
 class Evidence:
-    """One measured value against its bound. `at` holds the coordinates, `reason` why it is not decided."""
+    """One measured value against its bound. `at` has the coordinates, `reason` says why it is not decided."""
 
     what: str
     at: Mapping[str, Any]

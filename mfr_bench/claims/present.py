@@ -1,4 +1,4 @@
-"""Verdicts as text for a terminal, Markdown, CSV and JSON. Each holds the rule beside what was measured."""
+"""Verdicts as text for a terminal, Markdown, CSV and JSON. Each shows the rule with what was measured."""
 
 from __future__ import annotations
 

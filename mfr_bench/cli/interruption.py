@@ -10,7 +10,7 @@ from .output import note
 
 
 class Interruption:
-    """Within this, Ctrl-C is a wish: `asked()` turns true, and the work stops where it can.
+    """Within this, Ctrl-C is a request: `asked()` turns true, and the work stops where it can.
 
     An exception in the midst of moderngl's C code would be lost, or end the process with a crash. A second Ctrl-C is
     raised at once where another process has the device; with `device_here`, where nothing is kept that it could

@@ -44,7 +44,7 @@ def new_method(name: str, out: str | None) -> None:
 @DEVICE
 @OUTSIDE
 def check(method_id: str, no_race: bool, device: str) -> int:
-    """Hold METHOD to the contract that every method keeps.
+    """Check METHOD against the contract that every method keeps.
 
     Its declaration and shaders are looked at; every variant is drawn on flat, empty, sparse, sorted, scattered, opaque
     and slanted scenes and compared with the float64 oracle; memory, losses and writes outside buffers are checked; and

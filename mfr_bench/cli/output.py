@@ -47,7 +47,7 @@ def say(text: object) -> None:
 
 
 def note(text: object) -> None:
-    """Print on stderr, for whoever may be watching: that it cannot be written stops nothing.
+    """Print on stderr, for whoever may be watching; a failure to write it stops nothing.
 
     A line stays one, but on a terminal that is too narrow for it.
     """

@@ -11,7 +11,7 @@ from .output import note, say
 
 
 def write_page_of(folders, out: str, tell) -> None:
-    """Write the page of these results, and tell where it is."""
+    """Write the page of these results, and print where it is."""
     from ..page import write_page
 
     write_page(folders, Path(out))

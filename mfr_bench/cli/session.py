@@ -44,7 +44,7 @@ def result_folders(plans, out: str | None, slug: str):
 
 
 def sources(plans, folders, choices: Choices):
-    """The result folders beside those of a run, whose cells may be the same; none beside a DIR for one experiment."""
+    """The result folders next to those of a run, whose cells may be the same; none next to a DIR for one experiment."""
     from ..run.ledger import relatives
 
     beside = choices.out is None or len(plans) > 1
@@ -130,7 +130,7 @@ class Session:
         return parts
 
     def _measure(self, parts: Sequence[Part], ledger) -> None:
-        """Measure what is pending, then tell of each experiment."""
+        """Measure what is pending, then report each experiment."""
         from ..errors import DeviceError, Interrupted
         from ..plan.budget import TimeBudget
         from ..plan.forecast import Rates

@@ -45,7 +45,7 @@ def stressors() -> dict[str, Path]:
 def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: str | None,
            overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
            budget_s: float | None, dry_run: bool, quiet: bool, listed: bool) -> int:
-    """Tell the first level of stress at which each method breaks.
+    """Find the first level of stress at which each method breaks.
 
     NAME is a stressor of --list; without any, all of them. Each is a config, whose levels go from mild to harsh. A
     method breaks where its image is beyond the promise, where it loses fragments, crashes, hangs, or is refused.

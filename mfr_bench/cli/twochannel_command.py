@@ -22,7 +22,7 @@ MOST_PIXELS = 2**25
               help="Write each picture beside what comes back of it, as PNG, into this folder.")
 @JSON
 def twochannel(images: tuple[str, ...], out: str | None, as_json: bool) -> None:
-    """Encode pictures in two channels, and tell what that loses.
+    """Encode pictures in two channels, and report what that loses.
 
     IMAGE is a file, or grass, rock or sand: materials that are made here. The plane of hues is fitted to each picture,
     and two bytes of each texel are kept: luminance, and a blend of two base colours (gpupro5_ch2).

@@ -32,7 +32,7 @@ class Frames:
     """The frames of many cells, each with its logarithmic distance from the median of its cell."""
 
     def __init__(self, cells: Iterable[Sequence[float]]):
-        """From the samples of the cells, in ms. Cells of one sample tell nothing."""
+        """From the samples of the cells, in ms. Cells of one sample contribute nothing."""
         usable = [samples for samples in cells if len(samples) > 1 and min(samples) > 0]
         counts = np.array([len(samples) for samples in usable], dtype=np.int64)
         medians_ms = np.repeat([median(samples) for samples in usable], counts)
@@ -65,7 +65,7 @@ class Frames:
         return _at(near, SLOWEST) if near.size else 0.0
 
     def _near(self, time_ms: float) -> np.ndarray:
-        """Distances of the frames that tell of such a time, ascending."""
+        """Distances of the frames of about such a time, ascending."""
         shorter = np.searchsorted(self._medians_ms, AS_LONG * time_ms)
         return self._distances[self._number >= min(shorter, max(0, self._distances.size - FRAMES_LEAST))]
 

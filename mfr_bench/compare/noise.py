@@ -1,4 +1,4 @@
-"""Estimates how far two runs of the same thing are apart: more than the intervals within each tell.
+"""Estimates how far two runs of the same thing are apart: more than the intervals within each suggest.
 
 A run's clock, its load and the places of its buffers in memory are drawn anew with each run, and no number of frames
 within one run averages over them. What is common to all methods of a scene is taken out; what is left between the

@@ -1,4 +1,4 @@
-"""A config as frozen values; the annotations are the rules that `check` holds them to."""
+"""A config as frozen values; the annotations are the rules by which `check` checks them."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ class Source(_Plain):
 
 @dataclass(frozen=True)
 class MethodEntry:
-    """A line of `methods:`. `params` holds only what the entry itself fixes."""
+    """A line of `methods:`. `params` has only what the entry itself fixes."""
 
     id: str
     label: str

@@ -90,7 +90,7 @@ def variant_of(method: Method) -> Variant:
 
 
 def broken(device, variant: Variant, config: SceneConfig, untold: int = 0) -> list[str]:
-    """The buffers behind which two frames have written; the method knows of `untold` fragments less per pixel."""
+    """The buffers behind which two frames have written; the method expects `untold` fragments fewer per pixel."""
     scene = generate(config)
     quads, canvas = SceneBuffer(device, scene), Canvas(device, config.size)
     stats = true_stats(device, quads, canvas)

@@ -13,8 +13,8 @@ from typing import Any, Literal
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect. needs: what it reads of a fragment beside depth and colour. ordered: whether it tells fragments of
-    one depth apart by their order. measures: whether it takes differences of depth as distances.
+    """An effect. needs: what it reads of a fragment in addition to depth and colour. ordered: whether it distinguishes
+    fragments of one depth by their order. measures: whether it takes differences of depth as distances.
     """
 
     what: str

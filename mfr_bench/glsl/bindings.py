@@ -84,7 +84,7 @@ def colour_refs(variant: Variant, step: Pass) -> list[str]:
 
 
 def length_name(buffer: str) -> str:
-    """The uniform that holds the elements of a buffer.
+    """The uniform with the number of elements of a buffer.
 
     Mesa 26 gets `.length()` of a storage block wrong in some lanes behind a divergent loop; docs/drivers.md.
     """

@@ -65,7 +65,7 @@ ivec3 reads(ivec3 at, uint words, uint holds) {{ count_work({words_read}u, words
 
 @dataclass(frozen=True)
 class Stored:
-    """A buffer's elements, or a texture's texels: their words, and whether each holds a fragment."""
+    """A buffer's elements, or a texture's texels: their words, and whether each stores a fragment."""
 
     words: int
     holds: bool = False

@@ -106,7 +106,7 @@ def _buffer_block(buffer: Buffer, bound: Binding, readonly: bool) -> str:
 
 
 def _said(declaration: str, resource: Buffer | Target | None) -> str:
-    """The declaration with what the resource contains as a comment beside it."""
+    """The declaration with what the resource contains as a comment behind it."""
     return f"{declaration}  // {resource.doc}" if resource and resource.doc else declaration
 
 

@@ -67,7 +67,7 @@ class Frame:
         device.check(f"{self.variant.method.id}: allocation")
 
     def _compiles_now(self, step: Pass) -> bool:
-        """Whether to compile a pass before the first frame; what a plan or a probe may need, is when it is needed."""
+        """Whether to compile a pass before the first frame; what a plan or a probe may need is compiled when needed."""
         return self.fitted.needed(step) and not step.probes and step.runs_in is None
 
     def _write_uniforms(self) -> None:

@@ -56,7 +56,7 @@ class FrameResources(Protocol):
 
 
 def _around(left: int, bottom: int, columns: int, rows: int, width: int, height: int) -> list[tuple[int, ...]]:
-    """The rectangles, left bottom width height, that are left of a viewport beside the one within it."""
+    """The rectangles, left bottom width height, that cover a viewport except for the one within it."""
     top = bottom + rows
     beside = [(0, 0, width, bottom), (0, top, width, height - top), (0, bottom, left, rows),
               (left + columns, bottom, width - left - columns, rows)]

@@ -132,7 +132,7 @@ class RawGL:
         self.glClearBufferSubData(COPY_WRITE_BUFFER, FORMATS["r32ui"], 0, size, RED_INTEGER, UNSIGNED_INT, None)
 
     def device_uuid(self) -> bytes:
-        """16 bytes, zero where the driver does not tell them."""
+        """16 bytes, zero where the driver does not report them."""
         raw = (BOOL * 16)()
         if self.glGetUnsignedBytei_vEXT:
             self.glGetUnsignedBytei_vEXT(DEVICE_UUID, 0, raw)

@@ -1,4 +1,4 @@
-"""Whether a device and its timer are at the end of a run what they were at its start."""
+"""Compares a device and its timer at the end of a run with what they were at its start."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The records that a result folder brings to a merge, each held to the key that names it."""
+"""The records that a result folder brings to a merge, each checked against the key that names it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One cell measured by several equal devices: samples that are told equal are added up, others are kept apart."""
+"""One cell measured by several equal devices: samples that are equivalent are added up, others are kept apart."""
 
 from __future__ import annotations
 

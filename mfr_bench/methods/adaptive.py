@@ -130,7 +130,7 @@ def _cut(plan: Plan) -> bool:
 
 
 def _classed(plan: Plan) -> bool:
-    """Whether pixels are told apart by their number of fragments."""
+    """Whether pixels are classified by their number of fragments."""
     return plan.cut_off or (plan.path == RANGES and plan.known.layers > UNCLASSED)
 
 
@@ -154,7 +154,7 @@ def _ranged(plan: Plan) -> bool:
 
 
 def _classed_by_counter(plan: Plan) -> bool:
-    """Whether they are told apart after the store, for nothing was counted before."""
+    """Whether they are classified after the store, because nothing was counted before."""
     return plan.path == DENSE and plan.cut_off
 
 

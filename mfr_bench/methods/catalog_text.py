@@ -1,4 +1,4 @@
-"""The catalog as Markdown: docs/methods.md, which a test holds to the declarations."""
+"""The catalog as Markdown: docs/methods.md, which a test compares with the declarations."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from .spec import ALPHA_STEPS, LEAF_ROUNDINGS, Buffer, Method, Param, Target
 
 HEAD = """# The methods
 
-Every method that mfr-bench runs, taken from its declaration (`mfr-bench methods --markdown` prints this page). Words are
-32-bit words per pixel by the paper's formula; n is the most fragments of any pixel, f the fragments of a pixel, f_k at
-most k of them, F all fragments of the frame, P the pixels. In addition to the words, occupancy takes 3 words per
+Every method that mfr-bench runs, taken from its declaration (`mfr-bench methods --markdown` prints this page). Words
+are 32-bit words per pixel by the paper's formula; n is the most fragments of any pixel, f the fragments of a pixel, f_k
+at most k of them, F all fragments of the frame, P the pixels. In addition to the words, occupancy takes 3 words per
 pixel and one for every 32 intervals, backwards memory allocation one, a payload of two words one more per fragment;
 `touched: tiles` takes one per tile of 16x16 pixels and 8 per frame.
 

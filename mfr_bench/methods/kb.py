@@ -70,7 +70,7 @@ HAZARD = "fragments of a pixel in flight at once lose each other's changes: frag
 
 
 def only(where: When, *steps: Pass) -> tuple[Pass, ...]:
-    """The passes, which run where this condition holds as well."""
+    """The passes, which run only if this condition holds as well."""
     return tuple(replace(step, when=where & step.when if step.when else where) for step in steps)
 
 

@@ -15,7 +15,7 @@ BASES_BYTES = 24  # of two colours in 32-bit floats
 
 @dataclass(frozen=True)
 class Encoded:
-    """A picture beside what comes back of it: uint8 (H, W, 3), row 0 at the top, both.
+    """A picture and its decoded form: uint8 (H, W, 3), row 0 at the top, both.
 
     clipped: share of the pixels that come back brighter than a screen shows.
     """

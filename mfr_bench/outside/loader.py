@@ -117,7 +117,7 @@ def _hidden_shaders(shaders: Path) -> Iterator[str]:
 
 
 def _troubles(method: Method) -> Iterator[str]:
-    """The faults that keep a method from being measured: functions of its own, missing shaders, formulas."""
+    """The reasons why a method cannot be measured: functions of its own, missing shaders, formulas."""
     try:
         pickle.dumps(method)
         foreign = _foreign_functions(method)

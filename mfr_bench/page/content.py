@@ -98,7 +98,7 @@ class Experiment:
 
 
 def without_paths(text: Any) -> str:
-    """The text with absolute paths replaced, since they tell of users and machines."""
+    """The text with absolute paths replaced, since they reveal users and machines."""
     return ANYWHERE.sub("(path)", " ".join(str(text).split()))
 
 

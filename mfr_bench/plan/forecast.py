@@ -107,7 +107,7 @@ class Forecast:
             self.learn(row)
 
     def learn(self, row: Mapping[str, Any]) -> None:
-        """Take in the record of a cell; one that has no time foretells nothing."""
+        """Take in the record of a cell; one that has no time predicts nothing."""
         if frame := _measured(row):
             self._exact[_identity(row["method"], row["params"], row["scene"])] = frame
             self._of_method[row["method"]].append(

@@ -94,6 +94,6 @@ class TimeLeft:
 
     @property
     def share(self) -> float:
-        """The part of the time that was foretold at the start which is over, by the cells that are done."""
+        """The share of the time forecast at the start that is over, by the cells that are done."""
         whole_s = sum(self._first_s.values())
         return 1 - sum(self._first_s[key] for key in self._left) / whole_s if whole_s else 1.0

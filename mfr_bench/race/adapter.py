@@ -44,7 +44,7 @@ class FramePass:
 
     @property
     def own(self) -> StageSource:
-        """The stage that holds the method's code: fragment or compute."""
+        """The stage with the method's code: fragment or compute."""
         return self.sources[-1]
 
     @property

@@ -231,7 +231,7 @@ class _Translator(Values):
 
 
 def _jumps(s, word: str, nested: bool = True) -> bool:
-    """Whether a statement holds such a jump; unless `nested`, not counting those inside loops in it."""
+    """Whether a statement contains such a jump; unless `nested`, not counting those inside loops in it."""
     match s:
         case Jump():
             return s.word == word

@@ -84,7 +84,7 @@ def jobs(methods: Iterable[Method], counts: Sequence[int], how: How, scenes: int
 
 
 def sweep(wanted: Sequence[Job], folder: Path, at_once: int | None = None) -> Iterator[Line]:
-    """The line of each job, in order, as they come; those that the folder's table holds are not run again.
+    """The line of each job, in order, as they come; those that the folder's table has are not run again.
 
     at_once: jobs that run side by side, one for each core unless said otherwise. The table is written anew with each
     line. Raises StoreError where it cannot be read or written.
@@ -110,7 +110,7 @@ def cores() -> int:
 
 
 def _line(job: Job, known: Mapping[tuple[object, ...], Line]) -> Line:
-    """The line of a job, from the table if it holds as many schedules as are wanted."""
+    """The line of a job, from the table if that has as many schedules as are wanted."""
     try:
         code = build(Checker(job.variant, row_of(job.counts)).frame).key
         before = known.get(_told(job, code=code).identity)

@@ -27,7 +27,7 @@ _EXTENSION = re.compile(r"^\s*#\s*(?:extension\s+(?P<name>\w+).*|version\s+(?P<v
 
 
 def _lines_told_again(text: str) -> str:
-    """The text with its line number after each branch: a preprocessor does not read `#line` in one that it skips."""
+    """The text with its line number after each branch: a preprocessor reads no `#line` in a branch that it skips."""
     lines, number = [], 0
     for line in text.splitlines():
         marker = _LINE.match(line)

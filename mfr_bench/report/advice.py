@@ -106,7 +106,7 @@ class Advice:
 
     @property
     def sure(self) -> bool | None:
-        """Whether the fastest is told apart from every other; None where no other keeps the limits."""
+        """Whether the fastest is surely faster than every other; None if no other keeps the limits."""
         return not self.rivals if len(self.kept) > 1 else None
 
 

@@ -1,4 +1,4 @@
-"""The experiments as Markdown: docs/experiments.md, which a test holds to the configs."""
+"""The experiments as Markdown: docs/experiments.md, which a test compares with the configs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ HEAD = """# The experiments
 Every experiment of the papers that mfr-bench runs, taken from its config (`mfr-bench configs --markdown` prints this
 page). Sizes are those of the config, which are the paper's, and of its profile `smoke`, which ends in seconds on two
 CPU cores. Where a paper used a mesh that is not free, the scene is a stand-in of the same depth complexity and density.
-The numbers that the papers print are in `results/reference/`, and are shown with the measured ones in tables and figures.
+The numbers that the papers print are in `results/reference/`; tables and figures show them with the measured ones.
 
 `mfr-bench run NAME` runs one of them, `make papers` or `mfr-bench run $(mfr-bench configs --papers)` all. Then
 `mfr-bench claims results` says which of the papers' sentences hold.

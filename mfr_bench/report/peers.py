@@ -1,4 +1,4 @@
-"""docs/fairness.md: the methods beside independent implementations, and what differences from their sources are worth.
+"""docs/fairness.md: methods compared with independent implementations, and what differences from sources are worth.
 
 The numbers are in results/peers: `measured.csv` has a row per comparison, `reasons.csv` says of a method and an
 implementation why their times differ, and `differences.csv` what a difference from the source is worth.
@@ -29,10 +29,10 @@ HEAD = """# Fair to every method
 The public code of others and the methods here drew the same quads in one process, frame by frame in turns, in random
 order. Times are CPU times of a frame in all threads of the process, medians of 9 rounds; a ratio is ours over theirs,
 paired within rounds, with the 95 % interval of its median by the bootstrap. The images were compared first: they
-differ by at most 0.0024, the rounding of premultiplied 8-bit colours. Their shaders were used unchanged, except for what
-connects them: rectangle textures became plain ones, and colours and depths come from the quads. None of that code is
-part of this project. The device is llvmpipe, where the fragments of a pixel come one by one: what contention costs on a
-GPU is not in these numbers, and nothing was measured on a GPU.
+differ by at most 0.0024, the rounding of premultiplied 8-bit colours. The others' shaders were used unchanged, except
+for what connects them: rectangle textures became plain ones, and colours and depths come from the quads. None of that
+code is part of this project. The device is llvmpipe, where the fragments of a pixel come one by one: what contention
+costs on a GPU is not in these numbers, and nothing was measured on a GPU.
 """
 REASONS = """Why a ratio lies outside 0.85 to 1.15:
 """

@@ -1,4 +1,4 @@
-"""The papers' printed numbers beside the measured ones.
+"""The papers' printed numbers, matched with the measured ones.
 
 A config names the quantities of results/reference that belong beside it in `source.prints`. What a quantity is here is
 a measure of a cell; a quantity without one (a speed-up, a peak) is a claim's, and is only quoted.

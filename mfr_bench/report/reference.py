@@ -1,4 +1,4 @@
-"""The numbers that the papers print, as results/reference holds them: one CSV file per paper, a row per number."""
+"""The numbers that the papers print, as results/reference has them: one CSV file per paper, a row per number."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Bench:
 
 
 class Phases:
-    """Reports which phase of its measurement a cell is in; the supervisor holds each to the limit of its kind."""
+    """Reports which phase of its measurement a cell is in; the supervisor limits each by its kind."""
 
     def __init__(self, bench: Bench, key: str):
         self._bench, self._key, self._now = bench, key, ""

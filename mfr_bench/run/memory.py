@@ -12,7 +12,7 @@ GROUP = Path("/sys/fs/cgroup")
 
 
 def resident_bytes(pid: int) -> int:
-    """Memory that a process holds; 0 where it is gone."""
+    """Memory that a process uses; 0 if it is gone."""
     with suppress(OSError, ValueError, IndexError):
         return PAGE_BYTES * int(Path(f"/proc/{pid}/statm").read_text().split()[1])
     return 0

@@ -63,7 +63,7 @@ class Worker:
         return event
 
     def resident_bytes(self) -> int:
-        """Main memory that it holds now."""
+        """Main memory that it uses now."""
         self._held = resident_bytes(self.process.pid)
         return self._held
 

@@ -43,7 +43,7 @@ def depth_bounds_of(position: np.ndarray) -> tuple[float, float]:
 
 
 def most_over(rects: np.ndarray, viewport: tuple[int, int]) -> int:
-    """No pixel lies in more of the rectangles, which are int (n, 4), x0 y0 x1 y1, half-open, within the viewport.
+    """A bound on how many of the rectangles (int (n, 4), x0 y0 x1 y1, half-open, within the viewport) share a pixel.
 
     They are counted in squares of CELL pixels: two that meet in a square count twice though they may not overlap.
     """

@@ -68,7 +68,7 @@ class Stored:
     allowed: str = ""
 
     def fault(self, values: np.ndarray, count: int, viewport: tuple[int, int]) -> str | None:
-        """The fault of the array, to stand after its name; None: none."""
+        """What is wrong with the array, in words that follow its name; None if nothing is."""
         shape = (count, self.width) if self.width else (count,)
         if values.dtype.name not in self.types or values.shape != shape:
             return f"is {values.dtype} {values.shape}; allowed: {self.types[0]} {shape}"

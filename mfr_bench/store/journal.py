@@ -131,7 +131,7 @@ def _text(line: Mapping[str, Any]) -> bytes:
 
 
 def _is_line(line: Any) -> bool:
-    """Whether it is a batch that can be used, or tells that a cell is done."""
+    """Whether it is a usable batch, or says that a cell is done."""
     if not (isinstance(line, dict) and isinstance(line.get("key"), str)):
         return False
     return "done" in line or (

@@ -25,7 +25,7 @@ FILES = """
 | `manifest.json` | the config, the device, versions, calibration, the planned cells in order, where the time went |
 | `cells/<key>.json` | one measured cell, every raw sample included; written whole, renamed into place |
 | `cells/<key>.npz` | the arrays that the cell keeps, where `measure.keep` asks for them |
-| `cells.zip` | both, packed by `mfr-bench pack`; a file in cells/ takes precedence over the one of its name in the pack |
+| `cells.zip` | both, packed by `mfr-bench pack`; a file in cells/ is used before the one of its name in the pack |
 | `replicates/<key>.<hash>.json` | records of one cell that equal devices gave, where `mfr-bench merge` joined them |
 | `unfinished.jsonl` | samples of cells that a killed run did not finish, a line per batch; gone when they are |
 | `results.csv` | a row per cell: every cell in the folder |

@@ -1,4 +1,4 @@
-"""The record of a cell: its key, its JSON text, and what keeps a text from being a record that can be used."""
+"""The record of a cell: its key, its JSON text, and what keeps a text from being a usable record."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ KEY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.json")
 
 
 def is_cell_file(name: str) -> bool:
-    """Whether a file of this name holds a cell or its arrays."""
+    """Whether a file of this name contains a cell or its arrays."""
     return bool(KEY_FILE.fullmatch(name) or ARRAY_FILE.fullmatch(name))
 
 
@@ -93,7 +93,7 @@ def _refuse_constant(name: str) -> None:
 
 
 def parsed(content: bytes) -> Any:
-    """The JSON value in a file's content. Raises ValueError where it holds none."""
+    """The JSON value in a file's content. Raises ValueError if it has none."""
     try:
         value = json.loads(content.decode(), parse_constant=_refuse_constant)
         if b"\\ud" in content.lower():
@@ -104,7 +104,7 @@ def parsed(content: bytes) -> Any:
 
 
 def read(path: Path) -> Any:
-    """The JSON value in `path`. Raises ValueError where it holds none, OSError where it cannot be read."""
+    """The JSON value in `path`. Raises ValueError if it has none, OSError if it cannot be read."""
     return parsed(path.read_bytes())
 
 
@@ -151,7 +151,7 @@ def _fits(column: Column, value: Any) -> bool:
 
 
 def fault(cell: Any) -> str | None:
-    """The fault that keeps `cell` from being a cell record of this schema, or None."""
+    """Why `cell` is not a valid cell record of this schema, in words; None if it is."""
     if not isinstance(cell, dict):
         return "not a cell record"
     for name, kind in REQUIRED.items():
@@ -166,7 +166,7 @@ def fault(cell: Any) -> str | None:
 
 
 def _wrong_values(cell: Cell) -> str | None:
-    """The fault that keeps a cell's values from being those of their columns, or None."""
+    """What is wrong with a cell's values by the types of their columns, or None."""
     wrong = [column for name, column in columns.VALUES.items() if not _fits(column, cell["values"].get(name))]
     if wrong:
         return f"values.{wrong[0].name}: not of type {wrong[0].type}, or negative"
@@ -176,7 +176,7 @@ def _wrong_values(cell: Cell) -> str | None:
 
 
 def _wrong_parts(cell: Cell) -> str | None:
-    """The fault of a cell's parameters, place or other parts, or None."""
+    """What is wrong with a cell's parameters, place or other parts, or None."""
     params, point = cell["params"], cell["point"]
     wrong = [f"params.{name}" for name, value in params.items()
              if not isinstance(value, (str, bool)) and not is_number(value)]
@@ -201,7 +201,7 @@ def _wrong_parts(cell: Cell) -> str | None:
 
 
 def _wrong_lists(cell: Cell) -> str | None:
-    """The fault of a cell's measurements, passes or frames, or None."""
+    """What is wrong with a cell's measurements, passes or frames, or None."""
     if not all(is_samples(cell.get(name) or []) for name in ("warmup_ms", "samples_ms")):
         return "samples: not a list of numbers"
     passes, frames = cell.get("passes") or {}, cell.get("frames") or []

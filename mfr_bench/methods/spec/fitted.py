@@ -1,4 +1,4 @@
-"""A variant bound to the statistics of its scene: whatever depends on both is answered here, without an argument more.
+"""A variant bound to the statistics of its scene: whatever depends on both is answered here.
 
 Allocation, tables and tests ask for bytes here, so that what is printed is what is allocated.
 """
@@ -123,7 +123,7 @@ class Fitted:
         return buffers | targets
 
     def block_bytes(self, buffer: Buffer, capacity: int | None = None) -> int:
-        """Bytes of one copy of a buffer; an empty one still holds one element."""
+        """Bytes of one copy of a buffer; an empty one still has one element."""
         room = self.capacity() if capacity is None else capacity
         words = int(evaluate(buffer.words, self.stats, {**self._values, "capacity": room}))
         elements = max(1, words // buffer.element_words)

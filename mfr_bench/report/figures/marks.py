@@ -1,4 +1,4 @@
-"""Marks beside what was measured: the paper's printed numbers."""
+"""Marks in a figure of measurements: the paper's printed numbers."""
 
 from __future__ import annotations
 

@@ -75,7 +75,7 @@ def _pdf(figure: Figure, look: Look, path: Path) -> None:
 
 
 def _pgf(figure: Figure, look: Look, path: Path) -> None:
-    """For \\input: texts are set in the document's font. Images within the figure stand beside the file.
+    """For \\input: texts are set in the document's font. Images within the figure are files next to it.
 
     matplotlib's own backend asks a LaTeX installation for the size of each text; here the figure's font tells it.
     """

@@ -38,7 +38,7 @@ def ratio_field(point: Point) -> str:
 
 
 def ratio_text(point: Point, ratio: data.Interval) -> str:
-    """A ratio of times; one that noise alone may make is not told apart from 1, and shows its interval."""
+    """A ratio of times; one that noise alone may cause counts as 1, and shows its interval."""
     if None in ratio or point.apart(ratio) or point.method == FLOOR:
         return f"{number(ratio[1])} {spread(ratio)}"
     low, middle, high = map(number, ratio)

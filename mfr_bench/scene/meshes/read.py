@@ -1,4 +1,4 @@
-"""One function for every mesh format: reads a file, and holds it to what a scene needs."""
+"""One function for every mesh format: reads a file, and checks that it has what a scene needs."""
 
 from __future__ import annotations
 

@@ -149,7 +149,7 @@ def _field(seen: np.ndarray, near: float, size: tuple[int, int],
 
 
 def _around(half: tuple[float, float] | np.ndarray, size: tuple[int, int]) -> tuple[float, float]:
-    """Half the sides of the smallest rectangle of the viewport's shape that holds one of half sides `half`."""
+    """Half the sides of the smallest rectangle of the viewport's shape that contains one of half sides `half`."""
     scale = MARGIN * max(float(half[0]) / size[0], float(half[1]) / size[1]) or 1.0
     return scale * size[0], scale * size[1]
 

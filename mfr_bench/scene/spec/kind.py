@@ -21,7 +21,7 @@ Fault = tuple[tuple[str, ...], str]  # the keys that decide it, and what is wron
 
 
 def late(default: Any) -> Any:
-    """A key that older records lack: while it has its default a record leaves it out, so that they stay valid."""
+    """A key that older records lack: a record leaves it out while it has its default, so that those stay valid."""
     return field(default=default, metadata={LATE: True})
 
 

@@ -61,7 +61,7 @@ def plain(value: Any) -> Any:
 
 
 def told(value: Any) -> Any:
-    """A value of an axis as a record holds it: a section of a config, such as a view, as text of the keys it gives."""
+    """A value of an axis as a record stores it: a section of a config, such as a view, as text of the keys it gives."""
     if is_dataclass(value):
         given = [(key.name, found) for key in fields(value) if (found := getattr(value, key.name)) != key.default]
         return ", ".join(f"{name} {_text(found)}" for name, found in given) or "default"
