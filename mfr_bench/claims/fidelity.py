@@ -13,8 +13,8 @@ HEAD = """# How the papers' experiments are run
 
 For every figure, table and text that is run: what the paper says, where, what is done here, and for each difference
 why, what it favours, and by how much where that was measured. `mfr-bench configs --fidelity` prints this page from
-`results/reference/settings.csv`, the configs and the claims; a test holds the configs to the table, in full size and
-in their profile `smoke`, which has fewer pixels and fewer values along an axis.
+`results/reference/settings.csv`, the configs and the claims; a test compares the configs with that table, at full size
+and in their profile `smoke`, which has fewer pixels and fewer values along an axis.
 
 Places are lines of the papers' plain texts, by the paper's short name. Effects were measured in the profile `smoke` on
 llvmpipe with two cores unless they say otherwise; there fragments of a pixel come one by one, so that a GPU's

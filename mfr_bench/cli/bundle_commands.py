@@ -15,7 +15,7 @@ from .output import ending, note, say
 @FOLDERS
 @click.option("--out", required=True, metavar="F.zip", type=OutPath(dir_okay=False), help="The bundle to write.")
 @click.option("--sign-off", required=True, metavar="TEXT",
-              help="Who vouches that these results were measured so and may be published; stands in the bundle.")
+              help="Who vouches that these results were measured so and may be published; part of the bundle.")
 def submit_results(folders: tuple[str, ...], out: str, sign_off: str) -> None:
     """Bundle all results at or below DIR for a public collection.
 

@@ -53,7 +53,7 @@ def _device_or_reason(want: str):
 @click.option("--rounding", is_flag=True,
               help="Print the table of docs/accuracy.md: what compositing loses to rounding; needs no device.")
 @click.option("--fairness", is_flag=True,
-              help="Print docs/fairness.md: the methods beside independent implementations; needs no device.")
+              help="Print docs/fairness.md: methods compared with independent implementations; needs no device.")
 @DEVICE
 @OUTSIDE
 def methods(as_json: bool, markdown: bool, rounding: bool, fairness: bool, device: str) -> None:

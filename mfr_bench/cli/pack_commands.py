@@ -15,7 +15,7 @@ from .output import note, say
 def pack(folders: tuple[str, ...]) -> None:
     """Put the cells of all results at or below DIR into one file each, cells.zip.
 
-    Every command reads it as it reads cells/. A later run adds its cells beside it; pack takes them in.
+    Every command reads it as it reads cells/. A later run adds its cells next to it; pack takes them in.
 
     \b
     Example: mfr-bench pack results/nvidia-h200

@@ -111,7 +111,7 @@ def _plot_scaled(results, look) -> None:
 @click.command()
 @FOLDERS
 @click.option("--together", metavar="OUT", type=OutPath(file_okay=False),
-              help="Draw each experiment that several results hold once, device beside device, into OUT.")
+              help="Draw each experiment that several results have once, its devices side by side, into OUT.")
 @click.option("--style", "look", type=OneOf(("paper", "slides")), help="Draw for a paper or for slides, into "
               "figures/paper or figures/slides. paper: 7.2in wide, labels of 8 points, as pdf, pgf and png. slides: "
               "12in, 16 points, as png, svg and pdf.")
@@ -234,7 +234,7 @@ def schema(out: str | None) -> None:
 @click.option("--papers", is_flag=True, help="Print only the names of the papers' experiments.")
 @click.option("--markdown", "as_markdown", is_flag=True, help="Print docs/experiments.md.")
 @click.option("--kinds", is_flag=True, help="Print what the kinds of scenes say of themselves in docs/scenes.md.")
-@click.option("--fidelity", is_flag=True, help="Print docs/fidelity.md: the papers' settings beside those here.")
+@click.option("--fidelity", is_flag=True, help="Print docs/fidelity.md: the papers' settings and those here.")
 def configs(papers: bool, as_markdown: bool, kinds: bool, fidelity: bool) -> None:
     """List the configs that come with the package.
 

@@ -19,7 +19,7 @@ MOST_PIXELS = 2**25
 @click.command()
 @click.argument("images", nargs=-1, required=True, metavar="IMAGE...")
 @click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
-              help="Write each picture beside what comes back of it, as PNG, into this folder.")
+              help="Write each picture next to its decoded form, as PNG, into this folder.")
 @JSON
 def twochannel(images: tuple[str, ...], out: str | None, as_json: bool) -> None:
     """Encode pictures in two channels, and report what that loses.
