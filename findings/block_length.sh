@@ -7,7 +7,7 @@
 # A loop `for (i = p; i < uint(second.length()) && i < bound; i += pixels)` behind such a loop skips words: some lanes
 # take the size in bytes for the number of elements, others end early. Passing the number as a uniform avoids it.
 #
-# Needs root, debootstrap, and the network for Debian's packages and PyPI. Ends with 1 where this changes.
+# Needs root, debootstrap, and the network for Debian's packages and PyPI. Ends with status 1 if this changes.
 set -eu
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT

@@ -1,14 +1,14 @@
 #!/bin/sh
-# Two readers of glTF hand on the alpha of materials to which the format denies it.
+# Two readers of glTF pass on the alpha of materials for which the format says that it is to be ignored.
 #
 # By glTF 2.0 §3.9.4 a material without alphaMode is OPAQUE, and the alpha of its colour is ignored; only BLEND blends.
-# assimp-py 1.1.0 gives three materials that differ in alphaMode alone with the same properties: several of them share one
+# assimp-py 1.1.0 gives three materials that differ in alphaMode alone the same properties: several properties share one
 # key, of which the last survives, and the mode is gone. trimesh 5.2.0 keeps the mode as text and leaves the colour's
 # alpha at 128 for all three. Seen with Python 3.11:
 #   assimp-py: opacities [0.5, 0.5, 0.5], alphaMode in any key or value: False
 #   trimesh:   alphas [128, 128, 128], modes [None, 'OPAQUE', 'BLEND']
 #
-# Needs the network for PyPI. Ends with 1 where this changes.
+# Needs the network for PyPI. Ends with status 1 if this changes.
 set -eu
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -1,13 +1,13 @@
 #!/bin/sh
 # GL_NV_shader_atomic_int64 exchanges, adds and compares-and-swaps int64_t only; uint64_t has minimum, maximum and the
-# bitwise operations. The reference compiler takes the calls of uint64_t all the same, so that only a driver tells.
+# bitwise operations. The reference compiler accepts the calls with uint64_t all the same, so that only a driver refuses.
 #
 # Seen with Mesa 25.0.7 (zink over lavapipe, Debian 13), glslangValidator 15.1.0, moderngl 5.13.0:
 #   uint64_t: Add no, Min yes, Max yes, And yes, Or yes, Xor yes, Exchange no, CompSwap no
 #   int64_t: Add yes, Min yes, Max yes, And yes, Or yes, Xor yes, Exchange yes, CompSwap yes
 #   glslangValidator: atomicExchange(uint64_t, uint64_t) accepted
 #
-# Needs root, debootstrap, and the network for Debian's packages and PyPI. Ends with 1 where this changes.
+# Needs root, debootstrap, and the network for Debian's packages and PyPI. Ends with status 1 if this changes.
 set -eu
 root=$(mktemp -d)
 trap 'rm -rf "$root"' EXIT

@@ -1,13 +1,13 @@
 #!/bin/sh
-# A negative vertex index of an OBJ face is counted from the end of the file, not from the face.
+# trimesh counts a negative vertex index of an OBJ face from the end of the file, not from the face.
 #
-# The format counts -1 as the last vertex before the face. trimesh 5.2.0 resolves it after it has read all vertices, so a
-# file that declares vertices behind a face gives other triangles, without a warning. assimp-py 1.1.0 counts as the
-# format says. Seen with Python 3.11:
+# The format counts -1 as the last vertex before the face. trimesh 5.2.0 resolves it after it has read all vertices, so
+# that a file which declares vertices behind a face gives other triangles, without a warning. assimp-py 1.1.0 counts as
+# the format says. Seen with Python 3.11:
 #   trimesh:   [[2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [9.0, 9.0, 9.0]]
 #   assimp-py: [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
 #
-# Needs the network for PyPI. Ends with 1 where this changes.
+# Needs the network for PyPI. Ends with status 1 if this changes.
 set -eu
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

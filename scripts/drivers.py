@@ -6,8 +6,8 @@
     scripts/drivers.py --table                           the table of what was run before
 
 Goes on where it stopped: a check that ended is not run again until a file of the work tree changes (--again). Roots,
-logs and outcomes stand in --dir. The network is needed for Debian's or Ubuntu's packages and PyPI alone.
-docs/drivers.md tells what is known of each driver.
+logs and outcomes are in --dir. The network is needed for Debian's or Ubuntu's packages and PyPI alone.
+docs/drivers.md says what is known of each driver.
 """
 
 from __future__ import annotations

@@ -1,14 +1,15 @@
 #!/bin/sh
-# Measures what a GPU has to tell within a given time, in one call; a later call goes on where it was.
+# Measures on a GPU, within a given time and in one call, what software drivers cannot show; a later call goes on.
 #
 #   scripts/gpu-session.sh [TIME] [DIR]     e.g. scripts/gpu-session.sh 8m gpu-results
 #
-# TIME (default 8m) is for all of it, DEVICE (default gpu) as for --device, PROFILE a profile of the configs, e.g. smoke.
-# In this order: doctor, the tests that need features which software drivers lack, conformance and the races stressor,
-# the race machine (which needs a C++ compiler), the papers' experiments by what they tell most, their claims. Every part
-# has a share of the time; what it leaves goes to the next; tests that passed are not run again. Cut
-# off by a signal, it ends what runs, which keeps what it has measured. DIR holds everything, in a size that is printed at
-# the end; MFR is the command, if not that of .venv, and PYTHON what runs the tests. Exit status 1: a part failed.
+# TIME (default 8m) is for all of it, DEVICE (default gpu) as for --device, PROFILE a profile of the configs, such as
+# smoke. In this order it runs doctor, the tests that need features which software drivers lack, conformance and the
+# races stressor, the race machine (which needs a C++ compiler), the papers' experiments, the most telling ones first,
+# and their claims. Every part has a share of the time; time that it does not use goes to the next; tests that passed are
+# not run again. If a signal cuts the script off, it ends what runs, which keeps what it has measured. Everything is
+# written to DIR, whose size is printed at the end. MFR is the command, if not that of .venv, and PYTHON runs the tests.
+# Exit status 1: a part failed.
 set -u
 cd "$(dirname "$0")/.." || exit 1
 total=${1:-8m} dir=${2:-gpu-results} device=${DEVICE:-gpu} profile=${PROFILE:+--profile $PROFILE}

@@ -116,14 +116,14 @@ def as_markdown(methods: Iterable[Method]) -> str:
     lines += _table(("id", "in addition to the words"), ((f"`{m.id}`", m.beside) for m in methods if m.beside))
     lines += ["", "## What buffers and targets contain", "", CONTENTS, ""]
     lines += _table(("name", "size", "contents", "methods"), _contents(methods))
-    lines += ["", "## Why some take more than thrice the time of the fastest A-buffer", ""]
+    lines += ["", "## Why some take more than three times as long as the fastest A-buffer", ""]
     lines += _table(("id", "reason"), ((f"`{m.id}`", m.cost) for m in methods if m.cost))
     lines += ["", "## What the parameter `touched` leaves as it is", ""]
     lines += _table(("id", "pass: reason"), _whole(methods))
     lines += ["", "## Equal depths", ""]
     lines += _table(("id", "fragments of equal depth"), ((f"`{m.id}`", m.ties) for m in methods))
     lines += ["", "## Parameters", ""]
-    lines += _table(("id", "parameters: default of what is allowed"),
-                    ((f"`{m.id}`", "; ".join(f"{p.name}: {p.default} of {p.allowed}" for p in m.params))
+    lines += _table(("id", "parameters: the default (what is allowed)"),
+                    ((f"`{m.id}`", "; ".join(f"{p.name}: {p.default} ({p.allowed})" for p in m.params))
                      for m in methods if m.params))
     return "\n".join(lines) + "\n"

@@ -17,7 +17,7 @@ place within 255 ages; the table is then doubled. With a load l all over the vie
 Above a load of 0.85 a chain of evictions may take more steps than a loop is allowed, which doubles the table as well.
 In these cases more is allocated than declared, and the row's bytes say so.
 
-The table is of no pixel's own, so that with `touched` its clear stays whole.
+The table belongs to no single pixel, so that with `touched` its clear stays whole.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def open_addressing(method_id: str, name: str, section: str, summary: str, order
                  Buffer("record_counter", "1", clear="0u", when=EMULATED, doc="records given out")),
         steps=(
             replace(clear("cell_counter", "ages", "offsets", "cells", "record_counter"),
-                    shader="methods/open/clear.frag", whole="the table is of no pixel's own"),
+                    shader="methods/open/clear.frag", whole="the table belongs to no single pixel"),
             Pass("build", "geometry", "methods/open/insert.frag", reads=("offsets",),
                  writes=("cell_counter", "ages", "cells", "records", "record_counter"),
                  defines={"LOAD_LIMIT": "ceil(65536*max(10/16, load_factor))"}),
