@@ -1,6 +1,6 @@
 #!/bin/sh
 # GL_NV_shader_atomic_int64 exchanges, adds and compares-and-swaps int64_t only; uint64_t has minimum, maximum and the
-# bitwise operations. The reference compiler accepts the calls with uint64_t all the same, so that only a driver refuses.
+# bitwise operations. The reference compiler accepts the calls with uint64_t all the same; only a driver refuses them.
 #
 # Seen with Mesa 25.0.7 (zink over lavapipe, Debian 13), glslangValidator 15.1.0, moderngl 5.13.0:
 #   uint64_t: Add no, Min yes, Max yes, And yes, Or yes, Xor yes, Exchange no, CompSwap no

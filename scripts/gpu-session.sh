@@ -6,7 +6,7 @@
 # TIME (default 8m) is for all of it, DEVICE (default gpu) as for --device, PROFILE a profile of the configs, such as
 # smoke. In this order it runs doctor, the tests that need features which software drivers lack, conformance and the
 # races stressor, the race machine (which needs a C++ compiler), the papers' experiments, the most telling ones first,
-# and their claims. Every part has a share of the time; time that it does not use goes to the next; tests that passed are
+# and their claims. Every part has a share of the time; what it does not use goes to the next; tests that passed are
 # not run again. If a signal cuts the script off, it ends what runs, which keeps what it has measured. Everything is
 # written to DIR, whose size is printed at the end. MFR is the command, if not that of .venv, and PYTHON runs the tests.
 # Exit status 1: a part failed.
