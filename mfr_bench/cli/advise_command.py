@@ -16,14 +16,15 @@ NOTHING_KEEPS = 6  # exit status
 
 
 class Positive(click.ParamType):
-    """A number above 0."""
+    """A number above 0, or a fraction such as 1/255."""
 
     name = "number"
 
     def convert(self, value, param, context):
+        over, slash, under = str(value).partition("/")
         try:
-            number = float(value)
-        except ValueError:
+            number = float(over) / float(under if slash else 1)
+        except (ValueError, ZeroDivisionError):
             number = math.nan
         if not 0 < number < math.inf:
             self.fail(f"{value!r} is not allowed; allowed: a number above 0")
@@ -63,7 +64,7 @@ class SceneKeys(click.ParamType):
 @click.command()
 @click.argument("targets", nargs=-1, required=True, metavar="CONFIG|DIR...", type=ConfigName())
 @click.option("--max-error", type=Positive(), required=True, metavar="E",
-              help="The error that an image may have, against the float64 image of all fragments.")
+              help="The error that an image may have against the float64 image of all fragments, as 0.01 or 1/255.")
 @click.option("--memory-mb", type=Positive(), metavar="M", help="The MiB that a method may allocate; default: any.")
 @click.option("--metric", type=OneOf(["rmse", "flip", "max"]), default="rmse", show_default=True,
               help="The error: root mean square, NVIDIA's FLIP, or the largest of any channel.")

@@ -32,6 +32,14 @@ def test_a_config_or_a_folder(measured, target):
     assert record["best"]["method"] == "ab-array"
 
 
+@pytest.mark.parametrize(("error", "best"), [("1/5", "wboit"), ("1/255", "ab-array"), ("1e2/1e3", "wboit")])
+def test_an_error_may_be_a_fraction(measured, error, best):
+    ended = without_gl("advise", "tiny.yaml", "--max-error", error, "--json")
+    assert ended.status == 0
+    record, = json.loads(ended.out)
+    assert record["best"]["method"] == best
+
+
 def test_text_is_told_on_stdout(measured):
     ended = without_gl("advise", "tiny.yaml", "--max-error", "0.5", "--memory-mb", "64")
     assert ended.status == 0
@@ -57,6 +65,8 @@ def test_nothing_measured_says_what_to_run(tmp_path, monkeypatch):
 @pytest.mark.parametrize(("arguments", "says"), [
     (["tiny.yaml"], "Missing option '--max-error'"),
     (["tiny.yaml", "--max-error", "0"], "'0' is not allowed; allowed: a number above 0"),
+    (["tiny.yaml", "--max-error", "1/0"], "'1/0' is not allowed; allowed: a number above 0"),
+    (["tiny.yaml", "--max-error", "1/"], "'1/' is not allowed; allowed: a number above 0"),
     (["tiny.yaml", "--max-error", "nan"], "'nan' is not allowed; allowed: a number above 0"),
     (["tiny.yaml", "--max-error", "1", "--memory-mb", "-3"], "'-3' is not allowed; allowed: a number above 0"),
     (["tiny.yaml", "--max-error", "1", "--metric", "rsme"],
