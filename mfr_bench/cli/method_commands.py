@@ -30,8 +30,12 @@ def new_method(name: str, out: str | None) -> None:
       mfr-bench check my-array --methods my-array
       mfr-bench run my-array/my-array.yaml --methods my-array
     """
+    from ..errors import UsageError
+    from ..methods import catalog
     from ..outside.template import write
 
+    if name in catalog():
+        raise UsageError(f"new-method: {name!r} is a method already; allowed: an id of its own")
     folder = Path(out or name)
     for path in write(name, folder):
         say(path)
@@ -56,6 +60,7 @@ def check(method_id: str, no_race: bool, device: str) -> int:
               mfr-bench check kplus-array
     """
     declared = method(method_id, "METHOD")
+    _hold_own(method_id)
     failed, lacking = _contract(declared, device)
     if no_race:
         say("left out  the race machine (--no-race)")
@@ -63,6 +68,18 @@ def check(method_id: str, no_race: bool, device: str) -> int:
         failed += _raced(declared)
     say(f"{method_id}: {failed} checks failed" if failed else f"{method_id}: every check passed")
     return BROKEN if failed else int(lacking)
+
+
+def _hold_own(method_id: str) -> None:
+    """Raise UsageError where a declaration from outside has the id too: the method of that id is another one."""
+    from ..errors import UsageError
+    from ..methods import MISTAKES
+    from ..methods.outside import loaded
+
+    if any(method.id == method_id for each in loaded() for method in each.methods) and (
+            wrong := [line for line in MISTAKES if f"the id {method_id!r} is declared twice" in line]):
+        raise UsageError(f"METHOD: {method_id!r} would be another method than the one from outside; allowed: "
+                         f"an id of its own, in {wrong[0].partition(':')[0]}")
 
 
 def _contract(declared, device: str) -> tuple[int, bool]:

@@ -20,6 +20,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
+from ..errors import UsageError
 from .spec import Method
 
 GROUP = "mfr_bench.methods"
@@ -50,7 +51,14 @@ class Loaded:
 
 
 def use(folders: Sequence[str]) -> None:
-    """Let this process and those that it starts find methods in these folders too."""
+    """Let this process and those that it starts find methods in these folders too.
+
+    Raises UsageError for a folder whose path the environment variable cannot hold.
+    """
+    for folder in folders:
+        if os.pathsep in str(Path(folder).resolve()):
+            raise UsageError(f"--methods {folder}: its path has a {os.pathsep!r}, which separates folders in "
+                             f"{VARIABLE}; allowed: a path without")
     given = [*filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)), *(str(Path(f).resolve()) for f in folders)]
     os.environ[VARIABLE] = os.pathsep.join(dict.fromkeys(given))
     loaded.cache_clear()
@@ -107,6 +115,10 @@ class Reader(pickle.Unpickler):
     """Reads declarations: data of this package's vocabulary, and its own functions by name."""
 
     def find_class(self, module: str, name: str):
-        if module.startswith("mfr_bench.methods.") or name in PLAIN.get(module, ()):
+        if name in PLAIN.get(module, ()):
             return super().find_class(module, name)
+        if module.startswith("mfr_bench.methods.") and "." not in name:
+            found = super().find_class(module, name)
+            if getattr(found, "__module__", "").startswith("mfr_bench.methods."):  # not what a module has imported
+                return found
         raise pickle.UnpicklingError(f"{module}.{name} is no part of a declaration")

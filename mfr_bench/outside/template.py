@@ -39,6 +39,7 @@ def _title(name: str) -> str:
 
 def write(name: str, folder: Path) -> list[Path]:
     """Write the package into a folder that is not there yet. Raises UsageError and StoreError."""
+    next(files(name))  # the name before the folder, which may be of its name
     if folder.exists():
         raise UsageError(f"new-method: {folder} is there already; allowed: a folder that is not")
     made = []
