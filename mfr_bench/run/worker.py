@@ -24,11 +24,16 @@ from .measuring import DeviceLost, Measuring
 PR_SET_PDEATHSIG = 1
 TIMERS = {timer.name: timer for timer in (GpuTimer, WallTimer)}
 LOST = 3  # exit status
+# The parent decides what becomes of these. A scheduler sends one to every process of a job: a worker that ended of it
+# before the parent had seen it would leave its cell as crashed.
+ENDS_OF_A_RUN = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def main() -> None:
     """Arguments: the parent's end of the link, its process id, the kind of device, the timer or nothing."""
     descriptor, parent, want, timer = sys.argv[1:]
+    for number in ENDS_OF_A_RUN:
+        signal.signal(number, signal.SIG_IGN)
     _die_with(int(parent))
     status = LOST
     with suppress(DeviceLost, EOFError, ConnectionError):  # the last two: the parent needs no more

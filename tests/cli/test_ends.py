@@ -9,6 +9,9 @@ import signal
 import struct
 import subprocess
 import termios
+import time
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -73,6 +76,31 @@ def test_kill_and_a_lost_connection_end_as_ctrl_c_does(here, signal_):
     complaint = err.splitlines()[-1]
     assert re.match(rf"interrupted: [123] of {SLOW_CELLS} cells are kept in out; ", complaint)
     assert "Traceback" not in err
+
+
+def processes_below(number):
+    """The children of a process, which have groups of their own."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        with suppress(OSError):
+            if entry.name.isdecimal() and (entry / "stat").read_text().rpartition(")")[2].split()[1] == str(number):
+                found.append(int(entry.name))
+    return found
+
+
+def test_a_signal_to_every_process_of_a_job_leaves_no_cell_as_crashed(here):
+    (here / "slow.yaml").write_text(SLOW.replace("100000, time_limit_s: 0.2", "100000, time_limit_s: 60"))
+    process = begun("run", "slow.yaml", "--out", "out")
+    journal = here / "out" / "unfinished.jsonl"
+    while not any(partial.samples_ms for partial in Journal(journal).partials.values()):
+        assert process.poll() is None
+    for number in processes_below(process.pid):
+        os.kill(number, signal.SIGTERM)
+    time.sleep(0.5)  # a scheduler reaches one process before the other
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert {cell["status"] for cell in cells(here / "out").values()} <= {"ok"}
 
 
 def test_a_run_that_was_killed_goes_on_within_its_cells(here):
