@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -35,6 +36,7 @@ def scene(config: str, out: str | None, fragments: str | None, profile: str | No
               mfr-bench scene meshes --fragments recorded.npz
               mfr-bench run --fragments recorded.npz
     """
+    from ..effects import DEFAULTS
     from ..errors import UsageError
     from ..methods import catalog
     from ..plan import expand
@@ -47,7 +49,8 @@ def scene(config: str, out: str | None, fragments: str | None, profile: str | No
             ending(name, ".npz", option=option)
     if device != "auto":
         _require(device)
-    made = generate(expand(first_experiment(config, profile, overrides), catalog())[0].scene)
+    scene_of_cell = expand(first_experiment(config, profile, overrides), catalog())[0].scene
+    made = generate(replace(scene_of_cell, **DEFAULTS))  # colours stand as they are, whatever an effect puts there
     if out:
         _write_primitives(made, out)
     if fragments:

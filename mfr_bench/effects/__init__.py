@@ -25,10 +25,19 @@ class Effect:
 
 
 TRANSPARENCY = "transparency"
+OPERATIONS = ("union", "intersection", "difference")
 EFFECTS: Mapping[str, Effect] = {
     TRANSPARENCY: Effect("fragments blended nearest first, as the papers measure", ordered=True),
     "layers": Effect("the `layer`-th fragment alone, opaque; with layer 0 an x-ray view, in which every fragment takes "
                      "a tenth of the light", ordered=True, keys=("layer",)),
+    "thickness": Effect("how much of a ray lies within at least one closed object, in window depth", "facing",
+                        measures=True),
+    "translucency": Effect("white light from behind, after what closed objects absorb of it by the length within them",
+                           "facing", measures=True, keys=("absorption",)),
+    "collision": Effect("where the insides of two closed objects overlap, along what length, in how many intervals",
+                        "objects", ordered=True, measures=True),
+    "csg": Effect("the surface of the union, the intersection or the difference of the first object and the others",
+                  "objects", ordered=True, keys=("operation",)),
     "coplanar": Effect("where fragments share a depth: their share of the pixel's fragments, and the largest group"),
 }
 
@@ -39,11 +48,19 @@ class Settings:
 
     name: str = TRANSPARENCY
     layer: int = 1
+    absorption: float = 4.0
+    operation: str = OPERATIONS[0]
 
     @classmethod
     def of(cls, scene: Mapping[str, Any]) -> Settings:
         """Those in the record of a scene, which leaves defaults out."""
         return cls(scene.get("effect", cls.name), **{f.name: scene[f.name] for f in fields(cls)[1:] if f.name in scene})
+
+    @property
+    def defines(self) -> dict[str, int | float]:
+        """The values by the names that they have in GLSL."""
+        return {"EFFECT_LAYER": self.layer, "EFFECT_ABSORPTION": self.absorption,
+                "EFFECT_OPERATION": OPERATIONS.index(self.operation)}
 
     @property
     def keys(self) -> dict[str, Any]:

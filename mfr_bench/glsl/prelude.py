@@ -73,8 +73,7 @@ def define_values(fitted: Fitted, step: Pass) -> dict[str, int]:
     variant, stats = fitted.variant, fitted.stats
     values: dict[str, int] = {
         "EMPTY": EMPTY, "LOCK_TRIES": LOCK_TRIES,
-        "N": stats.n, "SHADING": stats.shading, "EFFECT_LAYER": stats.effect.layer,
-        "KEEP": fitted.value("keep"), "LOCAL": fitted.value("keep"),
+        "N": stats.n, "SHADING": stats.shading, "KEEP": fitted.value("keep"), "LOCAL": fitted.value("keep"),
         "REJECTS": int(stats.rejects), "OCCLUDED": int(stats.occluded), "LEAST": stats.least, "QUADS": stats.primitives,
         "COMPUTE": int(step.kind == "compute"),
         "PAYLOAD_RGBA16F": 0, "STORES_ALL": 0, "SUMS_FRAGMENT": 0,
@@ -88,6 +87,7 @@ def define_values(fitted: Fitted, step: Pass) -> dict[str, int]:
             values |= {f"{param.name}_{choice}".upper(): int(choice == value) for choice in param.choices}
         else:
             values[param.name.upper()] = value
+    values |= stats.effect.defines
     formulas = {name: fitted.value(str(value)) for name, value in step.defines.items()}
     return values | formulas
 

@@ -22,7 +22,7 @@ def generate(scene: Scene, frame: int = 0) -> Geometry:
     module, _, name = kind_of(scene).generator.rpartition(".")
     made = getattr(import_module(f"{__name__}.{module}"), name)(scene, frame)
     made = replace(made, shading=scene.shading) if scene.shading else made
-    return replace(made, effect=scene.settings) if scene.settings != PLAIN else made
+    return made if scene.settings == PLAIN else import_module(f"{__name__}.parts").with_effect(made, scene.settings)
 
 
 __all__ = ["Scene", "generate"]

@@ -1,5 +1,8 @@
 """Effects: what a method does with the sorted fragments of a pixel, against the float64 model and by hand."""
 
+from importlib import import_module
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -10,6 +13,7 @@ from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import SCENE_FACTS
 from mfr_bench.plan import Cell, judge
+from mfr_bench.resources import shaders_dir
 from mfr_bench.scene import generate
 from mfr_bench.store.status import EXACT_ERROR
 
@@ -95,6 +99,15 @@ def test_records_of_scenes_without_an_effect_know_none():
     assert not {"effect", "layer"} & SceneConfig(size=(8, 8), depth_complexity=2).as_dict().keys()
     record = SceneConfig(size=(8, 8), depth_complexity=2, effect="layers", layer=4).as_dict()
     assert (record["effect"], record["layer"]) == ("layers", 4)
+
+
+@pytest.mark.parametrize("name", [name for name in EFFECTS if name != TRANSPARENCY])
+def test_every_effect_has_a_shader_a_model_and_a_row_in_the_docs(name):
+    assert (shaders_dir() / "effects" / f"{name}.glsl").is_file()
+    assert callable(import_module(f"mfr_bench.effects.{name}").model)
+    page = Path(__file__).parents[2] / "docs" / "effects.md"
+    row = next(line for line in page.read_text().splitlines() if line.startswith(f"| `{name}` |"))
+    assert all(f"`{key}`" in row for key in EFFECTS[name].keys)
 
 
 def test_the_default_is_the_effect_that_changes_nothing():

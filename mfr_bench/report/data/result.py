@@ -16,7 +16,8 @@ SPELT_OUT = {  # symbols, as headings and axes have them
     "k": "k = {} (fragments kept per pixel)",
     "pixel_density": "pixel density p_d = {} (covered pixels / all)",
     "fragment_probability": "fragment probability f_p = {} (share that is not discarded)"}
-SCENE_WORDS = {"kind": "", "layout": "layout ", "order": "order ", "alpha": "opacity "}
+SCENE_WORDS = {"kind": "", "layout": "layout ", "order": "order ", "alpha": "opacity ",
+               "effect": "effect "}
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,7 @@ class Fragments(Kind):
     Keys = FileKeys
     generator = "recording.fragments"
     measured = True
+    has_objects = True
     orders = ("random", "front_to_back", "back_to_front", "file")
     unused = UNUSED
     rules = (_has_a_file, _file_agrees)

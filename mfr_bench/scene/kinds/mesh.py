@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
 
+from ...effects import EFFECTS
 from ..meshes.packages import FETCH, packaged
 from ..spec.kind import CommonKeys, Described, EstimatedKind, Fault, FileKeys, late
 from ..spec.values import STRICT, Allowed, Text
@@ -113,6 +114,24 @@ def _files_are_there(scene: CommonKeys) -> Fault | None:
     return None
 
 
+def _effect_sees_all(scene: CommonKeys) -> Fault | None:
+    """An effect on objects takes every face of them."""
+    if EFFECTS[scene.effect].needs == "nothing" or (scene.opaque == "store" and scene.faces == "both"):
+        return None
+    what = f"effect {scene.effect} needs both sides of all faces; allowed: with opaque store and faces both"
+    return ("scene.effect", "scene.opaque", "scene.faces"), what
+
+
+def _effect_measures(scene: CommonKeys) -> Fault | None:
+    """Differences of depth are distances in an orthographic view alone."""
+    even = scene.view.projection == "orthographic" and scene.depth_range != "reversed"
+    if even or not EFFECTS[scene.effect].measures:
+        return None
+    what = (f"effect {scene.effect} takes differences of depth as lengths; allowed: with projection orthographic and "
+            "depth_range half | whole")
+    return ("scene.effect", "scene.view", "scene.depth_range"), what
+
+
 def paths(scene: CommonKeys) -> list[Path]:
     """The files of a scene: next to its config, or those of this name that were fetched."""
     names = [scene.file] if scene.file else [part.file for part in scene.files]
@@ -133,10 +152,11 @@ class Mesh(EstimatedKind):
     Keys = MeshKeys
     generator = "mesh.mesh"
     measured = True
+    has_objects = True
     orders = ("random", "front_to_back", "back_to_front", "file", "object")
     alphas = ("material",)
     unused = UNUSED
-    rules = (_one_source, view_agrees, _opaque_in_front, _files_are_there)
+    rules = (_one_source, view_agrees, _opaque_in_front, _files_are_there, _effect_sees_all, _effect_measures)
     rows = (Described("`mesh`", "triangles of one's own files", "measured", "measured", "what one renders"),)
     key_words = """\
 - `file`: OBJ with MTL, PLY, STL, GLB or glTF, relative to the config, or the name of one that `mfr-bench meshes` lists

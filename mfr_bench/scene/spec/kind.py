@@ -8,12 +8,12 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
 
-from ...effects import EFFECTS, PLAIN, Settings
+from ...effects import EFFECTS, OPERATIONS, PLAIN, Settings
 from .values import Allowed, Alpha, Colours, Seed, Share, Size, Text
 
 MAX_PRIMITIVES = 2**22  # distinct depths on the grid of 2**-23, with a free point between any two
 MAX_SHADING = 16384  # steps, well below the 65,535 iterations at which llvmpipe ends a loop silently
-MAX_LAYER = 4096
+MAX_LAYER, MAX_ABSORPTION = 4096, 1000  # of effects
 LATE = "late"  # metadata of a key that was added later
 LOCAL = "local"  # metadata of a key that is no part of any record, and that no config may give
 
@@ -37,8 +37,10 @@ class CommonKeys:
     size: viewport, pixels. pixel_density: share of the pixels that the block or the tiles cover, or the block around
     an object. depth_complexity: fragments over every covered pixel, or the maximum over the pixels where the kind has
     a mean_depth (None: two fifths of the maximum); 0 where a kind measures it. alpha: lowest and highest opacity, or a
-    word that a kind knows. shading: arithmetic steps of each fragment that is shaded, which change no colour. effect:
-    what is done with the fragments of a pixel; layer: which of them `layers` shows, from the nearest, 0 for all.
+    word that a kind knows. shading: arithmetic steps of each fragment that is shaded, which change no colour.
+
+    effect: what is done with the fragments of a pixel. layer: which of them `layers` shows, from the nearest; 0 for
+    all. absorption: of light by `translucency`, along the whole depth range. operation: what `csg` makes of objects.
     """
 
     kind: str
@@ -59,6 +61,9 @@ class CommonKeys:
     effect: Literal[tuple(EFFECTS)] = late(PLAIN.name)
     layer: Annotated[int, Interval(ge=0, le=MAX_LAYER),
                      Allowed(f"a whole number from 0 to {MAX_LAYER}")] = late(PLAIN.layer)
+    absorption: Annotated[float, Interval(gt=0, le=MAX_ABSORPTION),
+                          Allowed(f"a number above 0, up to {MAX_ABSORPTION}")] = late(PLAIN.absorption)
+    operation: Literal[OPERATIONS] = late(PLAIN.operation)
 
     @property
     def settings(self) -> Settings:
@@ -107,6 +112,7 @@ class Kind:
     measured: ClassVar[bool] = False  # depth_complexity is what a device finds, and no key
     orders: ClassVar[Sequence[str]] = ("random", "front_to_back", "back_to_front")
     alphas: ClassVar[Sequence[str]] = ()  # words that `alpha` may be in place of numbers
+    has_objects: ClassVar[bool] = False  # its primitives are faces of closed objects, or may be
     unused: ClassVar[Sequence[str]] = ()  # keys of every kind that this one has no use for
     fullest: ClassVar[float] = 1.0  # most mean depth, as a share of the depth complexity
     rules: ClassVar[Sequence[Callable[[Any], Fault | None]]] = ()
@@ -181,7 +187,10 @@ class Kind:
         return (f"scene.{changed[0]}", "scene.kind"), what
 
     def _no_effect(self, scene: CommonKeys) -> Fault | None:
-        """A key that only another effect reads has been given."""
+        """The effect needs objects, or a key that only another effect reads has been given."""
+        if EFFECTS[scene.effect].needs != "nothing" and not self.has_objects:
+            what = f"effect {scene.effect} needs faces of closed objects; allowed: in kind mesh | fragments"
+            return ("scene.effect", "scene.kind"), what
         every = {key: name for name, effect in EFFECTS.items() for key in effect.keys}
         unused = [key for key in every.keys() - set(EFFECTS[scene.effect].keys)
                   if getattr(scene, key) != getattr(PLAIN, key)]
