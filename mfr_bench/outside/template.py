@@ -49,6 +49,7 @@ def write(name: str, folder: Path) -> list[Path]:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
         except OSError as error:
-            raise StoreError(f"{path}: cannot be written: {error.strerror}") from None
+            raise StoreError(f"{path}: cannot be written: {error.strerror}; remove {folder}, then run the "
+                             "same command again") from None
         made.append(path)
     return made

@@ -87,6 +87,11 @@ def _no_depth(depth: np.ndarray, _viewport: tuple[int, int]) -> np.ndarray:
     return ~((depth >= 0) & (depth <= 1))
 
 
+def _told_apart(depth: np.ndarray) -> np.ndarray:
+    """Depths as every device tells them apart: it may take those below the least normal float32 for 0, and -0 for 0."""
+    return np.where(depth < np.finfo(np.float32).tiny, np.float32(0), depth)
+
+
 WHOLE = ("int32", "int64", "int16", "uint8", "uint16", "uint32")
 NEEDED: Mapping[str, Stored] = {
     "pixel": Stored(WHOLE, 2, _outside, "x y from the lower left, within the viewport"),
@@ -154,7 +159,7 @@ def _recording(path: Path, _stamped: tuple[int, int]) -> Recording:
         fault = (NEEDED | OPTIONAL)[name].fault(values, count, viewport)
         if fault:
             raise UsageError(f"{path}: {name} {fault}")
-    return Recording(viewport, arrays["pixel"].astype(np.int32), arrays["depth"] + np.float32(0), arrays["rgba"],
+    return Recording(viewport, arrays["pixel"].astype(np.int32), _told_apart(arrays["depth"]), arrays["rgba"],
                      arrays["object"].astype(np.int32) if "object" in arrays else None, arrays.get("front"))
 
 

@@ -92,6 +92,14 @@ def recording(**arrays):
     return Recording((2, 1), **{name: np.array(values, types.get(name)) for name, values in given.items()})
 
 
+def test_depths_that_a_device_may_take_for_0_are_0(scene_of):
+    """GLSL lets a device take float32 below the least normal one for 0: one that does has them in any order."""
+    pixel = [[1, 0]] * 3
+    least = float(np.finfo(np.float32).tiny)
+    found = generate(scene_of(recording(pixel=pixel, depth=[1e-40, 1e-45, least], rgba=[[9, 9, 9, 128]] * 3)))
+    assert found.depth.tolist() == [0, 0, least]
+
+
 def test_pixels_with_two_fragments_of_one_depth_are_tied(device, scene_of):
     with shown(device, generate(scene_of(recording()))) as on:
         assert on.truth.answer(Promise()).tied.tolist() == [[False, True]]
