@@ -115,7 +115,7 @@ def _raced(question, scene, deadline: float, out: str | None, device: str):
 
     left_s = deadline - time.monotonic()
     found, excluded = within_time(*_candidates(question, scene), left_s)
-    note(f"{len(found)} candidates; the answer comes within {duration(left_s)}")
+    note(f"{len(found)} candidates; the answer takes about {duration(left_s)}, more on a loaded machine")
     with TemporaryDirectory() as folder:
         path = Path(folder, "decide.yaml")
         made = config_of(question, scene, found, left_s)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -30,8 +31,15 @@ class Answer:
 
     @cached_property
     def finalists(self) -> list[Point]:
-        """The cells that keep the bounds and were not eliminated, the fastest first."""
-        return sorted((p for p in self._racing if not _left_early(p)), key=lambda p: p.row["time_ms"])
+        """The cells that keep the bounds and were not eliminated, the likeliest to be the fastest first.
+
+        Frames of one round tell more than medians do, since load hits them alike; medians decide between equal chances.
+        """
+        return sorted(self._in_the_end, key=lambda p: (-self.chances.get(p.cell["key"], 0.0), p.row["time_ms"]))
+
+    @cached_property
+    def _in_the_end(self) -> list[Point]:
+        return [p for p in self._racing if not _left_early(p)]
 
     @cached_property
     def _racing(self) -> list[Point]:
@@ -43,14 +51,14 @@ class Answer:
 
     @property
     def best(self) -> Point | None:
-        """The fastest, or None where nothing keeps the bounds."""
+        """The likeliest to be the fastest, or None where nothing keeps the bounds."""
         return self.finalists[0] if self.finalists else None
 
     @cached_property
     def chances(self) -> dict[str, float]:
         """The chance of each finalist to be the fastest of all: what dropping the fastest may take is in it."""
-        race = Elimination([p.cell["key"] for p in self.finalists])
-        samples = {p.cell["key"]: p.cell["samples_ms"] for p in self.finalists}
+        race = Elimination([p.cell["key"] for p in self._in_the_end])
+        samples = {p.cell["key"]: p.cell["samples_ms"] for p in self._in_the_end}
         for times in zip(*samples.values(), strict=False):
             race.rounds.append(dict(zip(samples, times, strict=True)))
         found = race.chances() if race.rounds else {}
@@ -70,9 +78,21 @@ class Answer:
     @property
     def out(self) -> list[tuple[str, str]]:
         """Every method that did not win nor come close, with the reason."""
-        kept = {p.cell["key"] for p in self.finalists}
+        kept = {p.cell["key"] for p in self._in_the_end}
         rows = [(p.label, _reason(p)) for p in self.result.points if p.cell["key"] not in kept and not data.is_floor(p)]
-        return [*((e.method, e.reason) for e in self.excluded), *rows]
+        return [*((e.method, e.reason) for e in self.excluded), *self._slower, *rows]
+
+    @property
+    def _slower(self) -> list[tuple[str, str]]:
+        """The finalists that do not come close, with the ratio of their times, in powers of two."""
+        close = {p.cell["key"] for p, _ in self.close}
+        ratios = [(p, p.over(self.best)[1]) for p in self.finalists[1:] if p.cell["key"] not in close]
+        return [(p.label, f"slower when the time was up{'' if ratio is None else f': {self._about(ratio)}'}")
+                for p, ratio in sorted(ratios, key=lambda entry: entry[1] or math.inf)]
+
+    def _about(self, ratio: float) -> str:
+        least = 2 ** math.floor(math.log2(max(1.0, ratio)))
+        return f"{CLOSE if least == 1 else least} to {2 * least} times the time of {self.best.label}"
 
     @property
     def command(self) -> str:

@@ -114,7 +114,7 @@ def experiment(result: Result, anchor: str, figures: Sequence[Path]) -> Experime
         figures=tuple(_figure(path, options) for path, options in zip(figures, result.figures, strict=False)
                       if path.is_file()),
         images=_images(result.points), environment=_environment(result.manifest),
-        reproduce=_command(result.manifest, result.name), lacking=result.lacking)
+        reproduce=command_of(result.manifest, result.name), lacking=result.lacking)
 
 
 def _source(result: Result) -> str:
@@ -189,10 +189,20 @@ def _environment(manifest: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     return tuple((name, without_paths(value)) for name, value in found if value is not None)
 
 
-def _command(manifest: Mapping[str, Any], name: str) -> str:
+def command_of(manifest: Mapping[str, Any], name: str) -> str:
     """The command that measures the experiment again."""
+    scene = manifest.get("scene") or {}
     config = Path(str(manifest.get("config") or name)).stem
-    words = ["mfr-bench", "run", config]
+    words = ["mfr-bench", "run", *_own_scene(scene, config, name)]
     if manifest.get("profile"):
         words += ["--profile", str(manifest["profile"])]
     return shlex.join(words)
+
+
+def _own_scene(scene: Mapping[str, Any], config: str, name: str) -> list[str]:
+    """The words that name what ran: the config, or the file that an option put in the place of the config's scene."""
+    option = {"mesh": "--mesh", "fragments": "--fragments"}.get(str(scene.get("kind")))
+    if option is None or config == name or not scene.get("file"):
+        return [config]
+    size = ["--size", "x".join(str(pixels) for pixels in scene["size"])] if option == "--mesh" else []
+    return [option, Path(str(scene["file"])).name, *size]

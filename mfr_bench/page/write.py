@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 
@@ -57,8 +57,11 @@ def _experiment(result: Result, anchor: str, draw: bool) -> Experiment:
     return experiment(result, anchor, paths)
 
 
-def _verdicts(folders: Iterable[ResultFolder]) -> list[dict[str, object]]:
-    """The verdicts on the papers' sentences; those that cannot be tested stand last."""
+def _verdicts(folders: Sequence[ResultFolder]) -> list[dict[str, object]]:
+    """The verdicts on the papers' sentences, untestable ones last; none where none is about what was measured."""
+    measured = {folder.manifest().get("name") for folder in folders}
+    if not any(measured.intersection(claim.experiments) for claim in CLAIMS):
+        return []
     found = [verdict.record() | {"findings_text": [finding.text for finding in verdict.findings]}
              for verdict in judge_all(CLAIMS, load_runs(folders))]
     tested = [v for v in found if v["verdict"] in ("holds", "does not hold")]

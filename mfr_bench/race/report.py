@@ -107,6 +107,14 @@ def _arrives(stored: Event, event: Event) -> bool:
         stored.fiber, stored.site, stored.buffer, stored.word) == (event.fiber, event.site, event.buffer, event.word)
 
 
+def _owners(what: str, values: Sequence[int]) -> dict[int, str]:
+    """What each value is called: by the one fragment that has it, or by all that do."""
+    found: dict[int, list[str]] = {}
+    for fragment, value in enumerate(values):
+        found.setdefault(int(value), []).append(f"f{fragment}")
+    return {value: f"{what} of {' and '.join(names)}" for value, names in found.items()}
+
+
 class _Describer:
     def __init__(self, checker: Checker):
         self.checker = checker
@@ -116,8 +124,7 @@ class _Describer:
         _, codes = _payloads(checker.scene, checker.variant.two_channel)
         depths = checker.scene.depth.view(np.uint32).tolist()
         self.known = {0xFFFFFFFF: "empty", NEVER_WRITTEN: "never written",
-                      **{d: f"depth of f{i}" for i, d in enumerate(depths)},
-                      **{int(c): f"colour of f{i}" for i, c in enumerate(codes.tolist())}}
+                      **_owners("depth", depths), **_owners("colour", codes.tolist())}
 
     def step(self, event: Event) -> Step | None:
         if event.site < 0:

@@ -9,6 +9,7 @@ from ..measure.elimination import Dropped, Elimination
 from .cell import CellWork
 
 WARM_UP = 2  # frames before the first round
+TIME_IS_UP = "time limit"  # why rounds ended before they told enough
 NEWS_ROUNDS = 8  # after so many rounds the samples are emitted, so that a killed run loses no more
 
 Step = Callable[[CellWork], None]
@@ -54,17 +55,21 @@ class Race:
             self._guarded(cell, lambda c: c.warm_up(WARM_UP))
         self._drop_failed(race)
         reason = self._rounds(race, finish)
+        end = self._leave if reason == TIME_IS_UP else self._end
         for key in race.left:
-            self._end(self._cells[key], reason, finish)
+            end(self._cells[key], reason, finish)
 
     def _rounds(self, race: Elimination, finish: Step) -> str:
-        """Draw the rounds, and return why they ended."""
+        """Draw the rounds, one at least, and return why they ended."""
+        last_s = 0.0  # of the round before: one that would end late is not begun
         while race.left and not race.decided:
             if len(race.rounds) >= self._measure.max_samples:
                 return "most samples"
-            if time.monotonic() >= self._deadline:
-                return "time limit"
+            begun = time.monotonic()
+            if race.rounds and begun + last_s >= self._deadline:
+                return TIME_IS_UP
             times_ms = self._round(race)
+            last_s = time.monotonic() - begun
             self._drop_failed(race)
             if race.left:
                 for gone in race.add({key: times_ms[key] for key in race.left}):

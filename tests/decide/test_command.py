@@ -47,7 +47,8 @@ def test_the_text_form_fits_a_narrow_terminal(mfr, on_device, few, monkeypatch):
     monkeypatch.setenv("COLUMNS", "60")
     ended = mfr(*QUESTION, "--max-error", "1/255")
     assert ended.status == 0 and "Answer: " in ended.out and "Not chosen:" in ended.out
-    assert re.search(r"^\d+ candidates; the answer comes within (40|39) s$", ended.err, re.MULTILINE)
+    told = r"^\d+ candidates; the answer takes about (40|39) s, more on a loaded machine$"
+    assert re.search(told, ended.err, re.MULTILINE)
     assert max(map(len, ended.out.splitlines())) <= 60
 
 

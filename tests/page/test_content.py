@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from mfr_bench.page.content import MEASURED, without_paths
+from mfr_bench.page.content import MEASURED, command_of, without_paths
 from mfr_bench.page.pictures import kept_png
 from mfr_bench.page.write import SCRIPTS, _file, page_text
 from mfr_bench.report import data
@@ -73,6 +73,24 @@ def test_the_page_is_the_same_each_time_and_of_several_folders(results, tmp_path
 
 def test_an_empty_folder_has_a_page(tmp_path):
     assert 'id="e1"' in page_text([planted.folder(tmp_path / "none", [])])
+
+
+@pytest.mark.parametrize(("manifest", "command"), [
+    ({"config": "meshes.yaml", "scene": {"kind": "mesh", "file": "/home/a/my model.glb", "size": [64, 48]}},
+     "mfr-bench run --mesh 'my model.glb' --size 64x48"),
+    ({"config": "meshes.yaml", "scene": {"kind": "fragments", "file": "/home/a/recorded.npz", "size": [64, 48]}},
+     "mfr-bench run --fragments recorded.npz"),
+    ({"config": "mesh-model.yaml", "scene": {"kind": "mesh", "file": "model.glb"}}, "mfr-bench run mesh-model"),
+    ({"config": "smoke.yaml", "scene": {"kind": "quads"}, "profile": "long"}, "mfr-bench run smoke --profile long"),
+])
+def test_the_command_of_an_experiment_measures_what_it_shows(manifest, command):
+    assert command_of(manifest, "mesh-model") == command
+
+
+def test_the_papers_claims_stand_on_pages_of_their_experiments_alone(tmp_path):
+    assert 'id="claims"' not in page_text([planted.folder(tmp_path / "own", [planted.cell()])])
+    paper = planted.folder(tmp_path / "paper", [planted.cell()], name="kplus2015-fig6")
+    assert 'id="claims"' in page_text([paper])
 
 
 def test_a_kept_image_is_upright_over_a_checkerboard():

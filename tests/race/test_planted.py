@@ -8,6 +8,7 @@ from mfr_bench.errors import MfrError
 from mfr_bench.methods import catalog
 from mfr_bench.race.campaign import run, small_variant
 from mfr_bench.race.check import How
+from mfr_bench.race.report import _owners
 
 LOCK, LOCK64 = "common/lock.glsl", "common/lock64.glsl"
 SCHEDULES, SCENES = 40_000, 4
@@ -183,3 +184,7 @@ def test_a_lost_bit_of_the_occupancy_map_breaks_no_promise(plant):
     """With fewer intervals known as occupied the k-th lies further away: less is culled, and nothing that belongs."""
     plant(LOST_BIT.path, LOST_BIT.right, LOST_BIT.wrong)
     assert not seen(LOST_BIT)
+
+
+def test_fragments_of_one_depth_are_named_together():
+    assert _owners("depth", [5, 7, 5]) == {5: "depth of f0 and f2", 7: "depth of f1"}

@@ -1,9 +1,12 @@
 """Elimination within a run: the slow leave early, rows say so, and one that fails costs itself alone."""
 
+import math
+
 import pytest
 
 from mfr_bench.methods import catalog
 from mfr_bench.report import data
+from mfr_bench.run import measuring
 from mfr_bench.store import ResultFolder
 
 from ..cli.conftest import here, mfr, on_device  # noqa: F401  fixtures
@@ -50,3 +53,12 @@ def test_a_method_that_breaks_costs_itself_alone(raced, plant):
     points = raced(", max_error: 0.0001", status=1)
     assert points["ab-array"].status == "crashed"
     assert points["kplus-array"].status == "ok"
+
+
+def test_where_the_time_is_up_there_is_one_round_and_no_passes(monkeypatch, raced):
+    monkeypatch.setattr(measuring, "_deadlines", lambda _: (math.inf, -math.inf))
+    points = raced(", max_error: 0.0001")
+    for name in ("ab-array", "peel-f2b", "kplus-array"):
+        row = points[name].row
+        assert (points[name].status, row["stop_reason"], row["samples"]) == ("ok", "time limit", 1)
+        assert row["max_abs_error"] <= 1e-4 and not points[name].passes_ms

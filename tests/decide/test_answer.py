@@ -1,0 +1,43 @@
+"""The answer from planted rows: who is named, who is close, and that each of the others has its reason."""
+
+import statistics
+
+import pytest
+
+from mfr_bench.decide.answer import answers
+from mfr_bench.decide.question import Question
+from mfr_bench.report import data
+
+from ..report import planted
+
+QUESTION = Question((64, 64), 32)
+
+
+def raced(method, times_ms, stop_reason="time limit"):
+    return planted.cell(method, samples_ms=times_ms, values={
+        "time_ms_low": min(times_ms), "time_ms": statistics.median(times_ms), "time_ms_high": max(times_ms),
+        "stop_reason": stop_reason, "max_error_all": 1e-7})
+
+
+@pytest.fixture
+def answer(tmp_path):
+    def of(*cells):
+        return answers(QUESTION, data.load(planted.folder(tmp_path / "decide", cells)), (), "decide.yaml")
+    return of
+
+
+def test_the_answer_is_the_method_that_frames_of_the_same_rounds_show_to_be_fastest(answer):
+    found = answer(raced("ab-array", [10, 10, 10, 90, 90, 90, 90]),  # a burst of load from the fourth round on
+                   raced("ab-ll", [11, 11, 11, 89.9, 99, 99, 99]))
+    assert found.result.points[1].row["time_ms"] < found.result.points[0].row["time_ms"]
+    assert found.best.method == "ab-array" and found.confidence > 0.5
+
+
+def test_every_method_that_was_not_chosen_has_a_reason(answer):
+    found = answer(raced("ab-array", [10.0] * 9), raced("ab-ll", [10.2] * 9), raced("ab-sb", [12.0] * 9),
+                   raced("peel-f2b", [50.0] * 9), raced("ab-dfb", [30.0] * 9, "eliminated after 9 frames: 3 times"))
+    assert [point.method for point, _ in found.close] == ["ab-ll"]
+    assert dict(found.out) == {
+        "ab-sb": "slower when the time was up: 1.05 to 2 times the time of ab-array",
+        "peel-f2b": "slower when the time was up: 4 to 8 times the time of ab-array",
+        "ab-dfb": "eliminated after 9 frames: 3 times"}
