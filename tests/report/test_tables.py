@@ -265,3 +265,11 @@ def test_a_label_of_two_lines_is_one_field_of_a_table():
     grid = Grid("", "", ("method", "a\nb"), (("x|y\nz", "1"),))
     assert grid.markdown().splitlines() == ["| method | a b |", "|:-------|----:|", "| x\\|y z |   1 |"]
     assert grid.text().splitlines() == ["method   a b", "------------", "x|y z      1"]
+
+
+def test_one_scene_is_ranked_by_time(tmp_path):
+    cells = [cell("ab-ll", "Slow", 3.0), cell("kb", "Out", None, status="unsupported", reason="needs x"),
+             cell("ab-array", "Fast", 1.0), cell("floor", "Blending floor", 2.0)]
+    lines = section(tables.terminal_table(planted.folder(tmp_path, cells)), "Measured, the fastest first")
+    names = [line.split("  ")[0] for line in lines if line.startswith(("Slow", "Fast", "Blending"))]
+    assert names == ["Blending floor", "Fast", "Slow"]

@@ -61,11 +61,19 @@ class Block:
     def measure_grids(self) -> list[Grid]:
         fields = (("Time, ms", TIME_NOTE, time_field), ("Ratio to the floor", RATIO_NOTE, ratio_field),
                   ("Memory, MiB", MEMORY_NOTE, memory_field))
-        grids = [self.pivot(title, note, [(cut(p.label), p, field(p)) for p in self.points])
+        points = self.points if self.axis else self._ranked()
+        grids = [self.pivot(title, note, [(cut(p.label), p, field(p)) for p in points])
                  for title, note, field in fields]
         grids.insert(2, self.pivot("Ratio to the fastest", FASTEST_NOTE, self._to_the_fastest()))
         grids = [grid for grid in grids if grid.rows]
         return grids if self.axis else [_side_by_side(grids)]
+
+    def _ranked(self) -> list[Point]:
+        """The floor, then the fastest first, then what has no time, as it stands."""
+        def place(point: Point) -> tuple[bool, float]:
+            time_ms = point.row["time_ms"]
+            return point.method != FLOOR, float("inf") if time_ms is None else time_ms
+        return sorted(self.points, key=place)
 
     def _to_the_fastest(self) -> list[tuple[str, Point, str]]:
         """Entries for each column in which several methods show every fragment."""
@@ -92,7 +100,7 @@ def _side_by_side(grids: Sequence[Grid]) -> Grid:
     rows = tuple((name, *(column.get(name, "") for column in columns)) for name in names)
     titles = [grid.title for grid in grids]
     note = "\n".join(f"{title.split(',')[0]}: {grid.note}" for title, grid in zip(titles, grids, strict=True))
-    return Grid("Measured", note, ("method", *titles), rows)
+    return Grid("Measured, the fastest first", note, ("method", *titles), rows)
 
 
 def blocks_of(result: Result) -> list[Block]:
