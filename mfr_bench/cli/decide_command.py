@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
-from .options import DEVICE, JSON, OUTSIDE, OutPath
+from .options import DEVICE, JSON, OUTSIDE, NumberRange, OutPath
 from .output import note, say, width
 
 MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a device finds more in some pixels
@@ -19,12 +19,12 @@ NOTHING = 6  # exit status: no method keeps the bounds
 @click.command()
 @click.option("--size", metavar="WxH", help="Viewport in pixels, such as 1280x720.")
 @click.option("--layers", type=click.IntRange(1, 4096), help="Most fragments of any pixel.")
-@click.option("--covered", type=click.FloatRange(0, 1, min_open=True), default=1.0, show_default=True,
+@click.option("--covered", type=NumberRange(0, 1, min_open=True), default=1.0, show_default=True,
               help="Share of the pixels with fragments.")
 @MESH
 @FRAGMENTS
 @click.option("--config", metavar="CONFIG", help="Take the scene of this config's first cell instead.")
-@click.option("--memory-mb", type=click.FloatRange(0, 2**24, min_open=True), help="Most memory of the method, in MiB.")
+@click.option("--memory-mb", type=NumberRange(0, 2**24, min_open=True), help="Most memory of the method, in MiB.")
 @click.option("--max-error", metavar="E", default="0", show_default=True,
               help="Largest error of a channel, such as 0.01 or 1/255; 0: exact images only.")
 @click.option("--time-budget", metavar="T", default="2m", show_default=True, help="Time for the whole answer: 90s, 2m.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 
 import click
 
@@ -114,6 +115,16 @@ class OutPath(click.Path):
         if not value:
             self.fail("'' is no place to write to")
         return super().convert(value, param, context)
+
+
+class NumberRange(click.FloatRange):
+    """A number within bounds, which no comparison tells of a value that is not a number."""
+
+    def convert(self, value, param, context):
+        found = super().convert(value, param, context)
+        if math.isnan(found):
+            self.fail(f"{value!r} is no number; allowed: a number in the range {self._describe_range()}")
+        return found
 
 
 class OneOf(click.Choice):

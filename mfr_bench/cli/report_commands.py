@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from .options import FOLDERS, JSON, JUNIT, OUTSIDE, SUMMARY, OneOf, OutPath
+from .options import FOLDERS, JSON, JUNIT, OUTSIDE, SUMMARY, NumberRange, OneOf, OutPath
 from .output import append_text, note, say, width, write_text
 
 
@@ -117,9 +117,9 @@ def _plot_scaled(results, look) -> None:
               "12in, 16 points, as png, svg and pdf.")
 @click.option("--width", "width_in", metavar="LENGTH", callback=_inches, help="Of --style: the width of every figure, "
               "as 89mm, 18cm or 3.5in.")
-@click.option("--font-size", "font_pt", type=click.FloatRange(3, 60), help="Of --style: the size of labels in every "
+@click.option("--font-size", "font_pt", type=NumberRange(3, 60), help="Of --style: the size of labels in every "
               "figure, in points; other texts keep their ratio to it.")
-@click.option("--dpi", type=click.FloatRange(30, 2400), help="Of --style: dots per inch of png, and of images in pdf.")
+@click.option("--dpi", type=NumberRange(30, 2400), help="Of --style: dots per inch of png, and of images in pdf.")
 @click.option("--format", "formats", metavar="F,...", callback=_formats, help="Of --style: png, svg, pdf, pgf.")
 @OUTSIDE
 def plot(folders: tuple[str, ...], together: str | None, look: str | None, width_in: float | None,

@@ -12,7 +12,7 @@ import click
 
 from .interruption import Interruption
 from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
-from .options import JSON, JUNIT, SUMMARY, ConfigName, OutPath, Share, measuring
+from .options import JSON, JUNIT, SUMMARY, ConfigName, NumberRange, OutPath, Share, measuring
 
 if TYPE_CHECKING:
     from .session import Choices
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @MESH
 @FRAGMENTS
 @click.option("--size", metavar="WxH", help="Viewport of the scene in pixels, such as 1280x720.")
-@click.option("--memory-mb", metavar="M", type=click.FloatRange(0, 2**24, min_open=True),
+@click.option("--memory-mb", metavar="M", type=NumberRange(0, 2**24, min_open=True),
               help="Most memory of a method, in MiB; methods that need more are left out, and said to be.")
 @click.option("--shard", type=Share(), metavar="I/N",
               help="Measure the I-th of N shares of the scenes: one machine each; mfr-bench merge joins them.")

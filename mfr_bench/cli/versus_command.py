@@ -10,7 +10,22 @@ import click
 from ..errors import UsageError
 from .compare_command import Percentage, ending, handed_over, printed
 from .interruption import Interruption
-from .options import CSV, DEVICE, JSON, JUNIT, MARKDOWN, ONLY, OUTSIDE, PROFILE, QUIET, SET, SUMMARY, WHOLE, OutPath
+from .options import (
+    CSV,
+    DEVICE,
+    JSON,
+    JUNIT,
+    MARKDOWN,
+    ONLY,
+    OUTSIDE,
+    PROFILE,
+    QUIET,
+    SET,
+    SUMMARY,
+    WHOLE,
+    NumberRange,
+    OutPath,
+)
 from .output import note
 
 
@@ -21,7 +36,7 @@ from .output import note
               help="Smallest difference that matters.")
 @click.option("--rounds", type=click.IntRange(2, 50), default=4, show_default=True,
               help="Pairs of fresh processes, in each of which every cell is measured.")
-@click.option("--seconds", type=click.FloatRange(0, 3600, min_open=True), default=1.5, show_default=True,
+@click.option("--seconds", type=NumberRange(0, 3600, min_open=True), default=1.5, show_default=True,
               help="Time of a cell in a round, about.")
 @click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
               help="Keep what was measured, as results in DIR/before and DIR/after, which are not there yet.")

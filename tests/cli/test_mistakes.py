@@ -1,11 +1,14 @@
 """Mistakes in a command: one line that says what is allowed, with the nearest name, and exit status 2."""
 
+import click
 import pytest
+
+from mfr_bench.cli.main import cli
 
 from .conftest import TINY
 
 MISTAKES = [
-    (["rnu", "smoke"], "mfr-bench: no command 'rnu'; allowed: ", "; nearest: 'run'; see mfr-bench --help"),
+    (["rnu", "smoke"], "mfr-bench: no command 'rnu'; nearest: 'run'; allowed: run, ", "; see mfr-bench --help"),
     (["run"], "mfr-bench run: Missing argument 'CONFIG...', --mesh FILE or --fragments FILE; ",
      "see mfr-bench run --help"),
     (["run", "--mesh", "a.obj", "--fragments", "a.npz"], "--mesh with --fragments; allowed: one way to give the ", ""),
@@ -21,7 +24,7 @@ MISTAKES = [
     (["run", "tiny.yaml", "--only", "zbuffer"], "tiny: --only zbuffer leaves no cell; allowed: ab-array, ", ""),
     (["run", "tiny.yaml", "--set", "k"], "--set k: not a setting; allowed: KEY=VALUE", ""),
     (["run", "tiny.yaml", "--set", "k=0"], "--set k: 0 is not allowed; allowed: a whole number from 1 to ", ""),
-    (["run", "tiny.yaml", "--set", "scene.sede=1"], "--set scene.sede: unknown key; allowed: ", "; nearest: 'seed'"),
+    (["run", "tiny.yaml", "--set", "scene.sede=1"], "--set scene.sede: unknown key; nearest: 'seed'; allowed: ", ""),
     (["run", "tiny.yaml", "--profile", "smok"], "tiny.yaml:", "no profile 'smok'; allowed: none"),
     (["run", "tiny.yaml", "--device", ""], "mfr-bench run: Invalid value for '--device': '' is no device; allowed: ",
      "or an index, UUID, PCI address or part of a name that 'mfr-bench doctor' lists; see mfr-bench run --help"),
@@ -74,3 +77,18 @@ def test_no_command_is_the_help_and_exit_2(mfr):
     assert ended.status == 2
     assert ended.out.startswith("Usage: mfr-bench ")
     assert ended.err == ""
+
+
+def options_of_numbers():
+    return [(name, option.opts[0]) for name, command in cli.commands.items() for option in command.params
+            if isinstance(option.type, (click.types.FloatRange, click.types.FloatParamType))]
+
+
+def test_every_number_is_found():
+    assert {("plot", "--dpi"), ("plot", "--font-size"), ("versus", "--seconds")} <= set(options_of_numbers())
+
+
+@pytest.mark.parametrize(("name", "option"), options_of_numbers())
+def test_what_is_not_a_number_is_in_no_range(mfr, name, option):
+    ended = mfr(name, "x", option, "nan")
+    assert ended.status == 2 and f"Invalid value for '{option}': 'nan' is no number; allowed: " in ended.complaint
