@@ -42,7 +42,7 @@ def test_what_the_config_has_is_shown(tmp_path, extra):
 def test_what_the_config_no_longer_has_is_left_out_and_told(tmp_path, extra):
     result = loaded(tmp_path, extra)
     assert [p.label for p in result.points] == ["mine"] and result.left_out == 1
-    told = "1 row of the folder left out, which its config does not have"
+    told = "1 row of the folder left out: not of the config that ran last"
     assert told in result.lacking
     assert told in " ".join(tables.terminal_table(result.folder).split())
     assert told in tables.markdown(result)

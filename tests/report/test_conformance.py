@@ -2,6 +2,7 @@
 
 import pytest
 
+from mfr_bench.errors import StoreError
 from mfr_bench.methods import catalog
 from mfr_bench.report import conformance_page
 from mfr_bench.report.data import load
@@ -29,6 +30,12 @@ def page(tmp_path):
 def row(page, section, label):
     table = page.split(f"## {section}")[1].split("\n## ")[0]
     return next([f.strip() for f in line.strip("|").split("|")] for line in table.splitlines() if f"| {label} " in line)
+
+
+def test_a_method_from_outside_is_to_be_named(tmp_path):
+    made = folder(tmp_path / "one", [cell("my-array", "My array")])
+    with pytest.raises(StoreError, match="no method 'my-array'.*name its folder in MFR_BENCH_METHODS"):
+        conformance_page([load(made)], catalog())
 
 
 def test_a_row_is_the_worst_of_all_cells(page):

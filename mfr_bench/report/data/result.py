@@ -88,7 +88,7 @@ class Result:
     def foreign(self) -> str:
         """One line on rows that stand in the folder and not in its config; they are in results.csv alone."""
         rows = "1 row" if self.left_out == 1 else f"{self.left_out} rows"
-        return f"{rows} of the folder left out, which its config does not have" if self.left_out else ""
+        return f"{rows} of the folder left out: not of the config that ran last" if self.left_out else ""
 
     @property
     def labels(self) -> list[str]:
