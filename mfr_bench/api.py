@@ -87,8 +87,9 @@ def plot(cells: pd.DataFrame, x: str = "k", y: str = "time_ms", *, by: str = "la
 
     cells: `Results.cells`, or some rows of it. A method has the colour that it has in every figure of mfr-bench. log:
     the axes, of "xy", that are logarithmic. Rows without a value are left out. Raises UsageError for a column that is
-    not there. Returns the axes, those of a new figure unless some are given.
+    not there or has no numbers, and for other axes. Returns the axes, those of a new figure unless some are given.
     """
+    import pandas as pd
     from matplotlib import pyplot as plt
 
     from .errors import UsageError, one_of
@@ -97,6 +98,13 @@ def plot(cells: pd.DataFrame, x: str = "k", y: str = "time_ms", *, by: str = "la
     for name in (x, y, by):
         if name not in cells:
             raise UsageError(f"plot: no column {name!r}; {one_of(name, map(str, cells.columns))}")
+    for name in (x, y):
+        given = cells[name].dropna().infer_objects()
+        if len(given) and not pd.api.types.is_numeric_dtype(given):
+            numbers = map(str, cells.select_dtypes("number").columns)
+            raise UsageError(f"plot: column {name!r} has no numbers; {one_of(name, numbers)}")
+    if set(log) - set("xy"):
+        raise UsageError(f"plot: log={log!r}; allowed: letters of 'xy', the axes that are logarithmic")
     axes = ax or plt.subplots(layout="constrained")[1]
     shown = cells.dropna(subset=[x, y, by])
     for label, rows in shown.groupby(by, sort=False):

@@ -67,6 +67,15 @@ def test_what_is_not_there_is_a_usage_error(tmp_path, folder):
         mfr_bench.plot(mfr_bench.load(folder.path).cells, y="tme_ms")
 
 
+@pytest.mark.parametrize(("options", "said"), [
+    ({"y": "label"}, "column 'label' has no numbers; allowed: "), ({"x": "method"}, "column 'method' has no numbers; "),
+    ({"log": "z"}, "log='z'; allowed: letters of 'xy'"), ({"x": "nope"}, "no column 'nope'; ")])
+def test_what_cannot_be_plotted_is_one_line(folder, options, said):
+    with pytest.raises(UsageError) as error:
+        mfr_bench.plot(mfr_bench.load(folder.path).cells, **options)
+    assert len(error.value.lines) == 1 and error.value.lines[0].startswith(f"plot: {said}")
+
+
 def test_a_plot_has_a_line_for_each_label_in_its_colour(folder):
     mpl.use("agg")
     cells = mfr_bench.load(folder.path).cells
