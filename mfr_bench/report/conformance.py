@@ -48,8 +48,8 @@ def _variant(catalog: Mapping[str, Method], point: Point) -> Variant:
     where = f"{point.folder.cells_path / point.cell['key']}.json"
     if point.method not in catalog:
         raise StoreError(f"{where}: no method {point.method!r}; allowed: what 'mfr-bench methods' lists"
-                         f"{nearest(point.method, catalog)}; remove its cell, or, if the method is from outside, name its "
-                         "folder in MFR_BENCH_METHODS")
+                         f"{nearest(point.method, catalog)}; remove its cell, or, if the method is from outside, name "
+                         "its folder in MFR_BENCH_METHODS")
     try:
         return catalog[point.method].variant(point.cell["params"])
     except (ValueError, TypeError, KeyError) as error:

@@ -34,7 +34,7 @@ def row(page, section, label):
 
 def test_a_method_from_outside_is_to_be_named(tmp_path):
     made = folder(tmp_path / "one", [cell("my-array", "My array")])
-    with pytest.raises(StoreError, match="no method 'my-array'.*name its folder in MFR_BENCH_METHODS"):
+    with pytest.raises(StoreError, match=r"no method 'my-array'.*name its folder in MFR_BENCH_METHODS"):
         conformance_page([load(made)], catalog())
 
 
