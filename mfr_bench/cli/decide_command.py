@@ -115,12 +115,12 @@ def _raced(question, scene, deadline: float, out: str | None, device: str):
 
     left_s = deadline - time.monotonic()
     found, excluded = within_time(*_candidates(question, scene), left_s)
-    note(f"{len(found)} candidates; the answer takes about {duration(left_s)}, more on a loaded machine")
+    told = f"{len(found)} candidates; the answer takes about {duration(left_s)}, more on a loaded machine"
     with TemporaryDirectory() as folder:
         path = Path(folder, "decide.yaml")
         made = config_of(question, scene, found, left_s)
         path.write_text(yaml.safe_dump(made, sort_keys=False, allow_unicode=True), encoding="utf-8")
-        results = _measured(path, device, out)
+        results = _measured(path, device, out, told)
         kept = results.path / path.name
         write_file(kept, path.read_bytes())
     return answers(question, load(results), excluded, str(kept))
@@ -141,8 +141,11 @@ def _candidates(question, scene):
     return candidates(catalog(), question, enough)
 
 
-def _measured(config: Path, device: str, out: str | None):
-    """The result folder of the config, measured where it lacks something; nothing is printed on stdout."""
+def _measured(config: Path, device: str, out: str | None, told: str):
+    """The result folder of the config, measured where it lacks something; nothing is printed on stdout.
+
+    told: what is said once the device is there.
+    """
     from ..run.supervisor import Supervisor
     from .interruption import Interruption
     from .run_command import plans_of
@@ -157,6 +160,8 @@ def _measured(config: Path, device: str, out: str | None):
 
     started = time.perf_counter()
     with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor:
+        supervisor.ready()
+        note(told)
         session = Silent(supervisor, interruption.asked, Choices(out, False, False, False), started)
         session.run(plans_of([str(config)], None, None, ()))
     return session.folder

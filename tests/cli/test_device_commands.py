@@ -341,7 +341,7 @@ def test_the_table_of_rounding_is_the_one_of_the_docs(mfr):
 TAKE_A_DEVICE = {
     "run": ["smoke"], "stress": ["equal-depths"], "methods": [], "doctor": [], "check": ["kplus-array"],
     "decide": ["--size", "16x16", "--layers", "2"], "render": ["smoke", "--method", "ab-array", "--out", "a.npy"],
-    "scene": ["smoke", "--fragments", "f.npz"],
+    "scene": ["smoke", "--fragments", "f.npz"], "versus": [ROOT, ROOT, "smoke"],
 }
 
 
@@ -355,5 +355,6 @@ def test_a_device_that_is_not_there_is_2_with_those_that_are(device, here, comma
     name, *more = command.split()
     ended = apart(name, *TAKE_A_DEVICE[name], *more, "--device", "99")
     assert ended.status == 2
-    assert ended.complaint.startswith("--device 99: no such device; allowed: auto, gpu, cpu, or an index, ")
+    whose = f"versus: {ROOT}: " if command == "versus" else ""
+    assert ended.complaint.startswith(f"{whose}--device 99: no such device; allowed: auto, gpu, cpu, or an index, ")
     assert device.info["renderer"] in ended.complaint

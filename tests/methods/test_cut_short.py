@@ -16,7 +16,7 @@ CUT = [("peel-f2b", {}, 8), ("peel-f2b", {}, 1), ("peel-f2b", {}, 500), ("peel-k
        ("peel-kplus", {"k": 8}, 17), ("peel-kplus", {"k": 8}, 1)]
 STOPPING = [("peel-f2b", {}), *(("ab-array", {"sort": sort}) for sort in ("hybrid", "lplus", "register")),
             ("ab-ll", {"resolve": "compute"}), ("lin-pre", {}), ("kb-ps", {"k": 32}), ("kb-mdt32", {"k": 32}),
-            ("kplus-heap", {"k": 32, "bma": "on"}), ("ab-ll-bucket", {}), ("kb-ll", {"k": 32})]
+            ("kplus-heap", {"k": 32, "bma": "on", "sort": "hybrid"}), ("ab-ll-bucket", {}), ("kb-ll", {"k": 32})]
 
 
 @pytest.mark.parametrize(("method", "params", "layers"), CUT)
