@@ -34,7 +34,7 @@ def submit_results(folders: tuple[str, ...], out: str, sign_off: str) -> None:
     for line in left_out:
         note(line)
     write_file(Path(out), content)
-    say(f"{out}: {len(found)} results, {len(content) / 2**20:.1f} MiB; check it with: mfr-bench verify {out}")
+    say(f"{out}: result folders: {len(found)}, {len(content) / 2**20:.1f} MiB; check it with: mfr-bench verify {out}")
 
 
 @click.command()
@@ -67,12 +67,12 @@ def verify(bundle: str, against: tuple[str, ...], into: str | None) -> int:
         for finding in odd:
             say(finding)
         cells = sum(len(folder.cells()) for folder in folders)
-        say(f"{bundle}: {len(folders)} results, {cells} cells, {len(odd) or 'nothing'} odd")
+        say(f"{bundle}: result folders: {len(folders)}, cells: {cells}, odd: {len(odd) or 'nothing'}")
         if odd or into is None:
             return 3 if odd else 0
         merged, _ = merged_sets(folders, Path(into))
         for each in merged:
             with each.folder.lock():
                 written = write_set(each)
-            say(f"{each.folder.path}: {written.cells} cells, {written.new} new")
+            say(f"{each.folder.path}: cells: {written.cells}, new: {written.new}")
     return 0

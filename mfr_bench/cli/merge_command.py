@@ -47,5 +47,5 @@ def merge_into(folders, into: Path) -> None:
         write_tables_of(merged.folder)
         for line in filter(None, (cell.said for cell in merged.cells.values())):
             say(line)
-        say(f"{merged.folder.path}: {written.cells} cells, {written.new} new, of {len(merged.sources)} results")
+        say(f"{merged.folder.path}: cells: {written.cells}, new: {written.new}, merged folders: {len(merged.sources)}")
     say(f"figures: mfr-bench plot {into}")

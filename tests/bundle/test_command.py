@@ -9,11 +9,11 @@ from ..merge.test_merge import folder, record
 def test_from_results_to_a_collection(tmp_path, mfr):  # noqa: F811
     source = folder(tmp_path / "n1", record("ab-array"), record("ab-ll"))
     made = mfr("submit-results", source.path, "--sign-off", "A. Smith", "--out", tmp_path / "b.zip")
-    assert made.status == 0 and "1 results" in made.out, made.err
+    assert made.status == 0 and "result folders: 1," in made.out, made.err
     done = mfr("verify", tmp_path / "b.zip", "--into", tmp_path / "collection")
-    assert done.status == 0 and "2 cells, nothing odd" in done.out and "2 cells, 2 new" in done.out
+    assert done.status == 0 and "cells: 2, odd: nothing" in done.out and "cells: 2, new: 2" in done.out
     again = mfr("verify", tmp_path / "b.zip", "--into", tmp_path / "collection")
-    assert again.status == 0 and "2 cells, 0 new" in again.out
+    assert again.status == 0 and "cells: 2, new: 0" in again.out
 
 
 def test_what_is_odd_ends_with_3_and_is_not_taken(tmp_path, mfr):  # noqa: F811

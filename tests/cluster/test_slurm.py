@@ -103,7 +103,7 @@ def finish(place):
     assert before.items() <= after.items() and len(after) == CELLS
     assert len({key for _, key in after}) == CELLS
     merged = apart("collect", "store", "--into", "merged")
-    assert merged.status == 0 and f"merged: {CELLS} cells" in merged.out, merged.err
+    assert merged.status == 0 and f"merged: cells: {CELLS}," in merged.out, merged.err
     with open(place / "merged" / "results.csv", newline="", encoding="utf-8") as file:
         assert len(list(csv.DictReader(file))) == CELLS
 

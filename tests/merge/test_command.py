@@ -10,12 +10,12 @@ def test_two_machines_results_are_one_set(tmp_path, mfr):  # noqa: F811
     n1, n2 = folder(tmp_path / "n1", record("ab-array")), folder(tmp_path / "n2", record("ab-ll"))
     done = mfr("merge", n1.path, n2.path, "--into", tmp_path / "all")
     assert done.status == 0, done.err
-    assert f"{tmp_path / 'all'}: 2 cells, 2 new, of 2 results" in done.out
+    assert f"{tmp_path / 'all'}: cells: 2, new: 2, merged folders: 2" in done.out
     assert (tmp_path / "all" / "results.csv").read_text().count("planted") == 2
     shown = mfr("table", tmp_path / "all")
     assert shown.status == 0 and "ab-array" in shown.out and "ab-ll" in shown.out
     again = mfr("merge", n2.path, n1.path, "--into", tmp_path / "all")
-    assert "2 cells, 0 new" in again.out
+    assert "cells: 2, new: 0" in again.out
 
 
 def test_a_contradiction_ends_with_2_and_writes_nothing(tmp_path, mfr):  # noqa: F811
@@ -31,7 +31,7 @@ def test_sets_of_several_devices_are_named(tmp_path, mfr):  # noqa: F811
     done = mfr("merge", folder(tmp_path / "n1", record("ab-array")).path,
                folder(tmp_path / "n2", record("ab-ll", device=other), device=other).path,
                "--into", tmp_path / "all")
-    assert done.status == 0 and "all/card-a/planted: 1 cells" in done.out and "all/card-b/planted" in done.out
+    assert done.status == 0 and "all/card-a/planted: cells: 1," in done.out and "all/card-b/planted" in done.out
 
 
 def test_an_empty_name_is_no_place(tmp_path, mfr, monkeypatch):  # noqa: F811
