@@ -52,3 +52,17 @@ def test_cells_without_memory_are_crosses_on_the_axis(tmp_path, status):
     assert list(cross.get_xdata()) == [8] and cross.get_color() == style.method_colour("kb-ll")
     assert status.replace("_", " ") in [t.get_text() for t in figure.legends[0].get_texts()]
     assert any("KB-LL" in text and status.replace("_", " ") in text for text in all_texts(figure))
+
+
+@pytest.mark.parametrize("log", ["", "y", "xy"])
+def test_equations_cover_no_data(tmp_path, log):
+    methods = ("kb", "kb-ps", "kplus-array", "ab-ll", "ab-sb")
+    cells = [cell(method, method, 9 - i + 0.01 * n, scene={"depth_complexity": n}, point={"scene.depth_complexity": n})
+             for i, method in enumerate(methods) for n in (4, 8, 16, 32)]
+    figure = built(tmp_path, cells, {"kind": "lines", "x": "depth_complexity", "fit": "linear", "log": log})
+    figure.canvas.draw()
+    axes, = figure.axes
+    equations = [t for t in axes.texts if "R²" in t.get_text()]
+    lowest = min(t.get_window_extent().y0 for t in equations)
+    highest = max(axes.transData.transform(line.get_xydata())[:, 1].max() for line in curves(axes).values())
+    assert len(equations) == len(methods) and highest < lowest

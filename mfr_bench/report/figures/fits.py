@@ -15,6 +15,10 @@ if TYPE_CHECKING:
 
 DEGREES = {"linear": 1, "quadratic": 2}
 STEPS = 60  # of a drawn curve
+LINE_PT = 7.4  # from one equation to the next
+CORNER = 0.985  # of the panel's height, where the first stands
+POINTS_PER_INCH = 72
+MOST_ROOM = 0.6  # of a panel's height, that its equations take
 SUPERSCRIPTS = ("", "x", "x²")
 
 
@@ -67,6 +71,15 @@ def draw_fit(axes: Axes, fits: Sequence[Fit], log_x: bool) -> None:
         xs = [first * (last / first) ** s if log_x and first > 0 else first + s * (last - first) for s in steps]
         axes.plot(xs, [fit.at(x) for x in xs], color=style.method_colour(fit.method), linewidth=0.7, alpha=0.8,
                   linestyle=(0, (1, 1)), zorder=1.5)
-        axes.annotate(fit.text, (0.015, 0.985), (0, -place * 7.4), xycoords="axes fraction", ha="left", va="top",
+        axes.annotate(fit.text, (0.015, CORNER), (0, -place * LINE_PT), xycoords="axes fraction", ha="left", va="top",
                       textcoords="offset points", fontsize=style.NUMBER_PT, color=style.INK,
                       bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.75})
+
+
+def room_for(axes: Axes, equations: int) -> None:
+    """Raise the top of the y axis, linear or logarithmic, so that equations in the corner cover no data."""
+    height_pt = axes.get_position().height * axes.figure.get_figheight() * POINTS_PER_INCH
+    share = min(MOST_ROOM, 1 - CORNER + equations * LINE_PT / height_pt)
+    to_even, back = axes.yaxis.get_transform(), axes.yaxis.get_transform().inverted()
+    low, high = to_even.transform(list(axes.get_ylim()))
+    axes.set_ylim(top=float(back.transform([low + (high - low) / (1 - share)])[0]))

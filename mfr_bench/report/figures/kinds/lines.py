@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ... import data, style
 from ...data import Point, Result
-from ..fits import DEGREES, Fit, draw_fit, fits_of
+from ..fits import DEGREES, Fit, draw_fit, fits_of, room_for
 from ..kind import FLOOR, GAIN_OF, LOG, LOG_BASE, PANELS, PASSES, PRINTED, X_LABEL, Y_LABEL, Key, Kind
 from ..marks import Guide, Mark, draw_guides, draw_marks, guides_of, marks_of
 from ..scales import log_axes, log_axis, log_base, nothing, y_label
@@ -206,6 +206,8 @@ class LineChart:
             axes.set_ylim(bottom=0)
         else:
             axes.axhline(0, color=style.QUIET, linewidth=0.8, zorder=1)
+        if axes.texts and self.options.get("fit"):
+            room_for(axes, len(axes.texts))
         if self.log_x:
             log_axis(axes, "x", log_base(self.options))
         low, high = self._x_limits()
