@@ -14,6 +14,7 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
+from ..config.check import MAX_CELLS
 from ..errors import UsageError
 from ..store.columns import ARRAYS
 from ..store.pack import BROKEN
@@ -24,7 +25,6 @@ INDEX = "bundle.json"
 MEMBER = re.compile(r"[\w+-][\w.+-]{0,99}/[\w+-][\w.+-]{0,99}/(manifest\.json|cells\.zip)", re.ASCII)
 BUNDLE_BYTES = 64 * 2**20  # of the file
 MEMBERS = 20_000  # in a bundle
-CELLS = 100_000  # in a pack, as in a config
 OPENED_BYTES = 512 * 2**20  # of all members together, unpacked, with the arrays in them
 PIECE_BYTES = 2**20
 
@@ -87,7 +87,7 @@ def _read(path: Path) -> dict[str, dict[str, bytes]]:
 
 def _cells(content: bytes, budget: Budget) -> dict[str, bytes]:
     """The files of a pack. Arrays are zips of their own: what those give counts as well."""
-    found = _members(content, budget, 2 * CELLS, is_cell_file)
+    found = _members(content, budget, 2 * MAX_CELLS, is_cell_file)
     for name, packed in found.items():
         if ARRAY_FILE.fullmatch(name):
             try:

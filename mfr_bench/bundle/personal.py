@@ -9,7 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-IDENTITY = ("uuid", "pci")  # of a device: they tell one card of a kind from another
+from ..store.record import NODE
+
 PATHS = re.compile(r"(?<![\w./])(?:~|/(?!/)[\w.+-]+|[A-Za-z]:[\\/])[\w.+\-\\/]*[\\/][\w.+\-\\/]*")  # absolute ones
 SHORTEST = 3  # letters of a name that is looked for: shorter ones are parts of words
 REMOVED = "(removed)"
@@ -36,7 +37,7 @@ def pattern(found: list[str]) -> re.Pattern[str]:
 def cleaned(value: Any, personal: re.Pattern[str]) -> Any:
     """A JSON value with every personal name and path replaced, and without what identifies a card."""
     if isinstance(value, Mapping):
-        return {name: None if name in IDENTITY else cleaned(part, personal) for name, part in value.items()}
+        return {name: None if name in NODE else cleaned(part, personal) for name, part in value.items()}
     if isinstance(value, list):
         return [cleaned(part, personal) for part in value]
     return personal.sub(REMOVED, value) if isinstance(value, str) else value

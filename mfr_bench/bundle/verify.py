@@ -10,7 +10,7 @@ from typing import Any
 
 from ..config.schema import parse
 from ..errors import UsageError
-from ..merge.copies import Copy, Source
+from ..merge.copies import Copy, Source, device_of
 from ..methods import FLOOR, catalog
 from ..plan import expected_stats
 from ..scene import Scene, generate
@@ -128,8 +128,7 @@ class _Errors:
 
     def unlike(self, cell: Cell) -> str | None:
         """The difference of the cell's error from that of every other device, or None."""
-        mine, device = cell["values"].get("max_abs_error"), cell.get("device")
-        slug = device.get("slug") if isinstance(device, Mapping) else device
+        mine, slug = cell["values"].get("max_abs_error"), device_of(cell).get("slug")
         theirs = [error for name, error in self._found.get(_question(cell), {}).items() if name != slug]
         if mine is None or len(theirs) < OTHERS or float(mine) <= FAR * max(theirs) + NOISE:
             return None

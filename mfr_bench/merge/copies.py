@@ -8,14 +8,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..store import KEY_FILE, ResultFolder
-from ..store.record import SCHEMA, Cell, cell_key, fault, parsed
+from ..store.record import NODE, Cell, cell_key, fault, other_schema, parsed
 
 REPEATED = frozenset({  # what another run of the same cell gives anew
     "warmup_ms", "samples_ms", "passes", "measured", "device"})
 REPEATED_VALUES = frozenset({
     "samples", "time_ms", "time_ms_low", "time_ms_high", "noisy", "stop_reason", "repeats", "sessions",
     "distinct_images"})
-NODE = ("uuid", "pci")  # of a device: what tells equal ones apart
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,7 @@ class Copy:
     @property
     def node(self) -> tuple[str | None, ...]:
         """The identity of the device among equal ones: UUID and PCI address."""
-        device = _device(self.cell)
+        device = device_of(self.cell)
         return tuple(device.get(name) for name in NODE)
 
     @property
@@ -47,7 +46,7 @@ class Copy:
         """The part that every repetition of the cell agrees on: the record without times and the node."""
         kept = {name: value for name, value in self.cell.items() if name not in REPEATED}
         values = {name: value for name, value in kept["values"].items() if name not in REPEATED_VALUES}
-        device = {name: value for name, value in _device(self.cell).items() if name not in NODE}
+        device = {name: value for name, value in device_of(self.cell).items() if name not in NODE}
         return kept | {"values": values, "device": device}
 
 
@@ -69,39 +68,34 @@ class Source:
     @property
     def slug(self) -> str:
         """Name of the device, which names the folder above the set."""
-        device = self.manifest.get("device")
-        return str((device.get("slug") if isinstance(device, Mapping) else device) or "unknown-device")
+        return str(device_of(self.manifest).get("slug") or "unknown-device")
 
     def copies(self) -> Iterator[Copy | str]:
         """Every record of the folder, or a line on what keeps it from being one. Nothing in the folder is changed."""
         for name in filter(KEY_FILE.fullmatch, self.folder.names()):
             key = name.removesuffix(".json")
-            wrong, content = self._read(name)
+            wrong, content = self._read(key)
             yield f"{self.folder.path}: cell {key}: {wrong}; left out" if wrong else Copy(
                 key, content, self._arrays(key), self)
 
     def contradiction(self, copy: Copy) -> str | None:
         """The contradiction of a record with its own key or its folder, or None."""
         cell, timer = copy.cell, self.manifest.get("timer")
-        device = _device(cell)
+        device = device_of(cell)
         if device.get("slug") not in (None, self.slug):
             return f"was measured on {device['slug']}, its folder on {self.slug}"
         if timer is not None and cell_key(cell, timer) != copy.key:
             return "is not what its key names (method, shaders, parameters, scene, settings, device, driver, timer)"
         return None
 
-    def _read(self, name: str) -> tuple[str | None, bytes]:
+    def _read(self, key: str) -> tuple[str | None, bytes]:
+        """The fault of a record, if it has one, and its bytes."""
         try:
-            content = self.folder.content(name)
+            content = self.folder.content(f"{key}.json")
             cell = parsed(content)
         except (OSError, ValueError) as error:
             return f"cannot be read: {error}", b""
-        if isinstance(cell, dict) and cell.get("schema") != SCHEMA:
-            return f"has schema {cell.get('schema')!r}, this program reads {SCHEMA}", b""
-        wrong = fault(cell)
-        if wrong is None and f"{cell['key']}.json" != name:
-            wrong = f"is the record of {cell['key']}"
-        return wrong, content
+        return other_schema(cell) or fault(cell, key), content
 
     def _arrays(self, key: str) -> bytes | None:
         try:
@@ -110,6 +104,7 @@ class Source:
             return None
 
 
-def _device(cell: Cell) -> Mapping[str, Any]:
-    device = cell.get("device")
+def device_of(record: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The device of a cell or a manifest; of the older ones that have its name alone, that name."""
+    device = record.get("device")
     return device if isinstance(device, Mapping) else {"slug": device}

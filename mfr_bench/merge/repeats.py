@@ -10,7 +10,7 @@ from typing import Any
 
 from ..stats import ratio_interval, sampled_interval
 from ..store import ResultFolder
-from ..store.record import parsed, text
+from ..store.record import NODE, parsed, text
 from .copies import Copy, Source
 
 EQUIVALENT = 0.05  # relative: samples are added up where the interval of every ratio lies within it
@@ -100,5 +100,5 @@ def _pooled(cells: Sequence[dict[str, Any]]) -> dict[str, Any]:
     values = first["values"] | {
         "samples": len(samples), "time_ms": middle, "time_ms_low": low, "time_ms_high": high,
         "sessions": sum(cell["values"].get("sessions") or 1 for cell in cells)}
-    device = dict(first.get("device") or {}) | {"uuid": None, "pci": None}
+    device = dict(first.get("device") or {}) | dict.fromkeys(NODE)
     return first | {"values": values, "samples_ms": samples, "passes": passes, "device": device}

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 def generate(scene: Scene, frame: int = 0) -> Geometry:
     """The primitives of a scene. In an animation's `frame` quads have another seed; an object is seen from nearer."""
-    module, _, name = kind_of(scene).generator.rpartition(".")
-    made = getattr(import_module(f"{__name__}.{module}"), name)(scene, frame)
+    kind = kind_of(scene)
+    made = getattr(kind.module, kind.generator.rpartition(".")[2])(scene, frame)
     made = replace(made, shading=scene.shading) if scene.shading else made
     return made if scene.settings == PLAIN else import_module(f"{__name__}.parts").with_effect(made, scene.settings)
 

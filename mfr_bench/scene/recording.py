@@ -14,7 +14,6 @@ import numpy as np
 from ..errors import UsageError
 from . import files, npz
 from .flat import submission
-from .kinds.fragments import path_of
 from .parameters import Scene
 from .pieces import Pieces
 from .spec.values import MAX_SIDE
@@ -68,7 +67,7 @@ class Stored:
     allowed: str = ""
 
     def fault(self, values: np.ndarray, count: int, viewport: tuple[int, int]) -> str | None:
-        """What is wrong with the array, in words that follow its name; None if nothing is."""
+        """The fault of the array, in words that follow its name; None if it has none."""
         shape = (count, self.width) if self.width else (count,)
         if values.dtype.name not in self.types or values.shape != shape:
             return f"is {values.dtype} {values.shape}; allowed: {self.types[0]} {shape}"
@@ -103,7 +102,7 @@ OPTIONAL: Mapping[str, Stored] = {"object": Stored(WHOLE), "front": Stored(("boo
 
 def fragments(config: Scene, _frame: int = 0) -> Pieces:
     """The recorded fragments of a config as quads of one pixel. Raises UsageError for a file that does not do."""
-    made = recording_of(path_of(config))
+    made = recording_of(config.file_path)
     order = _order(config, made.depth)
     pixel = made.pixel[order]
     object_, front = (None if values is None else values[order] for values in (made.object, made.front))

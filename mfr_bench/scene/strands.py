@@ -10,7 +10,6 @@ import numpy as np
 from ..hashing import WORD, hash3
 from . import files
 from .coverage import Estimate, estimate_of
-from .kinds.strands import path_of
 from .mesh import camera_of
 from .objects import direction
 from .parameters import Scene
@@ -58,7 +57,7 @@ def _sides(clip: np.ndarray, found: Polylines, width: float, size: tuple[int, in
 def polylines(config: Scene) -> Polylines:
     """The strands in the world: those of the file, or hair on a head of radius 1."""
     if config.file:
-        return _read(str(path_of(config)), files.stamp(path_of(config), WANTED))
+        return _read(str(config.file_path), files.stamp(config.file_path, WANTED))
     return _grown(config)
 
 
@@ -69,7 +68,7 @@ def _read(path: str, _stamped: tuple[int, int]) -> Polylines:
 
 def digest(config: Scene) -> str:
     """Hash of the contents of the file."""
-    return files.digest([path_of(config)], WANTED)
+    return files.digest([config.file_path], WANTED)
 
 
 @lru_cache(maxsize=64)

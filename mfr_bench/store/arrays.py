@@ -18,7 +18,7 @@ from .pack import BROKEN
 if TYPE_CHECKING:
     import numpy as np
 
-# What numpy raises over an .npz that is none, is damaged, or says of itself what it does not hold.
+# The errors that numpy raises over an .npz that is none, is damaged, or announces more than it has.
 NO_ARRAYS = (*BROKEN, MemoryError, SyntaxError, tokenize.TokenError)
 
 

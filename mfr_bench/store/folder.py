@@ -15,7 +15,20 @@ from . import columns
 from .files import make_folder, unwritable, write_file
 from .manifest import sound
 from .pack import Pack, remove, write_pack
-from .record import KEY_FILE, SCHEMA, Cell, decoded, fault, is_cell_file, parsed, plain, read, schema_of, text
+from .record import (
+    KEY_FILE,
+    SCHEMA,
+    Cell,
+    decoded,
+    fault,
+    is_cell_file,
+    other_schema,
+    parsed,
+    plain,
+    read,
+    schema_of,
+    text,
+)
 
 
 def _holder(handle: int) -> str:
@@ -127,11 +140,9 @@ class ResultFolder:
             return self.skip(path, f"cannot be read: {error.strerror}")
         except ValueError as error:
             return self._set_aside(path, f"not JSON: {error}")
-        if isinstance(cell, dict) and cell.get("schema") != SCHEMA:
-            return self.skip(path, f"has schema {cell.get('schema')!r}, this program reads {SCHEMA}")
-        wrong = fault(cell)
-        if wrong is None and cell["key"] != key:
-            wrong = f"is the record of {cell['key']}"
+        if other := other_schema(cell):
+            return self.skip(path, other)
+        wrong = fault(cell, key)
         return self._set_aside(path, wrong) if wrong else decoded(cell)
 
     def cells(self) -> list[Cell]:

@@ -17,7 +17,7 @@ from pathlib import Path
 from ..errors import StoreError
 from .files import sync_folder, unwritable, write_file
 
-# What reading a bad archive raises.
+# The errors that reading a bad archive raises.
 BROKEN = (OSError, ValueError, EOFError, KeyError, RuntimeError, zipfile.BadZipFile, zlib.error)
 SAME_DATE = (1980, 1, 1, 0, 0, 0)  # of every file in a pack: the same cells make the same bytes
 

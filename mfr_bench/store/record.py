@@ -22,6 +22,7 @@ HISTORY = {  # of the format: a new schema is one that programs of the one befor
        "`lost_fragments` was the sum of all frames. `tied_error` and `order_error`: before, `max_abs_error` left out "
        "all pixels with equal depths in scenes that a device rasterizes, and none on flat quads.",
 }
+NODE = ("uuid", "pci")  # of a device: they tell one of a kind from another
 LARGEST = 1e18  # of a number in a cell or a manifest; what is larger overflows in sums and squares
 KEY_DIGITS = 20  # 80 bits: two of a billion cells share a key with a chance below 1e-6
 
@@ -150,8 +151,15 @@ def _fits(column: Column, value: Any) -> bool:
         column.type == "str" or (is_number(value) and (column.unit not in AMOUNTS or value >= 0)))
 
 
-def fault(cell: Any) -> str | None:
-    """Why `cell` is not a valid cell record of this schema, in words; None if it is."""
+def other_schema(cell: Any) -> str | None:
+    """The schema of a record, in words, if it is another than this program's."""
+    if isinstance(cell, dict) and cell.get("schema") != SCHEMA:
+        return f"has schema {cell.get('schema')!r}, this program reads {SCHEMA}"
+    return None
+
+
+def fault(cell: Any, key: str | None = None) -> str | None:
+    """The reason, in words, why `cell` is no valid record of this schema, or not that of `key`; None if it is."""
     if not isinstance(cell, dict):
         return "not a cell record"
     for name, kind in REQUIRED.items():
@@ -162,11 +170,12 @@ def fault(cell: Any) -> str | None:
     size = cell["scene"].get("size")
     if not (isinstance(size, list) and len(size) == 2 and all(map(is_number, size))):
         return "scene.size: not two numbers"
-    return _wrong_values(cell) or _wrong_parts(cell) or _wrong_lists(cell)
+    wrong = _wrong_values(cell) or _wrong_parts(cell) or _wrong_lists(cell)
+    return wrong if wrong or key in (None, cell["key"]) else f"is the record of {cell['key']}"
 
 
 def _wrong_values(cell: Cell) -> str | None:
-    """What is wrong with a cell's values by the types of their columns, or None."""
+    """The first value of a cell that is not of its column's type, or outside its interval; None if all are right."""
     wrong = [column for name, column in columns.VALUES.items() if not _fits(column, cell["values"].get(name))]
     if wrong:
         return f"values.{wrong[0].name}: not of type {wrong[0].type}, or negative"
@@ -176,7 +185,7 @@ def _wrong_values(cell: Cell) -> str | None:
 
 
 def _wrong_parts(cell: Cell) -> str | None:
-    """What is wrong with a cell's parameters, place or other parts, or None."""
+    """The first of a cell's parameters, place and other parts that is not of its type; None if all are."""
     params, point = cell["params"], cell["point"]
     wrong = [f"params.{name}" for name, value in params.items()
              if not isinstance(value, (str, bool)) and not is_number(value)]
@@ -201,7 +210,7 @@ def _wrong_parts(cell: Cell) -> str | None:
 
 
 def _wrong_lists(cell: Cell) -> str | None:
-    """What is wrong with a cell's measurements, passes or frames, or None."""
+    """The first of a cell's samples, passes, frames and further places that is not of its type; None if all are."""
     if not all(is_samples(cell.get(name) or []) for name in ("warmup_ms", "samples_ms")):
         return "samples: not a list of numbers"
     passes, frames = cell.get("passes") or {}, cell.get("frames") or []

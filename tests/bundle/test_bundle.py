@@ -165,7 +165,7 @@ def test_more_bytes_than_the_limit_are_not_unpacked(tmp_path, monkeypatch):
 
 
 def test_more_cells_than_a_config_may_have_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(archive, "CELLS", 2)
+    monkeypatch.setattr(archive, "MAX_CELLS", 2)
     many = {f"{number:020x}.json": b"{}" for number in range(9)}
     assert "more than 4" in refused(tmp_path, crafted(good_set(**many)))
 

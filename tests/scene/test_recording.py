@@ -18,7 +18,6 @@ from mfr_bench.oracle.listed import counts_of, listed, recorded, recorded_quads
 from mfr_bench.plan import expand, expected_stats
 from mfr_bench.resources import configs_dir
 from mfr_bench.scene import generate
-from mfr_bench.scene.kinds.fragments import path_of
 from mfr_bench.scene.recording import Recording, recording_of
 
 FLAT = [SceneConfig(size=(97, 71), depth_complexity=9, layout="mixed", mean_depth=5, seed=4),
@@ -182,7 +181,7 @@ def test_keys_that_a_recording_has_no_use_for(scene_of, keys, line):
 def test_the_viewport_is_the_file_s(scene_of):
     scene = scene_of(recording())
     with pytest.raises(UsageError, match=r"\[4, 4\] where recorded.npz has \[2, 1\] pixels; allowed: the viewport of"):
-        scene_of(path_of(scene), size=(4, 4))
+        scene_of(scene.file_path, size=(4, 4))
 
 
 # --- the page ---

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 from ...errors import UsageError
@@ -22,16 +20,11 @@ def _file_agrees(scene: CommonKeys) -> Fault | None:
     if not scene.file:
         return None
     try:
-        viewport = _reader().viewport_of(path_of(scene))
+        viewport = KIND.module.viewport_of(scene.file_path)
     except UsageError as error:
         return ("scene.file",), str(error)
     what = f"{list(scene.size)} where {scene.file} has {list(viewport)} pixels; allowed: the viewport of the file"
     return None if viewport == tuple(scene.size) else (("scene.size", "scene.file"), what)
-
-
-def path_of(scene: CommonKeys) -> Path:
-    """The file of a scene."""
-    return Path(scene.folder or ".", scene.file)
 
 
 class Fragments(Kind):
@@ -64,15 +57,10 @@ class Fragments(Kind):
         return max(1, sum(self.expected_counts(scene)))
 
     def expected_counts(self, scene: CommonKeys) -> list[int]:
-        return _reader().covered_counts(path_of(scene))
+        return self.module.covered_counts(scene.file_path)
 
     def record(self, scene: CommonKeys) -> dict[str, Any]:
-        return {"files": [path_of(scene).name], "digest": _reader().digest(path_of(scene))}
-
-
-def _reader():
-    """The module that reads the files: as the generator, it loads numpy and is loaded when a scene needs it."""
-    return import_module(f"{__package__.rpartition('.')[0]}.recording")
+        return {"files": [scene.file_path.name], "digest": self.module.digest(scene.file_path)}
 
 
 KIND = Fragments()

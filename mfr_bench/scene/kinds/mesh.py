@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -188,16 +187,11 @@ class Mesh(EstimatedKind):
         return f"{', '.join(missing)} on this machine; get it: {FETCH}" if missing else None
 
     def record(self, scene: CommonKeys) -> dict[str, Any]:
-        digest = "not fetched" if self.lacks(scene) else _reader().digest(scene)
+        digest = "not fetched" if self.lacks(scene) else self.module.digest(scene)
         return {"files": [path.name for path in paths(scene)], "digest": digest}
 
     def estimate(self, scene: CommonKeys):
-        return _reader().guess(scene) if self.lacks(scene) else _reader().estimate(scene)
-
-
-def _reader():
-    """The module that reads the files: as the generator, it loads numpy and is loaded when a scene needs it."""
-    return import_module(f"{__package__.rpartition('.')[0]}.mesh")
+        return self.module.guess(scene) if self.lacks(scene) else self.module.estimate(scene)
 
 
 KIND = Mesh()

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from importlib import import_module
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
@@ -37,7 +35,7 @@ class StrandKeys(FileKeys):
 def _file_is_there(scene: CommonKeys) -> Fault | None:
     if not scene.file:
         return None
-    path = path_of(scene)
+    path = scene.file_path
     if path.suffix.lower() not in ENDINGS:
         return ("scene.file",), f"{scene.file} holds no strands; allowed: a file that ends in {' or '.join(ENDINGS)}"
     return None if path.is_file() else (("scene.file",), f"{path}: no such file; allowed: a file of strands")
@@ -49,11 +47,6 @@ def _no_count_of_a_file(scene: CommonKeys) -> Fault | None:
     if not (scene.file and changed):
         return None
     return (f"scene.{changed[0]}", "scene.file"), f"{changed[0]} beside a file, which has its own; allowed: one of them"
-
-
-def path_of(scene: CommonKeys) -> Path:
-    """The file of a scene that has one."""
-    return Path(scene.folder or ".", scene.file)
 
 
 class Strands(EstimatedKind):
@@ -82,16 +75,10 @@ class Strands(EstimatedKind):
     def record(self, scene: CommonKeys) -> dict[str, Any]:
         if not scene.file:
             return {}
-        return {"files": [path_of(scene).name], "digest": _generator().digest(scene)}
+        return {"files": [scene.file_path.name], "digest": self.module.digest(scene)}
 
-    @staticmethod
-    def estimate(scene: CommonKeys):
-        return _generator().estimate(scene)
-
-
-def _generator():
-    """The module that makes the strands: it loads numpy, and is loaded when a scene needs it."""
-    return import_module(f"{__package__.rpartition('.')[0]}.strands")
+    def estimate(self, scene: CommonKeys):
+        return self.module.estimate(scene)
 
 
 KIND = Strands()

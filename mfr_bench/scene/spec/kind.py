@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
 from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
@@ -11,6 +14,7 @@ from annotated_types import Interval
 from ...effects import EFFECTS, OPERATIONS, PLAIN, Settings
 from .values import Allowed, Alpha, Colours, Seed, Share, Size, Text
 
+SCENE = __package__.rpartition(".")[0]  # the package of the generators
 MAX_PRIMITIVES = 2**22  # distinct depths on the grid of 2**-23, with a free point between any two
 MAX_SHADING = 16384  # steps, well below the 65,535 iterations at which llvmpipe ends a loop silently
 MAX_LAYER, MAX_ABSORPTION = 4096, 1000  # of effects
@@ -78,6 +82,11 @@ class FileKeys:
     file: Text | None = None
     folder: Text | None = local(None)
 
+    @property
+    def file_path(self) -> Path:
+        """The path of the file, of a scene that has one."""
+        return Path(self.folder or ".", self.file)
+
 
 @dataclass(frozen=True, kw_only=True)
 class NoKeys:
@@ -118,6 +127,11 @@ class Kind:
     rules: ClassVar[Sequence[Callable[[Any], Fault | None]]] = ()
     rows: ClassVar[Sequence[Described]]
     key_words: ClassVar[str] = ""
+
+    @property
+    def module(self) -> ModuleType:
+        """The module of the generator: it loads numpy, and is loaded when a scene needs it."""
+        return import_module(f"{SCENE}.{self.generator.rpartition('.')[0]}")
 
     def covered_pixels(self, scene: CommonKeys) -> int:
         """Pixels with a fragment at least, where none is discarded; about, where the device decides."""
