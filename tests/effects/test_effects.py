@@ -41,7 +41,7 @@ def stages(device):
 
 @pytest.mark.parametrize("method", EXACT, ids=lambda m: m.id)
 def test_every_exact_method_that_hands_fragments_on_agrees_with_the_models(method, stages, device):
-    """With its own parameters, for all fragments or the k nearest, as it promises."""
+    """Each method gives the model's image, of all fragments or of the k nearest, as it promises."""
     variant = variant_of(method)
     if not device.features.issuperset(variant.needs):
         pytest.skip(f"needs {', '.join(variant.needs)}")

@@ -366,7 +366,7 @@ def test_no_budget_is_the_default_and_can_be_written():
 
 
 def test_layers_behind_thousands_of_others_do_not_leak(device):
-    """What shows through is held as such: as 1 minus a sum of opacities it stops at the last bit of 1."""
+    """The share that shows through is kept as such: 1 minus a sum of opacities would stop at the last bit of 1."""
     scene = generate(SceneConfig(size=(8, 8), depth_complexity=4096, alpha=(0.004, 0.01), seed=7))
     with drawn(device, "adaptive", scene) as frame:
         assert np.abs(frame.image() - composite(scene)).max() < 5e-6
