@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
+from .numbers import DEFINES
+
 
 @dataclass(frozen=True)
 class Effect:
@@ -53,13 +55,13 @@ class Settings:
 
     @classmethod
     def of(cls, scene: Mapping[str, Any]) -> Settings:
-        """Those in the record of a scene, which leaves defaults out."""
+        """Read the settings in the record of a scene, which leaves defaults out."""
         return cls(scene.get("effect", cls.name), **{f.name: scene[f.name] for f in fields(cls)[1:] if f.name in scene})
 
     @property
     def defines(self) -> dict[str, int | float]:
-        """The values by the names that they have in GLSL."""
-        return {"EFFECT_LAYER": self.layer, "EFFECT_ABSORPTION": self.absorption,
+        """The values, and the numbers of all effects, by the names that they have in GLSL."""
+        return {**DEFINES, "EFFECT_LAYER": self.layer, "EFFECT_ABSORPTION": self.absorption,
                 "EFFECT_OPERATION": OPERATIONS.index(self.operation)}
 
     @property

@@ -1,15 +1,13 @@
-"""Where the insides of two or more objects overlap along a ray; as shaders/effects/collision.glsl."""
+"""Finds where the insides of two or more objects overlap along a ray; as shaders/effects/collision.glsl."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from . import Settings
+from .numbers import GREY, MOST_SHOWN
 from .rays import Rays
-from .word import fronts_of, objects_of
-
-MOST = 16  # overlaps of a pixel that blue shows in full
-GREY = 0.2  # of a pixel without any
+from .word import inside_after
 
 
 def model(rays: Rays, settings: Settings) -> np.ndarray:
@@ -21,7 +19,7 @@ def model(rays: Rays, settings: Settings) -> np.ndarray:
     intervals = np.zeros(rays.counts.size, dtype=np.int64)
     for pixels, depth, rgba in rays.ranks():
         old = inside[pixels]
-        new = np.where(fronts_of(rgba), old | objects_of(rgba), old & ~objects_of(rgba))
+        new = inside_after(old, rgba)
         before, now = _several(old), _several(new)
         ends = before & ~now & (depth > began[pixels])
         length[pixels] += np.where(ends, depth - began[pixels], 0.0)
@@ -29,7 +27,8 @@ def model(rays: Rays, settings: Settings) -> np.ndarray:
         began[pixels] = np.where(now & ~before, depth, began[pixels])
         inside[pixels] = new
     image = rays.image()
-    found = np.stack([np.ones_like(length), np.minimum(length, 1.0), np.minimum(intervals, MOST) / MOST], axis=-1)
+    shown = np.minimum(intervals, MOST_SHOWN) / MOST_SHOWN
+    found = np.stack([np.ones_like(length), np.minimum(length, 1.0), shown], axis=-1)
     image[:, :3] = np.where((intervals > 0)[:, None], found, GREY * (rays.counts > 0)[:, None])
     image[:, 3] = rays.counts > 0
     return image

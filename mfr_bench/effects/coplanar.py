@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from . import Settings
+from .numbers import MOST_SHOWN
 from .rays import Rays
-
-MOST = 16  # fragments of one depth that green shows in full
 
 
 def model(rays: Rays, settings: Settings) -> np.ndarray:
@@ -24,6 +23,6 @@ def model(rays: Rays, settings: Settings) -> np.ndarray:
         before[pixels] = depth
     image = rays.image()
     image[:, 0] = shared / np.maximum(rays.counts, 1)
-    image[:, 1] = np.minimum(largest, MOST) / MOST
+    image[:, 1] = np.minimum(largest, MOST_SHOWN) / MOST_SHOWN
     image[:, 3] = rays.counts > 0
     return image

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import Settings
 from .rays import Rays
-from .word import colours_of, fronts_of, objects_of
+from .word import colours_of, inside_after
 
 
 def model(rays: Rays, settings: Settings) -> np.ndarray:
@@ -18,7 +18,7 @@ def model(rays: Rays, settings: Settings) -> np.ndarray:
     image = rays.image()
     for pixels, _, rgba in rays.ranks():
         old = inside[pixels]
-        new = np.where(fronts_of(rgba), old | objects_of(rgba), old & ~objects_of(rgba))
+        new = inside_after(old, rgba)
         enters = ~found[pixels] & ~_within(old, settings.operation) & _within(new, settings.operation)
         image[pixels[enters], :3], image[pixels[enters], 3] = colours_of(rgba[enters]), 1.0
         found[pixels] |= enters

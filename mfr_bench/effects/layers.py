@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from . import Settings
+from .numbers import LET_THROUGH
 from .rays import Rays
-
-LET_THROUGH = 0.9  # of the light, by each fragment of the x-ray view
 
 
 def model(rays: Rays, settings: Settings) -> np.ndarray:
-    """float64 (pixels, 4), premultiplied."""
+    """float64 (pixels, 4), premultiplied: the fragment of the layer, or the share of the light that all take."""
     image = rays.image()
     if not settings.layer:
         image[:, :3], image[:, 3] = (1.0 - LET_THROUGH ** rays.counts)[:, None], rays.counts > 0

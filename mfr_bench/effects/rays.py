@@ -8,6 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 
 
+def by_rank(counts: np.ndarray) -> tuple[np.ndarray, Iterator[np.ndarray]]:
+    """The pixels with most fragments first, and for each rank from the nearest the places of its fragments.
+
+    counts: int64 (pixels,), of fragments that stand pixel by pixel, nearest first. The m places of a rank are those of
+    the first m pixels in this order.
+    """
+    deepest_first = np.argsort(-counts, kind="stable")
+    starts, deep = (np.cumsum(counts) - counts)[deepest_first], -counts[deepest_first]
+
+    def places() -> Iterator[np.ndarray]:
+        left = counts.size
+        for rank in range(int(counts.max(initial=0))):
+            left = int(np.searchsorted(deep[:left], -rank))  # pixels with more than `rank` fragments
+            yield starts[:left] + rank
+
+    return deepest_first, places()
+
+
 @dataclass(frozen=True)
 class Rays:
     """Fragments pixel by pixel, nearest first.
@@ -20,14 +38,10 @@ class Rays:
     rgba: np.ndarray
 
     def ranks(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """For each rank from the nearest: the pixels (m,) that have it, and the depths and payloads there."""
-        deepest_first = np.argsort(-self.counts, kind="stable")
-        starts, deep = (np.cumsum(self.counts) - self.counts)[deepest_first], -self.counts[deepest_first]
-        left = self.counts.size
-        for rank in range(int(self.counts.max(initial=0))):
-            left = int(np.searchsorted(deep[:left], -rank))
-            at = starts[:left] + rank
-            yield deepest_first[:left], self.depth[at], self.rgba[at]
+        """Give, for each rank from the nearest, the pixels (m,) that have it, and the depths and payloads there."""
+        pixels, ranks = by_rank(self.counts)
+        for at in ranks:
+            yield pixels[:len(at)], self.depth[at], self.rgba[at]
 
     def image(self) -> np.ndarray:
         """float64 (pixels, 4): transparent black, to be filled."""

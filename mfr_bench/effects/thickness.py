@@ -1,4 +1,4 @@
-"""How much of a ray lies within at least one object; as shaders/effects/thickness.glsl."""
+"""Measures how much of a ray lies within at least one object; as shaders/effects/thickness.glsl."""
 
 from __future__ import annotations
 

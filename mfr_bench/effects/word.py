@@ -1,23 +1,26 @@
-"""What effects on objects store in place of a colour: object, facing, colour and opacity in one RGBA8 word.
+"""The word that effects on objects store in place of a colour: object, facing, colour and opacity in RGBA8.
 
-From the lowest bit: 5 bits of the object's number, 1 for the front, 6 each of red, green and blue, 8 of opacity.
-shaders/effects/fragment.glsl reads the same.
+`numbers` has its layout; shaders/effects/fragment.glsl reads the same.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-OBJECTS = 32  # that a word tells apart
-FRONT, COLOUR_STEPS = 32, 63
+from .numbers import BLUE_BIT, COLOUR_BITS, FRONT_BIT, GREEN_BIT, OBJECT_BITS, OPACITY_BIT, RED_BIT
+
+OBJECTS = 1 << OBJECT_BITS  # that a word tells apart
+COLOUR_STEPS = (1 << COLOUR_BITS) - 1
+CHANNEL_BITS = RED_BIT, GREEN_BIT, BLUE_BIT
 
 
 def packed(rgba: np.ndarray, objects: np.ndarray, front: np.ndarray) -> np.ndarray:
-    """uint8 (n, 4): the words of colours uint8 (n, 4), objects int (n,), of which 5 bits count, and bool (n,)."""
+    """uint8 (n, 4): the words of colours uint8 (n, 4), objects int (n,) modulo OBJECTS, and bool (n,)."""
     steps = np.rint(rgba[:, :3] / 255.0 * COLOUR_STEPS).astype("<u4")
-    word = (objects.astype("<u4") % OBJECTS) + FRONT * front.astype("<u4") + (rgba[:, 3].astype("<u4") << 24)
-    for channel, shift in enumerate((6, 12, 18)):
-        word += steps[:, channel] << shift
+    word = objects.astype("<u4") % OBJECTS + (front.astype("<u4") << FRONT_BIT)
+    word += rgba[:, 3].astype("<u4") << OPACITY_BIT
+    for channel, bit in enumerate(CHANNEL_BITS):
+        word += steps[:, channel] << bit
     return np.ascontiguousarray(word, "<u4").view(np.uint8).reshape(-1, 4)
 
 
@@ -33,9 +36,14 @@ def objects_of(rgba: np.ndarray) -> np.ndarray:
 
 def fronts_of(rgba: np.ndarray) -> np.ndarray:
     """bool (n,): whether the front of the face is seen."""
-    return (words(rgba) & FRONT) > 0
+    return (words(rgba) >> FRONT_BIT & 1) > 0
 
 
 def colours_of(rgba: np.ndarray) -> np.ndarray:
     """float64 (n, 3): red, green and blue from 0 to 1."""
-    return np.stack([words(rgba) >> shift & COLOUR_STEPS for shift in (6, 12, 18)], axis=-1) / COLOUR_STEPS
+    return np.stack([words(rgba) >> bit & COLOUR_STEPS for bit in CHANNEL_BITS], axis=-1) / COLOUR_STEPS
+
+
+def inside_after(objects: np.ndarray, rgba: np.ndarray) -> np.ndarray:
+    """uint32 (n,): the objects, a bit for each, that rays are inside of behind faces, if inside of `objects` before."""
+    return np.where(fronts_of(rgba), objects | objects_of(rgba), objects & ~objects_of(rgba))

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..effects.rays import by_rank
 from ..methods.spec import SceneStats
 from ..scene.geometry import Geometry
 from ..scene.quads import Quads
@@ -173,9 +174,9 @@ class Fragments:
 
     @classmethod
     def of(cls, scene: Geometry, counts: np.ndarray, depth: np.ndarray, primitive: np.ndarray) -> Fragments:
-        """From fragments pixel by pixel, in any order within a pixel; those of one depth end in order of submission.
+        """Sort fragments that come pixel by pixel, in any order within a pixel; those of one depth as submitted.
 
-        Sorts `depth` and `primitive` in place.
+        `depth` and `primitive` are sorted in place.
         """
         flat, found = counts.ravel(), np.zeros(counts.size, dtype=bool)
         for pixels, part in in_chunks(flat):
@@ -224,16 +225,13 @@ def taken(counts: np.ndarray, alpha: np.ndarray, layers: int, criterion: str) ->
 
 def over(payload: np.ndarray, primitive: np.ndarray, counts: np.ndarray) -> np.ndarray:
     """float64 (pixels, 4), premultiplied: the fragments of each pixel, nearest first, composited rank by rank."""
-    deepest_first = np.argsort(-counts, kind="stable")
-    starts, deep = (np.cumsum(counts) - counts)[deepest_first], -counts[deepest_first]
     colour, transmittance = np.zeros((counts.size, 3)), np.ones(counts.size)
-    left = counts.size
-    for rank in range(int(counts.max(initial=0))):
-        left = int(np.searchsorted(deep[:left], -rank))  # pixels with more than `rank` fragments
-        here = payload[primitive[starts[:left] + rank]]
+    pixels, ranks = by_rank(counts)
+    for at in ranks:
+        here, left = payload[primitive[at]], len(at)
         weight = transmittance[:left] * here[:, 3]
         colour[:left] += weight[:, None] * here[:, :3]
         transmittance[:left] *= 1.0 - here[:, 3]
     found = np.empty((counts.size, 4))
-    found[deepest_first] = np.concatenate([colour, 1.0 - transmittance[:, None]], axis=-1)
+    found[pixels] = np.concatenate([colour, 1.0 - transmittance[:, None]], axis=-1)
     return found

@@ -16,7 +16,7 @@ def _unorm8(x: np.ndarray) -> np.ndarray:
     return (np.rint(np.float32(255) * x) / np.float32(255)).astype(np.float32)
 
 
-# What the colour is rounded to after each layer; every step in between is in float32.
+# The rounding of the colour after each layer; every step in between is in float32.
 ROUNDINGS: dict[str, Rounding] = {
     "float32": lambda x: x,
     "float16": lambda x: x.astype(np.float16).astype(np.float32),
@@ -55,7 +55,7 @@ def over(layers: np.ndarray, rounding: str = "float32") -> np.ndarray:
 
 
 def compensated(layers: np.ndarray) -> np.ndarray:
-    """By transmittance, with what each addition rounds away carried along (Kahan 1965)."""
+    """The layers composited by transmittance, with what each addition rounds away carried along (Kahan 1965)."""
     colour, through = np.zeros_like(layers[0][..., :3]), np.ones_like(layers[0][..., 3:])
     excess = np.zeros_like(colour)
     for layer in layers:

@@ -113,7 +113,7 @@ class _Runs:
         return cls(counts, primitive, np.cumsum(new), fragments.scene.rgba[primitive, ALPHA])
 
     def part(self, pixels: slice, among: slice) -> _Runs:
-        """Those of a range of pixels, whose fragments are `among`."""
+        """The runs of a range of pixels, whose fragments are `among`."""
         return _Runs(self.counts[pixels], self.primitive[among], self.run[among], self.alpha[among])
 
     def bounds(self, payload: np.ndarray, layers: int | None, criterion: str) -> tuple[np.ndarray, np.ndarray]:

@@ -33,7 +33,7 @@ class Encoding:
 
     @classmethod
     def fit(cls, rgb: np.ndarray) -> Encoding:
-        """For colours uint8 (n, 3): of the planes through black the one of least squared distance (§2.2.1-2.2.2)."""
+        """Fit to colours uint8 (n, 3) the plane through black of least squared distance (§2.2.1-2.2.2)."""
         weighted = light(rgb) * IMPORTANCE
         normal = np.linalg.eigh(weighted.T @ weighted)[1][:, 0] * IMPORTANCE
         return cls(*np.float32(_base_colours(normal / np.linalg.norm(normal))).astype(np.float64))
@@ -52,7 +52,7 @@ class Encoding:
         return np.rint(255.0 * np.stack([root, self._blend(linear)], axis=-1)).astype(np.uint8)
 
     def _blend(self, linear: np.ndarray) -> np.ndarray:
-        """How far from a to b the ray through a colour crosses the line between them; the nearer end for others."""
+        """The share of the way from a to b at which the ray through a colour crosses it; the nearer end for others."""
         (ax, ay), (bx, by), (x, y) = self._axes @ self.a, self._axes @ self.b, self._axes @ linear.T
         from_a, to_b = ax * y - ay * x, x * by - y * bx
         inside = (from_a > 0) & (to_b > 0)

@@ -24,6 +24,6 @@ vec4 effect_add(vec4 state, FRAGMENT fragment) {
 }
 
 vec4 effect_end(vec4 state) {
-    vec3 overlap = vec3(1.0, min(length_of_overlap, 1.0), float(min(intervals, 16u)) / 16.0);
-    return vec4(intervals > 0u ? overlap : vec3(0.2), 1.0) * state.a;
+    vec3 overlap = vec3(1.0, min(length_of_overlap, 1.0), float(min(intervals, uint(MOST_SHOWN))) / float(MOST_SHOWN));
+    return vec4(intervals > 0u ? overlap : vec3(GREY), 1.0) * state.a;
 }

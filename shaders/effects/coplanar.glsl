@@ -21,5 +21,6 @@ vec4 effect_add(vec4 state, FRAGMENT fragment) {
 
 vec4 effect_end(vec4 state) {
     if (seen == 0u) return vec4(0.0);
-    return vec4(float(shared_depth) / float(seen), float(min(largest, 16u)) / 16.0, 0.0, 1.0);
+    float group_shown = float(min(largest, uint(MOST_SHOWN))) / float(MOST_SHOWN);
+    return vec4(float(shared_depth) / float(seen), group_shown, 0.0, 1.0);
 }

@@ -1,6 +1,6 @@
 // Reads what an effect wants to know of a fragment. For effects on objects a payload is no colour but a word of parts,
-// as mfr_bench/effects/word.py makes it: from the lowest bit 5 of the object's number, 1 for the front of a face, 6 each
-// of red, green and blue, 8 of opacity.
+// as mfr_bench/effects/word.py makes it: the object's number, a bit for the front of a face, red, green and blue, and
+// opacity. mfr_bench/effects/numbers.py has the bits of each.
 float depth_of(FRAGMENT fragment) {
     return uintBitsToFloat(fragment.x);
 }
@@ -18,19 +18,20 @@ uint word_of(FRAGMENT fragment) {
 }
 
 uint object_of(FRAGMENT fragment) {
-    return 1u << (word_of(fragment) & 31u);
+    return 1u << (word_of(fragment) & ((1u << OBJECT_BITS) - 1u));
 }
 
 bool is_front(FRAGMENT fragment) {
-    return (word_of(fragment) & 32u) != 0u;
+    return (word_of(fragment) >> FRONT_BIT & 1u) != 0u;
 }
 
 vec3 face_colour(FRAGMENT fragment) {
-    return vec3(uvec3(word_of(fragment)) >> uvec3(6u, 12u, 18u) & 63u) / 63.0;
+    const uint steps = (1u << COLOUR_BITS) - 1u;
+    return vec3(uvec3(word_of(fragment)) >> uvec3(RED_BIT, GREEN_BIT, BLUE_BIT) & steps) / float(steps);
 }
 
 float face_opacity(FRAGMENT fragment) {
-    return float(word_of(fragment) >> 24) / 255.0;
+    return float(word_of(fragment) >> OPACITY_BIT) / 255.0;
 }
 
 // The objects, a bit for each, that a ray is inside of behind a face, when it was inside of these before it.

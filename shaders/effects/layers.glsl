@@ -14,7 +14,7 @@ vec4 effect_add(vec4 state, FRAGMENT fragment) {
 
 vec4 effect_end(vec4 state) {
 #if EFFECT_LAYER == 0
-    return seen == 0u ? vec4(0.0) : vec4(vec3(1.0 - pow(0.9, float(seen))), 1.0);
+    return seen == 0u ? vec4(0.0) : vec4(vec3(1.0 - pow(LET_THROUGH, float(seen))), 1.0);
 #else
     return state;
 #endif
