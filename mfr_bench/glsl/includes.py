@@ -15,7 +15,7 @@ from .counters import is_counter
 
 LINE_STRIDE = 100_000  # line numbers carry the file: Mesa drops the source number of #line
 
-folders_outside = shader_folders  # the process that loads a package has another answer
+folders_outside = shader_folders  # replaced in the process that loads a package, which asks no other process
 
 _INCLUDE = re.compile(r'^\s*#include\s+(?:"(?P<path>[^"]+)"|<(?P<slot>\w+)>)\s*$')
 

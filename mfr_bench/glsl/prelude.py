@@ -54,12 +54,12 @@ FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
     "shader_atomic_int64": ("GL_NV_shader_atomic_int64",),
 }
 
-REVERSED = "reversed"  # the geometry whose window depths fall from the eye
 WINDOW_DEPTH = "gl_FragCoord.z"
 # The float whose bits are those of 1 and of 2^-24, less those of the depth: from 2^-24 to 1, it grows from the eye.
 MIRRORED_DEPTH = "#define MIRRORED_DEPTH uintBitsToFloat(0x3F800000u + 0x33800000u - floatBitsToUint(gl_FragCoord.z))"
-PAYLOAD_FILE, SHADING_FILE = "common/payload.glsl", "scene/shading.glsl"  # the second stands behind the first
-ACCUMULATE_FILE, EFFECT_FILE = "common/accumulate.glsl", "effects/apply.glsl"  # so do these
+# Files, each with the one that is put behind it where the scene asks for that: see `behind` of `expand`.
+PAYLOAD_FILE, SHADING_FILE = "common/payload.glsl", "scene/shading.glsl"
+ACCUMULATE_FILE, EFFECT_FILE = "common/accumulate.glsl", "effects/apply.glsl"
 _INTEGER = {"r32ui": "u"}  # the letter before GLSL's type for texels that are whole numbers
 # Fragment and payload as GLSL types, by the words of the payload. A struct of three words has no padding in std430.
 TYPES: Mapping[int, tuple[str, ...]] = {
@@ -189,14 +189,15 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     variant = fitted.variant
     entry = entry or step.shader
     slots = {name: path for name, path in (("fetch", step.fetch), ("resolver", step.resolver)) if path}
-    counted = (counted or mapped is not None) and not entry.endswith(".vert")
-    shades = fitted.stats.shading and step.kind == "geometry" and not entry.endswith(".vert")
-    behind = {PAYLOAD_FILE: SHADING_FILE} if shades else {}
-    if not fitted.stats.blended and step.hands_on and not entry.endswith(".vert"):
+    is_vertex = entry.endswith(".vert")
+    counted = (counted or mapped is not None) and not is_vertex
+    of_fragments = step.kind == "geometry" and not is_vertex
+    behind = {PAYLOAD_FILE: SHADING_FILE} if fitted.stats.shading and of_fragments else {}
+    if not fitted.stats.blended and step.hands_on and not is_vertex:
         slots["effect"] = f"effects/{fitted.stats.effect.name}.glsl"
         behind[ACCUMULATE_FILE] = EFFECT_FILE
     body, files = expand(entry, slots, counted, behind)
-    mirrored = fitted.stats.geometry == REVERSED and step.kind == "geometry" and not entry.endswith(".vert")
+    mirrored = not fitted.stats.forward and of_fragments
     body = body.replace(WINDOW_DEPTH, "MIRRORED_DEPTH") if mirrored else body
     macro = _clear_macro(variant, step)
     words = set(re.findall(r"[A-Za-z_]\w*", code_of(body)))
@@ -215,7 +216,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
                        + " ".join(f"uint {name};" for name in BOX_FIELDS) + " };")
     if "base_a" in words:
         prelude.append(f"layout(std140, binding = {COLOURS_BINDING}) uniform Colours {{ vec4 base_a; vec4 base_b; }};")
-    if not entry.endswith(".vert"):
+    if not is_vertex:
         by_name = {b.name: b for b in variant.buffers}
         prelude += [_buffer_block(by_name[split_ref(b.ref)[0]], b, b.ref not in step.writes)
                     for b in buffer_bindings(variant, step)]

@@ -39,7 +39,7 @@ class Frame:
     Raises ShaderError for GLSL that does not compile, MemoryError where the device has no room.
     """
 
-    ALLOCATION = Allocation  # what holds the buffers and textures; a check of writes outside them has another
+    ALLOCATION = Allocation  # makes the buffers and textures; a check of writes outside them has a class of its own
 
     def __init__(self, device: Device, fitted: Fitted, scene_buffer: SceneBuffer, canvas: Canvas):
         self.device, self.gl, self.fitted = device, device.gl, fitted

@@ -193,9 +193,14 @@ def blending(device: Device) -> Outcome:
 
 
 def _words_of(formats: tuple[str, ...], state: State) -> str:
-    blends = [state.blend] if state.blend else list(state.blends)
-    return " and ".join(" ".join((format, *blend)) for format, blend in zip(formats, blends, strict=True)) + (
-        f", alpha {' '.join(state.blend_alpha)}" if state.blend_alpha else "")
+    alpha = f", alpha {' '.join(state.blend_alpha)}" if state.blend_alpha else ""
+    return " and ".join(" ".join((format, *blend)) for format, blend
+                        in zip(formats, _blends_of(state), strict=True)) + alpha
+
+
+def _blends_of(state: State) -> tuple[Blend, ...]:
+    """The equation of each target, in their order."""
+    return (state.blend,) if state.blend else state.blends
 
 
 def _blends(device: Device, formats: tuple[Format, ...], state: State) -> bool:
@@ -209,8 +214,7 @@ def _blends(device: Device, formats: tuple[Format, ...], state: State) -> bool:
         targets=tuple(Target(name, format) for name, format in zip(names, formats, strict=True)))
     with _drawn(device, SCENE, method) as frame:
         image = frame.image()
-    blends = [state.blend] if state.blend else list(state.blends)
-    expected = [_blended(blend, state.blend_alpha) for blend in blends]
+    expected = [_blended(blend, state.blend_alpha) for blend in _blends_of(state)]
     seen = [(image[..., channel], colour) for channel, (colour, _) in enumerate(expected)]
     if formats[0].startswith("rgba"):
         seen.append((image[..., 3], expected[0][1]))

@@ -234,8 +234,7 @@ def _at_once(step: Pass) -> Pass:
 
 
 def _of_band(step: Pass) -> Pass:
-    return replace(step, region=step.kind != "clear", runs_in=_where(step.runs_in, _banded),
-                   when=step.when & BUDGETED if step.when else BUDGETED)
+    return replace(step, region=step.kind != "clear", runs_in=_where(step.runs_in, _banded)).only(BUDGETED)
 
 
 METHODS = [

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from .shared.resolving import REGISTERS_UP_TO
 from .spec import ALPHA_STEPS, LEAF_ROUNDINGS, Buffer, Method, Param, Target
 
-HEAD = """# The methods
+HEAD = f"""# The methods
 
 Every method that mfr-bench runs, taken from its declaration (`mfr-bench methods --markdown` prints this page). Words
 are 32-bit words per pixel by the paper's formula; n is the most fragments of any pixel, f the fragments of a pixel, f_k
@@ -15,8 +16,9 @@ pixel and one for every 32 intervals, backwards memory allocation one, a payload
 `touched: tiles` takes one per tile of 16x16 pixels and 8 per frame.
 
 `mfr-bench methods` says whether a device runs a method. By default loops over the k slots of a pixel are bounded by a
-uniform under a lock and by a constant elsewhere (`bound: auto`), and a resolve sorts up to 512 fragments by blocks in
-registers, more by shell sort (`sort: auto`): this was the fastest on llvmpipe, and no GPU was measured.
+uniform under a lock and by a constant elsewhere (`bound: auto`), and a resolve sorts up to
+{REGISTERS_UP_TO} fragments by blocks in registers, more by shell sort (`sort: auto`): this was the fastest on llvmpipe,
+and no GPU was measured.
 docs/fairness.md says how methods differ from their sources, what that is worth, and how they compare with independent
 implementations.
 """

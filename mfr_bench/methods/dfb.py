@@ -12,12 +12,11 @@ from __future__ import annotations
 
 from .sbuffer import ADDRESS, COUNTER, NODES, RESOLVE, STORE, rewind
 from .shared import PAYLOAD, RESOLVE_OPTIONS, REUSE_COUNT, clear, count, once
-from .shared.screen_region import TOUCHED, in_screen_region
+from .shared.screen_region import TOUCHED, WHOLE_SUM, in_screen_region
 from .spec import Buffer, Counted, Loop, Method, Pass
 
 ORDER = 5
 
-WHOLE = "the sum goes over all pixels"  # why its passes do, whatever `touched` says
 FAN_BITS = 4
 LEVELS = f"max(1, ceil(log2(P)/{FAN_BITS}))"
 TREE = {"FAN": 1 << FAN_BITS, "LEVELS": LEVELS}
@@ -34,12 +33,13 @@ METHODS = [
         buffers=(COUNTER, ADDRESS, NODES, Buffer("sums", SUMS_WORDS, doc="levels 1, 2, … of the hierarchical sum")),
         steps=(
             *once(
-                clear("counter", whole=WHOLE),
+                clear("counter", whole=WHOLE_SUM),
                 count(),
                 Loop((Pass("scan", "fullscreen", "methods/dfb/sum_up.frag", reads=("counter",), writes=("sums",),
-                           defines=TREE, whole=WHOLE),), times=LEVELS, until_empty=False),
+                           defines=TREE, whole=WHOLE_SUM),), times=LEVELS, until_empty=False),
                 Loop((Pass("scan", "fullscreen", "methods/dfb/sum_down.frag", reads=("counter",),
-                           writes=("sums", "address"), defines=TREE, whole=WHOLE),), times=LEVELS, until_empty=False),
+                           writes=("sums", "address"), defines=TREE, whole=WHOLE_SUM),),
+                     times=LEVELS, until_empty=False),
             ),
             *in_screen_region(rewind("scan"), STORE, RESOLVE),
         ),

@@ -58,8 +58,8 @@ SAMPLES_PER_PASS = replace(PER_PASS, doc="samples of a pixel, fragments that a g
                            "further passes take the next to arrive, until there are k; 0: all k in one pass",
                            of=(0, *SAMPLE_FEATURES.values()), high=32,
                            needs={str(count): feature for feature, count in SAMPLE_FEATURES.items()})
-SLOTS = "(per_pass or k)"
-SAMPLES = "doubled(4, per_pass or k)"
+IN_A_PASS = "per_pass or k"  # fragments that a pass keeps
+SLOTS, SAMPLES = f"({IN_A_PASS})", f"doubled(4, {IN_A_PASS})"
 PASSES = Param("passes", 16, "most geometry passes; as many as k repair every hazard, 1 repairs the nearest layer")
 
 NODES = Buffer("nodes", "2*k*P", type="uvec2", clear="uvec2(EMPTY, 0u)", coherent=True,
@@ -71,7 +71,7 @@ HAZARD = "fragments of a pixel in flight at once lose each other's changes: frag
 
 def only(where: When, *steps: Pass) -> tuple[Pass, ...]:
     """The passes, which run only if this condition holds as well."""
-    return tuple(replace(step, when=where & step.when if step.when else where) for step in steps)
+    return tuple(step.only(where) for step in steps)
 
 
 def kept_sorted(**more) -> Pass:
@@ -156,7 +156,7 @@ METHODS = [
                   *(culled(p) if p.kind == "geometry" else p for p in route(SAMPLES)),
                   resolve("depths", "colours", fetch="methods/routing/fetch.glsl", hazards=True)),
             *only(IN_PASSES, clear("counter", "resume")),
-            Loop(only(IN_PASSES, *collected(SAMPLES, "min(n, k)")), times="ceil(min(n, k) / (per_pass or k))"),
+            Loop(only(IN_PASSES, *collected(SAMPLES, "min(n, k)")), times=f"ceil(min(n, k) / {SLOTS})"),
             *only(IN_PASSES, resolve_collected("min(n, k)")),
         ),
     ),

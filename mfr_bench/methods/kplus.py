@@ -51,7 +51,6 @@ from .spec import (
     Params,
     Pass,
     State,
-    When,
     when,
 )
 
@@ -91,11 +90,8 @@ def store(shader: str = "methods/kplus/store.frag", **more) -> Pass:
 
 def by_sums(step: Pass) -> tuple[Pass, ...]:
     """The pass with the addresses that SUMS gives: whole ones, or places within groups, which need the totals."""
-    def at(value: str) -> When:
-        return when(SUMS.name, value) & step.when if step.when else when(SUMS.name, value)
-
-    return (replace(step, when=at("pixel")),
-            replace(step, reads=(*step.reads, GROUP_TOTAL.name), when=at("fragment")))
+    return (step.only(when(SUMS.name, "pixel")),
+            replace(step, reads=(*step.reads, GROUP_TOTAL.name)).only(when(SUMS.name, "fragment")))
 
 
 def kplus(method_id: str, name: str, section: str, summary: str, *params: Param, fixed: tuple[Param, ...],

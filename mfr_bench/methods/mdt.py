@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from .shared import (
-            ATOMIC64,
-            BOUND,
-            CULLING,
-            OCCUPANCY,
-            STAGE,
-            STOP_OPACITY,
-            K,
-            buffers_of_64_bits,
-            clear,
-            occupied,
-            resolve_sorted,
+    ATOMIC64,
+    BOUND,
+    CULLING,
+    OCCUPANCY,
+    STAGE,
+    STOP_OPACITY,
+    K,
+    buffers_of_64_bits,
+    clear,
+    occupied,
+    resolve_sorted,
 )
 from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Method, Param, Pass, when

@@ -18,14 +18,13 @@ from .shared import (
     once,
     resolve,
 )
-from .shared.screen_region import TOUCHED, in_screen_region
+from .shared.screen_region import TOUCHED, WHOLE_SUM, in_screen_region
 from .spec import Buffer, Counted, Loop, Method, Param, Pass, when
 
 ORDER = 5
 
 SCAN = Param("scan", "compute", "prefix sum by full-screen steps (Peeper), or work-efficient in compute shaders",
              choices=("fullscreen", "compute"))
-WHOLE = "the sum goes over all pixels"  # why the passes do, whatever `touched` says
 SCAN_LANES, SCAN_RUN = 64, 16  # invocations of a work group, and pixels that each scans by itself
 SCAN_BLOCK = SCAN_LANES * SCAN_RUN  # pixels that one work group scans
 BLOCK = {"SCAN_BLOCK": SCAN_BLOCK, "SCAN_LANES": SCAN_LANES, "SCAN_RUN": SCAN_RUN}
@@ -33,15 +32,16 @@ FULLSCREEN, COMPUTE = when("scan", "fullscreen"), when("scan", "compute")
 
 SCANS = (
     Pass("scan", "fullscreen", "methods/precalc/seed.frag", reads=("counter",), writes=("address.previous",),
-         when=FULLSCREEN, whole=WHOLE),
+         when=FULLSCREEN, whole=WHOLE_SUM),
     Loop((Pass("scan", "fullscreen", "methods/precalc/scan.frag", reads=("address.previous",),
-               writes=("address.current",), when=FULLSCREEN, whole=WHOLE),), times="ceil(log2(P))", until_empty=False),
+               writes=("address.current",), when=FULLSCREEN, whole=WHOLE_SUM),),
+         times="ceil(log2(P))", until_empty=False),
     Pass("scan", "compute", "methods/precalc/sum_blocks.comp", reads=("counter",), writes=("block_sum",),
-         groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK, when=COMPUTE, whole=WHOLE),
+         groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK, when=COMPUTE, whole=WHOLE_SUM),
     Pass("scan", "compute", "methods/precalc/scan_sums.comp", writes=("block_sum",), groups="1", defines=BLOCK,
-         when=COMPUTE, whole=WHOLE),
+         when=COMPUTE, whole=WHOLE_SUM),
     Pass("scan", "compute", "methods/precalc/scan_pixels.comp", reads=("counter", "block_sum"), writes=("address",),
-         groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK, when=COMPUTE, whole=WHOLE),
+         groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK, when=COMPUTE, whole=WHOLE_SUM),
 )
 
 METHODS = [
@@ -57,7 +57,7 @@ METHODS = [
                  Buffer("block_sum", f"ceil(P/{SCAN_BLOCK})", when=COMPUTE,
                         doc="fragments of each block of pixels, then of all blocks before it")),
         steps=(
-            *once(clear("counter", whole=WHOLE), count(), *SCANS),
+            *once(clear("counter", whole=WHOLE_SUM), count(), *SCANS),
             *in_screen_region(rewind("scan", "address.previous"),
                       replace(STORE, writes=("address.previous", "nodes")),
                       replace(RESOLVE, reads=("counter", "address.previous", "nodes"))),

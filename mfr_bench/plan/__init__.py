@@ -13,14 +13,14 @@ from .limits import Decision, Limits, judge, overview
 from .predicted import NOT_TRIED, CellOutcome, predicted_timeout
 
 __all__ = [
-           "NOT_TRIED",
-           "Cell",
-           "CellOutcome",
-           "Decision",
-           "Limits",
-           "expand",
-           "expected_stats",
-           "judge",
-           "overview",
-           "predicted_timeout",
+    "NOT_TRIED",
+    "Cell",
+    "CellOutcome",
+    "Decision",
+    "Limits",
+    "expand",
+    "expected_stats",
+    "judge",
+    "overview",
+    "predicted_timeout",
 ]

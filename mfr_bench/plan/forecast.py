@@ -43,9 +43,13 @@ class Rates:
     report_s: float = 0.03  # tables and figures, per cell
     round_ns: float = 0.5  # one round of the calibration's arithmetic in one pixel
 
+    def check_s(self, stats: SceneStats) -> float:
+        """The time of a cell's oracle and error measures."""
+        return self.pixel_s * stats.P
+
     def around_s(self, stats: SceneStats) -> float:
         """The time that surrounds a cell's frames while it is measured."""
-        return self.compile_s + self.pixel_s * stats.P + self.store_s
+        return self.compile_s + self.check_s(stats) + self.store_s
 
     @property
     def fragment_ms(self) -> float:
@@ -140,9 +144,9 @@ class Forecast:
             frame = self.frame(cell, stats)
             spent_s += frames_s(frame, cell.measure)
             sources[frame.source] += 1
-            checks_s += rates.pixel_s * stats.P
-            around_s += rates.around_s(stats) - rates.pixel_s * stats.P + rates.report_s
-        return Prediction(spent_s + checks_s + around_s, spent_s, checks_s, sources)
+            checks_s += rates.check_s(stats)
+            around_s += rates.around_s(stats) + rates.report_s
+        return Prediction(spent_s + around_s, spent_s, checks_s, sources)
 
 
 def frames_s(frame: FrameTime, measure: Measure) -> float:

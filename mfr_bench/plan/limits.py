@@ -31,7 +31,7 @@ class Limits:
 
 
 def _missing(variant: Variant, limits: Limits) -> list[str]:
-    """The first thing that the variant needs and the device lacks; of a number, how large it may be there."""
+    """The features that the variant needs and the device lacks, in words; for a number, how large it may be there."""
     found = [limits.lacks(f) for f in variant.method.needs if f not in limits.features]
     for param in variant.acting:
         feature = param.need(variant.params)

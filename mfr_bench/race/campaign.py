@@ -110,7 +110,7 @@ def parse_replay(text: str) -> tuple[int, tuple[Deviation, ...]]:
                              for m in matches if m)
 
 
-def settings(variant: Variant) -> Mapping[str, Any]:
-    """The parameters that are not at their defaults."""
+def settings(variant: Variant, *without: str) -> Mapping[str, Any]:
+    """The parameters that are not at their defaults, `without` those of these names."""
     defaults = variant.method.complete({})
-    return {name: value for name, value in variant.params.items() if value != defaults[name]}
+    return {name: value for name, value in variant.params.items() if value != defaults[name] and name not in without}

@@ -159,7 +159,7 @@ class Checker:
 
         The frame has one pixel, and room for the most fragments of any.
         """
-        depths, codes = drawn.depth.view(np.uint32).tolist(), _payloads(drawn, self.variant.two_channel)[1].tolist()
+        depths, codes = drawn.depth.view(np.uint32).tolist(), payloads(drawn, self.variant.two_channel)[1].tolist()
         rows = [[str(len(of)), *(f"0 0 {depths[i]} {codes[i]} {i} 0" for i in of)] for of in inside]
         lines = [*self._scene_lines(), *_image_lines(()), *_image_lines(()), str(len(rows)), *chain.from_iterable(rows)]
         colours = self._told(["picture", *how.words[1:]], lines)["colours"]
@@ -201,7 +201,7 @@ class Checker:
 
     def _scene_lines(self) -> list[str]:
         scene = self.scene
-        base, codes = _payloads(scene, self.variant.two_channel)
+        base, codes = payloads(scene, self.variant.two_channel)
         rows = [f"{x} {y} {depth} {code} {quad} 0" for quad, ((x, y, *_), depth, code) in enumerate(
             zip(scene.rect.tolist(), scene.depth.view(np.uint32).tolist(), codes.tolist(), strict=True))]
         if self.helpers:
@@ -210,7 +210,7 @@ class Checker:
         return [str(len(rows)), *rows, " ".join(f"{v:.9g}" for v in base)]
 
 
-def _payloads(scene: Quads, two_channel: bool) -> tuple[list[float], np.ndarray]:
+def payloads(scene: Quads, two_channel: bool) -> tuple[list[float], np.ndarray]:
     """The base colours, and the word of each fragment's payload."""
     if not two_channel:
         return [0.0] * 8, np.ascontiguousarray(scene.rgba).view("<u4")[:, 0]

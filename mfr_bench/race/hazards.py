@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from ..environment import usable_cores
 from ..errors import MfrError
 from ..methods.spec import Method, Value, Variant
 from ..store import csv_text, write_file
@@ -19,7 +20,6 @@ from .check import Checker, How
 from .options import others
 from .promise import Kind
 from .scenes import row_of
-from .sweep import cores
 
 FRAGMENTS = (2, 3, 4, 6, 8)
 KEPT = (2, 4, 8)
@@ -45,7 +45,7 @@ class Hazard:
 
     def row(self) -> dict[str, object]:
         """A row of the table, by column name."""
-        params = {name: value for name, value in settings(self.variant).items() if name != "k"}
+        params = settings(self.variant, "k")
         return dict(zip(COLUMNS, (True, self.variant.method.id, json.dumps(params), self.n, self.variant.params["k"],
                                   self.in_flight, self.schedules, self.wrong, round(self.share, 6)), strict=True))
 
@@ -73,7 +73,7 @@ def hazards(methods: Iterable[Method], schedules: int, seed: int, at_once: int |
     """Every method that promises nothing somewhere, by its k, fragments and number in flight, in this order."""
     jobs = [(variant, n, flight) for method in methods for k in KEPT if (variant := promising_nothing(method, k))
             for n in FRAGMENTS for flight in sorted({min(n, most) for most in (*IN_FLIGHT, n)})]
-    with ThreadPoolExecutor(at_once or cores()) as pool:
+    with ThreadPoolExecutor(at_once or usable_cores()) as pool:
         yield from pool.map(lambda job: _hazard(*job, schedules, seed), jobs)
 
 
@@ -102,5 +102,5 @@ def as_markdown(found: Sequence[Hazard]) -> str:
 
 
 def _name(hazard: Hazard) -> str:
-    params = [f"`{name}: {value}`" for name, value in settings(hazard.variant).items() if name != "k"]
+    params = [f"`{name}: {value}`" for name, value in settings(hazard.variant, "k").items()]
     return ", ".join([f"`{hazard.variant.method.id}`", *params])

@@ -5,8 +5,6 @@ It stands beside kplus_2015, Fig. 10, whose panels are black on a software drive
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -15,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..environment import usable_cores
 from ..hashing import hash3
 from ..methods.spec import Method, Variant
 from ..report import style
@@ -22,12 +21,11 @@ from ..report.figures.files import render
 from ..report.figures.kinds.maps import over_checks
 from ..report.figures.sheet import EDGE, FigureSheet, fitted, styled
 from ..scene.quads import Quads
-from ..store import write_file
+from ..store import csv_text, write_file
 from .campaign import settings
 from .check import Checker, How
 from .hazards import promising_nothing
 from .scenes import DEPTH_STEPS, row_of
-from .sweep import cores
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,6 +36,8 @@ LEAST_SIDE, MOST_SIDE = 21, 39  # pixels of a quad
 K, IN_FLIGHT, SEED = 4, 4, 7
 SEEN = 1 / 255  # one step of 8 bits
 PLACE, SIZE, COLOUR = 11, 12, 13  # streams of the hash
+COLUMNS = ("simulated", "panel", "width", "height", "quads", "k", "in_flight", "wrong_pixels_share", "mean_error",
+           "max_error")
 GAP, HEADING, BAR = 0.08, 0.3, 0.46  # inches
 
 
@@ -70,9 +70,10 @@ def scene() -> Quads:
 
 
 def racing(catalog: Mapping[str, Method]) -> list[Variant]:
-    """What is shown to race: all that promise nothing at their defaults or with fewer passes, one of each family else.
+    """The variants that are shown to race: of exact methods one for each family, else all that promise nothing.
 
-    Methods that merge fragments are left out: their images differ by the order alone.
+    A method promises nothing at its defaults, or with an option such as fewer passes. Methods that
+    merge fragments are left out: their images differ by the order alone.
     """
     families: set[str] = set()
     chosen = []
@@ -86,7 +87,7 @@ def racing(catalog: Mapping[str, Method]) -> list[Variant]:
 
 
 def sound(catalog: Mapping[str, Method]) -> list[Variant]:
-    """What is shown to keep its promise: the first of each family that keeps exactly the k nearest."""
+    """The variants that are shown to keep their promise: of each family the first with exactly the k nearest."""
     first = {m.family: m for m in reversed(catalog.values()) if m.guarantee == "exact k nearest" and m.param("k")}
     return [m.variant({"k": K}) for m in catalog.values() if first.get(m.family) is m]
 
@@ -94,7 +95,7 @@ def sound(catalog: Mapping[str, Method]) -> list[Variant]:
 def panels(variants: Sequence[Variant], at_once: int | None = None) -> list[Panel]:
     """A panel for each variant, whose k is K."""
     drawn = scene()
-    with ThreadPoolExecutor(at_once or cores()) as pool:
+    with ThreadPoolExecutor(at_once or usable_cores()) as pool:
         return list(pool.map(lambda variant: _panel(variant, drawn), variants))
 
 
@@ -103,7 +104,7 @@ def _panel(variant: Variant, drawn: Quads) -> Panel:
     checker = Checker(variant, row_of((max(map(len, inside)),)))
     image, alone = (checker.picture(drawn, inside, How(seed=SEED, in_flight=flight)).reshape(SIDE, SIDE, 4)
                     for flight in (IN_FLIGHT, 1))
-    said = ", ".join(f"{name}: {value}" for name, value in settings(variant).items() if name != "k")
+    said = ", ".join(f"{name}: {value}" for name, value in settings(variant, "k").items())
     label = f"{variant.method.name} ({said})" if said else variant.method.name
     return Panel(label, variant, image, np.abs(image - alone).max(axis=-1))
 
@@ -125,13 +126,9 @@ def write(above: Sequence[Panel], below: Sequence[Panel], folder: Path) -> list[
 
 
 def _table(made: Sequence[Panel]) -> bytes:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(("simulated", "panel", "width", "height", "quads", "k", "in_flight", "wrong_pixels_share",
-                     "mean_error", "max_error"))
-    writer.writerows(("true", p.label, SIDE, SIDE, QUADS, K, IN_FLIGHT, f"{p.wrong_share:.6f}",
-                      f"{p.error.mean():.6f}", f"{p.error.max():.6f}") for p in made)
-    return text.getvalue().encode()
+    rows = (dict(zip(COLUMNS, (True, p.label, SIDE, SIDE, QUADS, K, IN_FLIGHT, f"{p.wrong_share:.6f}",
+                               f"{p.error.mean():.6f}", f"{p.error.max():.6f}"), strict=True)) for p in made)
+    return csv_text(COLUMNS, rows)
 
 
 def figure(above: Sequence[Panel], below: Sequence[Panel]) -> Figure:

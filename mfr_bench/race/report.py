@@ -15,7 +15,7 @@ from ..glsl import read
 from ..oracle.quality import pixel_errors
 from .adapter import FramePass, locator
 from .campaign import Found, settings, written
-from .check import Checker, Event, Failure, _payloads
+from .check import Checker, Event, Failure, payloads
 from .promise import Kind, expected
 from .sweep import Line
 
@@ -50,7 +50,7 @@ class Step:
 
 
 def selections(checker: Checker, failure: Failure) -> Iterator[tuple[int, tuple[int, ...], tuple[int, ...] | None]]:
-    """For each pixel that is wrong: its fragments, and those by which its colour comes about; None for none found."""
+    """Give, for each pixel that is wrong, its fragments, and those by which its colour comes about, or None."""
     errors = pixel_errors(failure.image, expected(checker.variant, checker.stats, checker.scene))[0]
     for x, error in enumerate(errors):
         inside = tuple(int(i) for i in np.flatnonzero(checker.scene.rect[:, 0] == x))
@@ -107,8 +107,8 @@ def _arrives(stored: Event, event: Event) -> bool:
         stored.fiber, stored.site, stored.buffer, stored.word) == (event.fiber, event.site, event.buffer, event.word)
 
 
-def _owners(what: str, values: Sequence[int]) -> dict[int, str]:
-    """What each value is called: by the one fragment that has it, or by all that do."""
+def owners(what: str, values: Sequence[int]) -> dict[int, str]:
+    """The name of each value: that of the one fragment that has it, or of all that do."""
     found: dict[int, list[str]] = {}
     for fragment, value in enumerate(values):
         found.setdefault(int(value), []).append(f"f{fragment}")
@@ -121,10 +121,10 @@ class _Describer:
         wider = checker.variant.payload_words - 1
         self.elements = {b.name: b.element_words + (wider if b.type in ("FRAGMENT", "PAYLOAD") else 0)
                          for b in checker.frame.buffers}
-        _, codes = _payloads(checker.scene, checker.variant.two_channel)
+        _, codes = payloads(checker.scene, checker.variant.two_channel)
         depths = checker.scene.depth.view(np.uint32).tolist()
         self.known = {0xFFFFFFFF: "empty", NEVER_WRITTEN: "never written",
-                      **_owners("depth", depths), **_owners("colour", codes.tolist())}
+                      **owners("depth", depths), **owners("colour", codes.tolist())}
 
     def step(self, event: Event) -> Step | None:
         if event.site < 0:

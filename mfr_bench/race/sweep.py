@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
+from ..environment import usable_cores
 from ..errors import MfrError, StoreError
 from ..methods.spec import Method, Variant
-from ..store import csv_text
-from ..store.files import write_file
+from ..store import csv_text, write_file
 from .build import build
 from .campaign import Found, run, settings, written
 from .check import Checker, How
@@ -91,7 +90,7 @@ def sweep(wanted: Sequence[Job], folder: Path, at_once: int | None = None) -> It
     """
     known = {line.identity: line for line in read(folder)}
     table = dict(known)
-    with ThreadPoolExecutor(at_once or cores()) as pool:
+    with ThreadPoolExecutor(at_once or usable_cores()) as pool:
         running = [pool.submit(_line, job, known) for job in wanted]
         try:
             for each in running:
@@ -102,11 +101,6 @@ def sweep(wanted: Sequence[Job], folder: Path, at_once: int | None = None) -> It
                 yield line
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
-
-
-def cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 def _line(job: Job, known: Mapping[tuple[object, ...], Line]) -> Line:

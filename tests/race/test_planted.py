@@ -8,7 +8,7 @@ from mfr_bench.errors import MfrError
 from mfr_bench.methods import catalog
 from mfr_bench.race.campaign import run, small_variant
 from mfr_bench.race.check import How
-from mfr_bench.race.report import _owners
+from mfr_bench.race.report import owners
 
 LOCK, LOCK64 = "common/lock.glsl", "common/lock64.glsl"
 SCHEDULES, SCENES = 40_000, 4
@@ -37,36 +37,33 @@ class Fault:
         return f"{self.method}: {self.name}"
 
 
+def faults(method: str, path: str, settings: tuple[str, ...], replaced: list[tuple]) -> list[Fault]:
+    """A fault for each name, right piece and wrong piece; True behind them stands for weak memory."""
+    return [Fault(name, method, path, right, wrong, settings, *weak) for name, right, wrong, *weak in replaced]
+
+
 def of_the_lock(method: str, *settings: str) -> list[Fault]:
     """The faults of a spin lock."""
-    def fault(name: str, right: str, wrong: str, weak: bool = False) -> Fault:
-        return Fault(name, method, LOCK, right, wrong, settings, weak)
-
-    return [
-        fault("no barrier behind the lock", TAKEN, TAKEN.replace("\n            memoryBarrierBuffer();", "\n"), True),
-        fault("no barrier before the release", LEFT, LEFT.replace("memoryBarrierBuffer(); ", ""), True),
-        fault("released before the work", TAKEN, f"{TAKEN} atomicExchange(semaphore[p], 0u);"),
-        fault("never released", "            atomicExchange(semaphore[p], 0u); \\", "            \\"),
-        fault("taken by a load and a store", "atomicExchange(semaphore[p], 1u) == 0u",
-              "semaphore[p] == 0u && (semaphore[p] = 1u) == 1u"),
-        fault("one try", "waiting && tries < uint(LOCK_TRIES)", "waiting && tries < 1u"),
-    ]
+    return faults(method, LOCK, settings, [
+        ("no barrier behind the lock", TAKEN, TAKEN.replace("\n            memoryBarrierBuffer();", "\n"), True),
+        ("no barrier before the release", LEFT, LEFT.replace("memoryBarrierBuffer(); ", ""), True),
+        ("released before the work", TAKEN, f"{TAKEN} atomicExchange(semaphore[p], 0u);"),
+        ("never released", "            atomicExchange(semaphore[p], 0u); \\", "            \\"),
+        ("taken by a load and a store", "atomicExchange(semaphore[p], 1u) == 0u",
+         "semaphore[p] == 0u && (semaphore[p] = 1u) == 1u"),
+        ("one try", "waiting && tries < uint(LOCK_TRIES)", "waiting && tries < 1u"),
+    ])
 
 
 def of_the_wide_lock(method: str, *settings: str) -> list[Fault]:
     """The faults of the lock that emulates 64-bit atomics."""
-    chosen = ("atomic64=emulated", *settings)
-
-    def fault(name: str, right: str, wrong: str, weak: bool = False) -> Fault:
-        return Fault(name, method, LOCK64, right, wrong, chosen, weak)
-
-    return [
-        fault("no barrier behind the lock of 64 bits", TAKEN64, TAKEN64.replace("memoryBarrierBuffer();", ""), True),
-        fault("no barrier before its release", LEFT64, LEFT64.replace("memoryBarrierBuffer();", ""), True),
-        fault("released before the work of 64 bits", TAKEN64, f"{TAKEN64} atomicExchange(lock64[p], 0u);"),
-        fault("the lock of 64 bits never released", "            atomicExchange(lock64[p], 0u);\n", ""),
-        fault("one try for 64 bits", "waiting && tries < uint(LOCK_TRIES)", "waiting && tries < 1u"),
-    ]
+    return faults(method, LOCK64, ("atomic64=emulated", *settings), [
+        ("no barrier behind the lock of 64 bits", TAKEN64, TAKEN64.replace("memoryBarrierBuffer();", ""), True),
+        ("no barrier before its release", LEFT64, LEFT64.replace("memoryBarrierBuffer();", ""), True),
+        ("released before the work of 64 bits", TAKEN64, f"{TAKEN64} atomicExchange(lock64[p], 0u);"),
+        ("the lock of 64 bits never released", "            atomicExchange(lock64[p], 0u);\n", ""),
+        ("one try for 64 bits", "waiting && tries < uint(LOCK_TRIES)", "waiting && tries < 1u"),
+    ])
 
 
 def counted(method: str, path: str, right: str, wrong: str, *settings: str, **more) -> Fault:
@@ -124,20 +121,17 @@ FAULTS = [
           "linked = atomicCompSwap(next[at], following, node) == following;", "next[at] = node; linked = true;"),
     Fault("a minimum of depths by a load and a store", "kb-mdt32", "methods/mdt/store_depth.frag",
           "depth = max(depth, atomicMin(depths[slot * pixels + p], depth));",
-
-                   "{ uint old = depths[slot * pixels + p]; depths[slot * pixels + p] = min(old, depth); "
+          "{ uint old = depths[slot * pixels + p]; depths[slot * pixels + p] = min(old, depth); "
           "depth = max(depth, old); }"),
     Fault("a slot counts before it is published", "kplus-array-r", "methods/kplus/store_revised.frag",
           FILL, FILL.replace("        memoryBarrierBuffer();\n", ""), ("k=3",),
-          True,
-          (4,)),
+          True, (4,)),
     Fault("a slot counts before it is written", "kplus-array-r", "methods/kplus/store_revised.frag",
-          FILL, "        atomicAdd(counter[p], ONE_TAKEN);\n        NODE(p, slot) = fragment;\n", ("k=3",), False,
-          (4,)),
+          FILL, "        atomicAdd(counter[p], ONE_TAKEN);\n        NODE(p, slot) = fragment;\n", ("k=3",),
+          False, (4,)),
     Fault("fills are not waited for", "kplus-array-r", "methods/kplus/store_revised.frag",
           "if ((atomicAdd(counter[p], 0u) >> COUNTED_BITS) + 1u >= BOUND) return true;", "return true;", ("k=3",),
-          False,
-          (4,)),
+          False, (4,)),
     Fault("no barrier behind the fills", "kplus-array-r", "methods/kplus/store_revised.frag",
           "        memoryBarrierBuffer();\n        insert(p, fragment);", "        insert(p, fragment);", ("k=3",),
           True, (4,)),
@@ -187,4 +181,4 @@ def test_a_lost_bit_of_the_occupancy_map_breaks_no_promise(plant):
 
 
 def test_fragments_of_one_depth_are_named_together():
-    assert _owners("depth", [5, 7, 5]) == {5: "depth of f0 and f2", 7: "depth of f1"}
+    assert owners("depth", [5, 7, 5]) == {5: "depth of f0 and f2", 7: "depth of f1"}

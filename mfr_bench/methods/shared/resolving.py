@@ -14,7 +14,8 @@ from .options import SORT
 RESOLVERS = {"lplus": "common/resolve_lplus.glsl", "register": "common/resolve_register.glsl"}
 RESOLVER = "common/resolve_local.glsl"  # every other sort works in one local array
 # The fastest exact sort by the length of the local array, measured on llvmpipe (docs/fairness.md).
-AUTOMATIC = (("register", "{} <= 512"), ("hybrid", "{} > 512"))
+REGISTERS_UP_TO = 512  # fragments
+AUTOMATIC = (("register", f"{{}} <= {REGISTERS_UP_TO}"), ("hybrid", f"{{}} > {REGISTERS_UP_TO}"))
 LPLUS = 32  # l of the l+-depth-sorting (kplus_2015 §4.4)
 NARROWEST, WIDEST = 8, 32  # fragments of the smallest and the largest sorting network
 TILE = 8  # pixels, side of the square that a work group of the compute resolve shades

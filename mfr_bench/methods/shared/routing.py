@@ -8,7 +8,7 @@ from ..spec import EMPTY, Buffer, Pass, State, Stencil, Target, when
 from .options import MULTISAMPLING
 from .resolving import resolve
 
-# What several passes of routing need: where each sample's fragment came from, and the fragments of all passes.
+# Resources of several passes of routing: the origin of each sample's fragment, and the fragments of all passes.
 ARRIVALS = Target("arrivals", "r32ui", doc="primitive whose fragment each sample took")
 COLLECTED = Buffer("counter", "P", clear="0u", doc="fragments collected in each pixel")
 RESUME = Buffer("resume", "P", clear="0u", doc="first primitive not captured yet; EMPTY if all are")

@@ -30,6 +30,7 @@ TOUCHED = Param("touched", "off", f"{BOUNDS}or of the resolve, within that, only
                 "that have fragments, listed on the device after the store (tiles); the image is cleared beside",
                 choices=("off", "bounds", "tiles"), needs={"tiles": TILE_POINTS})
 TILES = f"ceil(W/{LISTED})*ceil(H/{LISTED})"
+WHOLE_SUM = "the sum goes over all pixels"  # why a prefix sum is not limited
 LISTERS = 64  # tiles that a work group of the listing looks at
 
 Step = Pass | Loop

@@ -22,7 +22,7 @@ class Grown:
     wanted: str = "F"
 
 
-# What is allocated in addition to the words of a method whose cells come from a counter.
+# The words, in addition to those of its formula, of a method whose cells come from a counter.
 SPARE_CELLS = ("the counter, one word per frame, and the spare cells of a capacity that is doubled until the frame "
                "fits, where the formula counts those in use")
 

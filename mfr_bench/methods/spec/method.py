@@ -53,8 +53,8 @@ class Method(_Stepped):
     """A multi-fragment rendering method as its paper describes it.
 
     `words` is the paper's memory formula in 32-bit words per pixel (f: the pixel's fragments), `beside` what is
-    allocated in addition or in their place, and why. `cost` is the reason why it may take more than three times as long as
-    the fastest A-buffer.
+    allocated in addition or in their place, and why. `cost` is the reason why it may take more than three times as long
+    as the fastest A-buffer.
     `ties` says what becomes of fragments of equal depth, `loses_ties` whether some of them are lost by nature. `needs`
     names device features without which no choice of parameters runs.
     """

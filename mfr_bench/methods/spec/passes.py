@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 from .capacity import Plan
@@ -97,6 +97,10 @@ class Pass:
     expand: Callable[[Pass, Params], tuple[Pass, ...]] | None = None
     targets: tuple[Target, ...] = ()
     buffers: tuple[Buffer, ...] = ()
+
+    def only(self, where: When) -> Pass:
+        """The pass as it is, but that it runs only if this condition holds as well."""
+        return replace(self, when=where & self.when if self.when else where)
 
     @property
     def hands_on(self) -> bool:

@@ -66,7 +66,7 @@ class SceneStats:
         return {"W": self.W, "H": self.H, "P": self.P, "n": self.n, "F": self.F, "f": self.F / self.P}
 
 
-# What a parameter may ask of a scene: facts of SceneStats, in words.
+# Facts of SceneStats that a parameter may ask of a scene, in words.
 SCENE_FACTS: Mapping[str, str] = {
     "flat": "flat primitives that meet no pixel but at its edges",
     "blended": "the effect transparency, since its image is not made of the fragments one by one, nearest first",

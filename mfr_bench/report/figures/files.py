@@ -15,6 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...environment import usable_cores
 from ...store import ResultFolder, write_file
 from .. import data, style
 from ..data import Result
@@ -57,7 +58,7 @@ def write_all(folders: Sequence[ResultFolder],
 
     Forked processes draw a folder each, as many at a time as there are cores; not where the process holds a GL context.
     """
-    count = min(processes or len(os.sched_getaffinity(0)), len(folders))
+    count = min(processes or usable_cores() or 1, len(folders))
     if count < 2:
         yield from ((write_figures(folder, processes=2), folder.damaged) for folder in folders)
         return
