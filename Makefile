@@ -5,11 +5,11 @@ WORKERS := 2
 PYTHON_READY := $(VENV)/python-ready
 DRIVER_READY := $(VENV)/driver-ready
 
-.PHONY: help bench papers test lint docs setup lock clean drivers meshes
+.PHONY: help bench papers test test-cluster lint docs setup lock clean drivers meshes
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "make %-6s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 bench: setup  ## measure configs/smoke.yaml; print its table, where the figures and the page are (ARGS="--device cpu")
 	@$(VENV)/bin/mfr-bench run smoke --report results/report.html $(ARGS)

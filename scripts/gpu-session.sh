@@ -40,7 +40,7 @@ trap 'end_early 130' INT
 trap 'end_early 143' TERM
 trap 'end_early 129' HUP
 
-# What claims and packing need at the end is set aside for them.
+# Claims and packing have the time that they need at the end set aside.
 aside_s=$((budget_s / 20 + 5))
 
 left_s() {

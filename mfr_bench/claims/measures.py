@@ -10,8 +10,6 @@ from ..stats import Interval, ratio_interval
 from ..store.columns import VALUES
 from .evidence import NOTHING
 
-MB = 2**20
-
 
 @dataclass(frozen=True)
 class Quantity:

@@ -9,10 +9,9 @@ from pathlib import Path
 import click
 
 from ..errors import UsageError, nearest
+from .endings import NOTHING_KEEPS
 from .options import JSON, ConfigName, OneOf
 from .output import note, say, width
-
-NOTHING_KEEPS = 6  # exit status
 
 
 class Positive(click.ParamType):

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import click
 
-from .options import FOLDERS, OutPath
+from .endings import WRONG
+from .merge_command import merge_into
+from .options import FOLDERS, OutPath, results_below
 from .output import ending, note, say
 
 
@@ -26,10 +28,10 @@ def submit_results(folders: tuple[str, ...], out: str, sign_off: str) -> None:
     Example: mfr-bench submit-results results/nvidia-h200 --sign-off "A. Smith" --out h200.zip
     """
     from ..bundle import make_bundle
-    from ..store import ResultFolder, find_results, write_file
+    from ..store import write_file
 
     ending(out, ".zip")
-    found = [ResultFolder(path) for path in find_results(folders)]
+    found = results_below(folders)
     content, left_out = make_bundle(found, sign_off)
     for line in left_out:
         note(line)
@@ -56,10 +58,8 @@ def verify(bundle: str, against: tuple[str, ...], into: str | None) -> int:
     """
     from ..bundle import read_bundle, verified
     from ..bundle.verify import unpacked
-    from ..merge import merged_sets, write_set
-    from ..store import ResultFolder, find_results
 
-    others = [ResultFolder(path) for path in find_results(against)] if against else []
+    others = results_below(against) if against else []
     sets = read_bundle(Path(bundle))
     with tempfile.TemporaryDirectory() as place:
         folders = unpacked(sets, Path(place))
@@ -68,11 +68,6 @@ def verify(bundle: str, against: tuple[str, ...], into: str | None) -> int:
             say(finding)
         cells = sum(len(folder.cells()) for folder in folders)
         say(f"{bundle}: result folders: {len(folders)}, cells: {cells}, odd: {len(odd) or 'nothing'}")
-        if odd or into is None:
-            return 3 if odd else 0
-        merged, _ = merged_sets(folders, Path(into))
-        for each in merged:
-            with each.folder.lock():
-                written = write_set(each)
-            say(f"{each.folder.path}: cells: {written.cells}, new: {written.new}")
-    return 0
+        if into is not None and not odd:
+            merge_into(folders, Path(into))
+    return WRONG if odd else 0

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..errors import UsageError
-from .options import FOLDERS, JSON, MARKDOWN
+from .options import FOLDERS, JSON, MARKDOWN, hold_one_form, results_below
 from .output import note, say, width
 
 
@@ -27,12 +26,9 @@ def claims(folders: tuple[str, ...], as_json: bool, as_csv: bool, as_matrix: boo
               mfr-bench claims results --csv > claims.csv
     """
     from ..claims import CLAIMS, judge_all, load_runs, present
-    from ..store import ResultFolder, find_results
 
-    if as_json + as_csv + as_matrix + as_markdown > 1:
-        raise UsageError("claims: more than one of --json, --csv, --devices and --markdown; allowed: one, "
-                         "or none for text")
-    results = [ResultFolder(path) for path in find_results(folders)]
+    hold_one_form("claims", json=as_json, csv=as_csv, devices=as_matrix, markdown=as_markdown)
+    results = results_below(folders)
     verdicts = judge_all(CLAIMS, load_runs(results))
     if as_json:
         say(present.as_json(verdicts))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from .options import MOST_SHARES, ConfigName, OutPath
+from .options import PROFILE, SET, ConfigName, OutPath
 from .output import note, say
 
 PLAN_DIGITS = 16
@@ -21,8 +21,8 @@ STORE = click.argument("store", metavar="STORE", type=click.Path(file_okay=False
 @click.argument("configs", nargs=-1, required=True, metavar="CONFIG...", type=ConfigName())
 @click.option("--cluster", "settings", required=True, metavar="F", type=click.Path(dir_okay=False),
               help="cluster.yaml: engine, store, kinds of devices; see docs/machines.md.")
-@click.option("--profile", metavar="NAME", help="Take this profile of each config, such as smoke.")
-@click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Set a key of every config.")
+@PROFILE
+@SET
 @click.option("--dry-run", is_flag=True, help="Print each task's command, which does the same by hand; submit nothing.")
 def submit(configs: tuple[str, ...], settings: str, profile: str | None, overrides: tuple[str, ...],
            dry_run: bool) -> int:
@@ -60,13 +60,13 @@ def submit(configs: tuple[str, ...], settings: str, profile: str | None, overrid
 
 
 def _cells_by_share(configs, profile, overrides, counts) -> dict[tuple[int, int], tuple[int, str]]:
-    """How many cells each share has, those that entries of one config share once, and the digest of them all."""
+    """The number of cells of each share, with what entries of one config have in common once, and their digest."""
     from ..plan.shards import shard
     from .run_command import plans_of
 
     plans = plans_of(configs, profile, None, overrides)
     return {(number, count): _counted(shard(plans, number, count))
-            for count in counts if count <= MOST_SHARES for number in range(1, count + 1)}
+            for count in counts for number in range(1, count + 1)}
 
 
 def _counted(plans) -> tuple[int, str]:

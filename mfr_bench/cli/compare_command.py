@@ -2,39 +2,18 @@
 
 from __future__ import annotations
 
-import math
-
 import click
 
 from ..errors import UsageError
-from .options import CSV, JSON, JUNIT, MARKDOWN, SUMMARY, WHOLE
+from .endings import DOUBT, REGRESSION
+from .options import CSV, JSON, JUNIT, MARKDOWN, SUMMARY, THRESHOLD, WHOLE, hold_one_form
 from .output import append_text, note, say, width, write_text
-
-REGRESSION, DOUBT = 4, 5
-
-
-class Percentage(click.ParamType):
-    """A share in percent, with or without its sign: 2, 2.5%."""
-
-    name = "percent"
-
-    def convert(self, value, param, context):
-        if isinstance(value, float):
-            return value
-        try:
-            share = float(str(value).removesuffix("%").strip()) / 100
-        except ValueError:
-            share = math.nan
-        if not 0 < share <= 1:
-            self.fail(f"{value!r} is not allowed; allowed: percent above 0, up to 100, such as 2")
-        return share
 
 
 @click.command()
 @click.argument("before", metavar="DIR_A", type=click.Path())
 @click.argument("after", metavar="DIR_B", type=click.Path())
-@click.option("--threshold", metavar="PERCENT", type=Percentage(), default="2", show_default=True,
-              help="Smallest difference that matters.")
+@THRESHOLD
 @click.option("--across-devices", is_flag=True, help="Compare results of different devices or drivers.")
 @click.option("--absolute", is_flag=True,
               help="Count what all methods of a scene have in common as theirs; else it is taken out.")
@@ -80,8 +59,7 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
     """
     from ..compare import compare as compared
 
-    if as_json + as_csv + as_markdown > 1:
-        raise UsageError("compare: more than one of --json, --csv and --markdown; allowed: one, or none for text")
+    hold_one_form("compare", json=as_json, csv=as_csv, markdown=as_markdown)
     sides = _sides(before, after)
     found = compared(*sides, threshold, across_devices, absolute)
     if not found.verdicts:
@@ -90,7 +68,7 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
     handed_over(found, junit, summary)
     for line in (line for side in sides for line in side.damaged):
         note(line)
-    return ending(found, strict)
+    return status_of(found, strict)
 
 
 def printed(found, whole: bool, as_json: bool, as_csv: bool, as_markdown: bool) -> None:
@@ -116,7 +94,7 @@ def handed_over(found, junit: str | None, summary: str | None) -> None:
         append_text(summary, present.as_markdown(found))
 
 
-def ending(found, strict: bool) -> int:
+def status_of(found, strict: bool) -> int:
     """The exit status that a comparison ends with."""
     return REGRESSION if found.regressed else DOUBT if found.untold or (strict and found.doubtful) else 0
 

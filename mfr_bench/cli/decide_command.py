@@ -8,12 +8,12 @@ from pathlib import Path
 
 import click
 
+from .endings import NOTHING_KEEPS
 from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
 from .options import DEVICE, JSON, OUTSIDE, NumberRange, OutPath
 from .output import note, say, width
 
 MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a device finds more in some pixels
-NOTHING = 6  # exit status: no method keeps the bounds
 
 
 @click.command()
@@ -55,7 +55,7 @@ def decide(size: str | None, layers: int | None, covered: float, mesh: str | Non
     question, scene = _asked(size, layers, covered, overrides_of(mesh, fragments), config, memory_mb, max_error)
     answer = _raced(question, scene, deadline, out, device)
     say(json.dumps(answer.record(), indent=2, ensure_ascii=False) if as_json else answer.text(width()))
-    return 0 if answer.best else NOTHING
+    return 0 if answer.best else NOTHING_KEEPS
 
 
 def _asked(size: str | None, layers: int | None, covered: float, own: list[str], config: str | None,

@@ -11,6 +11,7 @@ from typing import Any
 
 import click
 
+from .endings import WRONG
 from .interruption import Interruption
 from .options import (
     DEVICE,
@@ -23,11 +24,10 @@ from .options import (
     OutPath,
     PassName,
     first_experiment,
+    hold_one_form,
     method,
 )
 from .output import ending, note, say, width
-
-WRONG = 3
 
 CHECKER = 8  # pixels, side of a square behind a transparent image
 CHECKER_GREYS = (0.75, 0.9)
@@ -67,6 +67,8 @@ def methods(as_json: bool, markdown: bool, rounding: bool, fairness: bool, devic
     """
     from ..methods import catalog
     from ..methods.catalog_text import as_markdown
+
+    hold_one_form("methods", json=as_json, markdown=markdown, rounding=rounding, fairness=fairness)
 
     if markdown:
         say(as_markdown(catalog().values()).rstrip("\n"))

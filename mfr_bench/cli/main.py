@@ -42,8 +42,8 @@ Examples:
 
 Exit status: 0 done; 1 a cell crashed, or ran out of time or memory;
 2 the command or a config is wrong; 3 an image is wrong, or race broke a
-promise; 4 compare found a regression; 5 compare could tell nothing, or
-misses cells; 6 advise or decide: nothing keeps the bounds; 130 interrupted.
+promise; 4 compare or versus found a regression; 5 they could tell nothing, or
+miss cells; 6 advise or decide: nothing keeps the bounds; 130 interrupted.
 
 \b
 Shell completion (or zsh_source, fish_source):

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import FOLDERS, OutPath
+from .options import FOLDERS, OutPath, results_below
 from .output import note, say
 
 
@@ -26,9 +26,7 @@ def merge(folders: tuple[str, ...], into: str) -> None:
     \b
     Example: mfr-bench merge node1/results node2/results --into results
     """
-    from ..store import ResultFolder, find_results
-
-    merge_into([ResultFolder(path) for path in find_results(folders)], Path(into))
+    merge_into(results_below(folders), Path(into))
 
 
 def merge_into(folders, into: Path) -> None:

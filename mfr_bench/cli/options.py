@@ -9,8 +9,6 @@ import click
 
 from ..errors import nearest, one_of
 
-MOST_SHARES = 10_000
-
 FOLDERS = click.argument("folders", nargs=-1, required=True, metavar="DIR...", type=click.Path())
 
 
@@ -39,6 +37,8 @@ class Share(click.ParamType):
     name = "share"
 
     def convert(self, value, param, context):
+        from ..plan.shards import MOST_SHARES
+
         number, _, count = str(value).partition("/")
         if not (number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count) <= MOST_SHARES):
             self.fail(f"{value!r} is no share; allowed: I/N with 1 <= I <= N <= {MOST_SHARES}, such as 2/4")
@@ -127,6 +127,23 @@ class NumberRange(click.FloatRange):
         return found
 
 
+class Percentage(click.ParamType):
+    """A share in percent, with or without its sign: 2, 2.5%."""
+
+    name = "percent"
+
+    def convert(self, value, param, context):
+        if isinstance(value, float):
+            return value
+        try:
+            share = float(str(value).removesuffix("%").strip()) / 100
+        except ValueError:
+            share = math.nan
+        if not 0 < share <= 1:
+            self.fail(f"{value!r} is not allowed; allowed: percent above 0, up to 100, such as 2")
+        return share
+
+
 class OneOf(click.Choice):
     """Names the nearest choice for one that does not exist."""
 
@@ -171,6 +188,8 @@ DRY_RUN = click.option("--dry-run", is_flag=True,
 QUIET = click.option("--quiet", is_flag=True, help="Print no progress on stderr; errors still are.")
 MARKDOWN = click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
 CSV = click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per cell.")
+THRESHOLD = click.option("--threshold", metavar="PERCENT", type=Percentage(), default="2", show_default=True,
+                         help="Smallest difference that matters.")
 WHOLE = click.option("--all", "whole", is_flag=True, help="Show every cell, those that are the same too.")
 ONLY = click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
@@ -218,6 +237,22 @@ def measuring(what: str, folder: str):
             command = option(command)
         return command
     return decorate
+
+
+def hold_one_form(command: str, **asked: bool) -> None:
+    """Raise UsageError where more than one form of the output is asked for; `asked`: by the name of the option."""
+    from ..errors import UsageError
+
+    if sum(asked.values()) > 1:
+        *names, last = (f"--{name}" for name in asked)
+        raise UsageError(f"{command}: more than one of {', '.join(names)} and {last}; allowed: one, or none for text")
+
+
+def results_below(folders):
+    """The result folders at or below these. Raises UsageError for each that has none."""
+    from ..store import ResultFolder, find_results
+
+    return [ResultFolder(path) for path in find_results(folders)]
 
 
 def method(method_id: str, where: str):

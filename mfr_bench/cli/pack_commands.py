@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import click
 
-from .options import FOLDERS
+from .options import FOLDERS, results_below
 from .output import note, say
 
 
@@ -36,9 +36,7 @@ def unpack(folders: tuple[str, ...]) -> None:
 
 def _each(folders: tuple[str, ...], work: Callable) -> None:
     """Do the work in every folder while no run measures into it, and say what came of it."""
-    from ..store import ResultFolder, find_results
-
-    for folder in map(ResultFolder, find_results(folders)):
+    for folder in results_below(folders):
         with folder.lock() as unlocked:
             if unlocked:
                 note(unlocked)

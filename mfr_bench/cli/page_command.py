@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .options import FOLDERS, OUTSIDE, OutPath
+from .options import FOLDERS, OUTSIDE, OutPath, results_below
 from .output import note, say
 
 
@@ -39,9 +39,8 @@ def report(folders: tuple[str, ...], out: str, trend: bool) -> None:
     with the nights from which on it was slower or faster, and the commit of each.
     """
     from ..page import write_page, write_trend
-    from ..store import ResultFolder, find_results
 
-    results = [ResultFolder(path) for path in find_results(folders)]
+    results = results_below(folders)
     if trend:
         write_trend(results, Path(out))
     else:

@@ -10,10 +10,10 @@ from pathlib import Path
 import click
 
 from ..errors import UsageError
+from .endings import WRONG
 from .options import JSON, OUTSIDE, MethodName, OutPath, method
 from .output import say
 
-BROKEN = 3
 OF_MODES = {  # what each of these ways to run takes
     "--campaign": ("campaign", "pairs", "jobs", "out", "fragments", "schedules", "scenes", "seed", "as_json"),
     "--hazards": ("hazards", "jobs", "out", "schedules", "seed"),
@@ -96,7 +96,7 @@ def race(context: click.Context, method_id: str, overrides: tuple[str, ...], fra
     found = _replayed(variant, counts, how, ties, replay) if replay else run(variant, counts, how, scenes, ties)
     say(json.dumps(record(found), indent=2) if as_json else text(found, _again(context)))
     if found.broken and not found.checker.promises_nothing:
-        context.exit(BROKEN)
+        context.exit(WRONG)
 
 
 def _given(context: click.Context) -> dict[str, str]:
@@ -161,7 +161,7 @@ def _campaign(context: click.Context, chosen, counts, how, scenes: int, together
     if not as_json:
         say(campaign_end(lines))
     if any(line.broken for line in lines):
-        context.exit(BROKEN if any(line.violations for line in lines) else 1)
+        context.exit(WRONG if any(line.violations for line in lines) else 1)
 
 
 def _hazards(method_id: str, schedules: int, seed: int, at_once: int | None, folder: Path) -> None:

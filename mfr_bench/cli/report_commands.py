@@ -7,14 +7,8 @@ from pathlib import Path
 
 import click
 
-from .options import FOLDERS, JSON, JUNIT, OUTSIDE, SUMMARY, NumberRange, OneOf, OutPath
+from .options import FOLDERS, JSON, JUNIT, OUTSIDE, SUMMARY, NumberRange, OneOf, OutPath, hold_one_form, results_below
 from .output import append_text, note, say, width, write_text
-
-
-def _results(folders: tuple[str, ...]):
-    from ..store import ResultFolder, find_results
-
-    return [ResultFolder(path) for path in find_results(folders)]
 
 
 def _announce(results) -> None:
@@ -67,12 +61,12 @@ def _inches(context, param, value: str | None) -> float | None:
 
 def _formats(context, param, value: str | None) -> tuple[str, ...] | None:
     from ..errors import one_of
+    from ..report.look import FORMATS
 
-    allowed = ("png", "svg", "pdf", "pgf")
     found = None if value is None else tuple(dict.fromkeys(name.strip() for name in value.split(",")))
     for name in found or ():
-        if name not in allowed:
-            raise click.BadParameter(f"{name!r} is no format; {one_of(name, allowed)}")
+        if name not in FORMATS:
+            raise click.BadParameter(f"{name!r} is no format; {one_of(name, FORMATS)}")
     return found
 
 
@@ -135,7 +129,7 @@ def plot(folders: tuple[str, ...], together: str | None, look: str | None, width
     """
     from ..report import write_all, write_together
 
-    results = _results(folders)
+    results = results_below(folders)
     if look := _look(look, width_in, font_pt, dpi, formats):
         _plot_scaled(results, look)
         return
@@ -184,24 +178,17 @@ def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_j
     Examples: mfr-bench table results | less
               mfr-bench table results --json | jq '.[].cells[].time_ms'
     """
+    from ..report import terminal_table, write_for_paper
 
-    results = _results(folders)
+    results = results_below(folders)
     _announce(results)
     if not as_json:
-        from ..report import terminal_table
-
         say("\n".join(terminal_table(folder, width()) for folder in results).rstrip("\n"))
     hand_over(results, as_json, junit, summary)
     for folder in results:  # after all are shown: a folder may be there only to be read
         write_tables_of(folder)
-        for path in _for_paper(folder) if latex else ():
+        for path in write_for_paper(folder) if latex else ():
             note(path)
-
-
-def _for_paper(folder) -> list[Path]:
-    from ..report import write_for_paper
-
-    return write_for_paper(folder)
 
 
 @click.command()
@@ -249,6 +236,7 @@ def configs(papers: bool, as_markdown: bool, kinds: bool, fidelity: bool) -> Non
     from ..report.data import figure_of
     from ..scene.page import kinds_page
 
+    hold_one_form("configs", papers=papers, markdown=as_markdown, kinds=kinds, fidelity=fidelity)
     if kinds:
         say(kinds_page().rstrip("\n"))
         return
@@ -306,4 +294,4 @@ def conformance(folders: tuple[str, ...]) -> None:
     from ..report import conformance_page
     from ..report.data import load
 
-    say(conformance_page(map(load, _results(folders)), catalog()).rstrip("\n"))
+    say(conformance_page(map(load, results_below(folders)), catalog()).rstrip("\n"))

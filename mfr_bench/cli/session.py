@@ -13,7 +13,7 @@ from .output import note, say, width
 from .page_command import write_page_of
 from .report_commands import hand_over, write_report
 
-# What a manifest says of the run that measured: a run that finds everything measured leaves it alone.
+# The parts of a manifest that are of the run that measured: one that finds everything measured leaves them alone.
 OF_THE_MEASURING = ("started", "calibration", "versions", "environment", "calibration_end", "calibration_drift",
                     "split_s", "noise_floor_rel")
 

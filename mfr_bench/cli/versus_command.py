@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from ..errors import UsageError
-from .compare_command import Percentage, ending, handed_over, printed
+from .compare_command import handed_over, printed, status_of
 from .interruption import Interruption
 from .options import (
     CSV,
@@ -22,9 +22,11 @@ from .options import (
     QUIET,
     SET,
     SUMMARY,
+    THRESHOLD,
     WHOLE,
     NumberRange,
     OutPath,
+    hold_one_form,
 )
 from .output import note
 
@@ -32,8 +34,7 @@ from .output import note
 @click.command()
 @click.argument("names", nargs=-1, required=True, metavar="A B CONFIG")
 @click.option("--against", metavar="A", help="The tree or revision to compare with: `versus B CONFIG --against A`.")
-@click.option("--threshold", metavar="PERCENT", type=Percentage(), default="2", show_default=True,
-              help="Smallest difference that matters.")
+@THRESHOLD
 @click.option("--rounds", type=click.IntRange(2, 50), default=4, show_default=True,
               help="Pairs of fresh processes, in each of which every cell is measured.")
 @click.option("--seconds", type=NumberRange(0, 3600, min_open=True), default=1.5, show_default=True,
@@ -75,6 +76,7 @@ def versus(names: tuple[str, ...], against: str | None, threshold: float, rounds
     from ..versus.lockstep import Ask, measure
     from ..versus.tree import tree
 
+    hold_one_form("versus", json=as_json, csv=as_csv, markdown=as_markdown)
     before, after, config = _named(names, against)
     ask = Ask(_config_path(config), profile, tuple(only.split(",")) if only else None, overrides, device,
               rounds, seconds)
@@ -90,7 +92,7 @@ def versus(names: tuple[str, ...], against: str | None, threshold: float, rounds
         raise UsageError(f"versus: {before} and {after} have no cell of {config} in common")
     printed(found, whole, as_json, as_csv, as_markdown)
     handed_over(found, junit, summary)
-    return ending(found, strict)
+    return status_of(found, strict)
 
 
 def _named(names: tuple[str, ...], against: str | None) -> tuple[str, str, str]:

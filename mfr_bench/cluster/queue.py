@@ -1,4 +1,4 @@
-"""What an engine says of its jobs. It is asked with a limit, and what it says decides nothing: cells do."""
+"""Asks an engine for its jobs, with a limit on the time. Its answer decides nothing: cells do."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def drained_nodes() -> list[str]:
 
 
 def _alive(job: str) -> bool:
-    """Whether a process of submitit's local engine, whose id is the job's, is there.
+    """True where a process of submitit's local engine, whose id is the job's, is there.
 
     The id may be that of another program by now. The command of a zombie is empty.
     """

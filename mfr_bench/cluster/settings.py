@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from ..errors import UsageError, nearest
+from ..plan.shards import MOST_SHARES
 
 MOST_MINUTES = 60 * 24 * 30
 
@@ -26,7 +27,7 @@ class Kind(Settings):
     account, qos: as Slurm takes them; options: further ones of sbatch.
     """
 
-    shares: Annotated[int, Field(ge=1, le=10_000)] = 1
+    shares: Annotated[int, Field(ge=1, le=MOST_SHARES)] = 1
     device: str = "auto"
     minutes: Annotated[int, Field(ge=1, le=MOST_MINUTES)] = 60
     cpus: Annotated[int, Field(ge=1, le=1024)] = 2

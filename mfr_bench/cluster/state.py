@@ -1,4 +1,4 @@
-"""What the tasks of a store have done, by the cells in their folders, whatever the engine says of the jobs."""
+"""The state of a store's tasks by the cells in their folders, whatever the engine says of the jobs."""
 
 from __future__ import annotations
 

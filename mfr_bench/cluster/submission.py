@@ -60,7 +60,7 @@ class Record(Settings):
 
 @dataclass(frozen=True)
 class Submission:
-    """What was submitted into a store: the run as `mfr-bench run` takes it, and its tasks."""
+    """The run that was submitted into a store, as `mfr-bench run` takes it, and its tasks."""
 
     store: Path
     engine: str
@@ -79,7 +79,7 @@ class Submission:
 
 
 def read_submission(store: Path) -> Submission | None:
-    """What was submitted into a store before; None if nothing was. Raises UsageError where it cannot be read."""
+    """The submission that a store has; None if it has none. Raises UsageError where it cannot be read."""
     path = store / FILE
     try:
         record = Record.model_validate_json(path.read_bytes())

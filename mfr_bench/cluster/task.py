@@ -1,4 +1,4 @@
-"""What a node runs: one share of a run as a process group of its own, ended whole, queued again if it was cut off."""
+"""Runs one share of a run on a node, as a process group that is ended whole, and queued again if it was cut off."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ from .cells import Cell
 from .expected import expected_stats
 from .forecast import Forecast, Rates, frames_s
 
+MOST_SHARES = 10_000
 Plans = list[tuple[Experiment, list[Cell]]]
 
 

@@ -58,7 +58,7 @@ OVER = {"linestyle": "", "marker": "X", "markersize": 5.0, "markeredgecolor": "w
         "zorder": 5, "clip_on": False}  # cells without a value for lack of memory
 HATCH_INK = (1.0, 1.0, 1.0, 0.6)
 
-# What becomes of a method at a level of a stressor: fill and ink.
+# The outcomes of a method at a level of a stressor: fill and ink.
 STATE_COLOURS = {
     "holds": ("#cfe8dc", "#2d5f4a"), "differs": ("#ffe08a", INK), "bound": ("#f5a35c", INK),
     "image": ("#d1495b", "white"), "lost": ("#8e2f7f", "white"), "refused": ("#c4c8cc", INK),

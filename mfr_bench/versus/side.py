@@ -1,7 +1,7 @@
 """The process of one source tree, run by its path: answers the parent's lines of JSON with the tree's own code.
 
 Nothing but long-lived names of the package is used here, since the tree may be an older one: what it lacks is told.
-Requests: open, scene, prepare, batch, release. Each is answered by one line; `error` holds what went wrong.
+The requests are open, prepare, batch and release. Each is answered by one line; `error` holds what went wrong.
 """
 
 from __future__ import annotations

@@ -12,6 +12,7 @@ def test_from_results_to_a_collection(tmp_path, mfr):  # noqa: F811
     assert made.status == 0 and "result folders: 1," in made.out, made.err
     done = mfr("verify", tmp_path / "b.zip", "--into", tmp_path / "collection")
     assert done.status == 0 and "cells: 2, odd: nothing" in done.out and "cells: 2, new: 2" in done.out
+    assert list((tmp_path / "collection").rglob("tables/results.md")), "the merged set has its tables"
     again = mfr("verify", tmp_path / "b.zip", "--into", tmp_path / "collection")
     assert again.status == 0 and "cells: 2, new: 0" in again.out
 

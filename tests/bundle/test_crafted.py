@@ -25,7 +25,7 @@ SMALL = Scene(size=(16, 12), depth_complexity=4).as_dict()
 
 
 def told(tmp_path, *records, manifest=MANIFEST, arrays=None):
-    """What is said of a bundle with these records and arrays, whose hashes are right."""
+    """The findings in a bundle with these records and arrays, whose hashes are right."""
     cells = {f"{r['key']}.json": json.dumps({"schema": 1} | r).encode() for r in records}
     cells |= {f"{key}.npz": content for key, content in (arrays or {}).items()}
     data = crafted({"card-a/planted/manifest.json": json.dumps(manifest).encode(),

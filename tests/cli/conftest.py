@@ -128,7 +128,7 @@ def rows(path: Path) -> list[dict[str, str]]:
 
 
 def written(folder):
-    """When each cell file was written."""
+    """The time at which each cell file was written."""
     return {path.name: path.stat().st_mtime_ns for path in (folder / "cells").iterdir()}
 
 

@@ -1,4 +1,4 @@
-"""What a store says of its tasks: never more than what this run planned, and never another process's job."""
+"""A store has only the tasks that this run planned, and never takes another process's job for one of them."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from mfr_bench.report.settings import settings, value_of
 
 PAPERS = r"(gpupro5_ch[12]|kplus_2014_slides|kplus_2015|occupancy_2015|sbuffer_2012):\d+(-\d+)?(,\d+(-\d+)?)*"
 HELD = [row for row in settings() if row.key]
-# What a profile of a smaller viewport has fewer pixels for, and by them less memory.
+# The keys that a profile of a smaller viewport changes, since it has fewer pixels and so less memory.
 BY_PIXELS = {"scene.size", "scene.quad_size", "measure.memory_budget_mb", "memory_mb"}
 
 

@@ -92,6 +92,7 @@ def test_a_package_edited_in_place_is_held_against_its_commit(repository):
     ((".", "empty", "smoke"), "empty holds neither mfr_bench/ nor a method"),
     ((".", ".", "smok"), "nearest: 'smoke'"),
     ((".", ".", "smoke", "--only", "no-method"), "unknown method 'no-method'"),
+    ((".", ".", "smoke", "--json", "--csv"), "versus: more than one of --json, --csv and --markdown"),
 ])
 def test_a_mistake_is_one_line(repository, arguments, said):
     (repository / "empty").mkdir()

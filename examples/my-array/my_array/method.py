@@ -10,7 +10,7 @@ ORDER = 10  # the place of the family in the catalog; it comes last without
 
 METHODS = [
     Method(
-        # What a reader of the tables needs to know.
+        # The reader of a table needs these.
         id="my-array", name="My array", family="my_array",
         source="Crassin 2010", summary="n slots per pixel, given out by an atomic counter",
         guarantee="exact all",  # exact all | exact k nearest | exact k best | approximate | none
@@ -18,7 +18,7 @@ METHODS = [
         words="2*n + 1",  # the paper's own formula, words per pixel, printed next to what is allocated
         # Options that shared code brings: how to sort, which pixels to leave out, what a fragment holds.
         params=(*RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
-        # What is allocated. A formula may use W, H, P (pixels), n (most fragments in a pixel), F (all fragments),
+        # The memory. A formula may use W, H, P (pixels), n (most fragments in a pixel), F (all fragments),
         # f = F/P, capacity, and the parameters.
         buffers=(Buffer("counter", "P", clear="0u", doc="fragments of each pixel"),
                  Buffer("nodes", "2*n*P", type="FRAGMENT", doc="fragments of each pixel, in order of arrival")),

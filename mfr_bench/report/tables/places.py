@@ -1,4 +1,4 @@
-"""Whose place among the methods changes along the axis of a figure, where noise does not explain it."""
+"""The methods whose place changes along the axis of a figure, where noise does not explain it."""
 
 from __future__ import annotations
 

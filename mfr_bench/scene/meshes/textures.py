@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import UsageError
 
-# What Pillow raises over a file that is no image, is damaged or too large: its decoders raise what they happen to.
+# The errors that Pillow raises over a file that is no image, is damaged or too large; its decoders raise any of them.
 NO_PICTURE = (OSError, ValueError, SyntaxError, EOFError, LookupError, TypeError, MemoryError, struct.error, zlib.error,
               OverflowError)
 NOTE = "a texture is replaced by its mean colour"
