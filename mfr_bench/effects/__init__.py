@@ -71,6 +71,11 @@ class Settings:
         return {f"scene.{key}": value for key, value in found.items() if value != DEFAULTS[key]}
 
     @property
+    def blended(self) -> bool:
+        """Whether the fragments of a pixel are blended, and nothing else is done with them."""
+        return self.name == TRANSPARENCY
+
+    @property
     def effect(self) -> Effect:
         """The entry of the effect."""
         return EFFECTS[self.name]

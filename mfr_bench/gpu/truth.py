@@ -6,7 +6,6 @@ from functools import cached_property
 
 import numpy as np
 
-from ..effects import PLAIN
 from ..methods.spec import Promise, SceneStats
 from ..oracle import twochannel
 from ..oracle.composite import Fragments, fragment_counts, scene_stats, stats_of
@@ -53,7 +52,7 @@ class Truth:
 
     def answer(self, promise: Promise) -> Answer:
         """The images that are right, of the promised fragments."""
-        if self.scene.effect != PLAIN:
+        if not self.scene.effect.blended:
             return answer_of_effect(self._fragments or listed(self.scene), self.scene.effect, promise.layers,
                                     promise.criterion)
         payload = twochannel.straight(self.scene.rgba) if promise.two_channel else None

@@ -1,9 +1,10 @@
 """Dynamic fragment buffer: exact ranges like PreCalc's, from a hierarchical sum.
 
-How it differs from `ab-precalc`: the prefix sum climbs a tree of sums and comes down again in fragment shaders, two
-full-screen passes per level and a total work in proportion to the pixels. PreCalc's full-screen steps are one per
-doubling and each touches every pixel; its compute scan is one tree in shared memory. Count, store and resolve are
-the same. The sum goes over all pixels, so that with `touched` the clear and the scan stay whole.
+It differs from `ab-precalc` in the prefix sum, which climbs a tree of sums and comes down again in fragment shaders,
+two full-screen passes per level and a total work in proportion to the pixels. PreCalc's full-screen steps are one per
+doubling and each touches every pixel; its compute scan adds up blocks of pixels, then scans the sums and the blocks in
+work groups, in three dispatches. Count, store and resolve are the same. The sum goes over all pixels, so that with
+`touched` the clear and the scan stay whole.
 
 Maule et al. 2014 is not among the papers at hand: the branching of 16 is a choice made here.
 """

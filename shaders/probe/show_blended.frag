@@ -1,4 +1,4 @@
-// Trial of blending: shows what the target holds, and in green what the one beside it does.
+// Trial of blending: shows the colour of the target, and in green the one of the second target if there is one.
 void main() {
     out_image = texelFetch(blended, ivec2(gl_FragCoord.xy), 0);
 #if BESIDE

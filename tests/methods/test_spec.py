@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import (
     Buffer,
     Counted,
@@ -174,3 +175,22 @@ def test_an_empty_buffer_still_holds_one_element():
     empty = SceneStats(W=8, H=6, n=1, F=0, primitives=0)
     variant = declared(capacity=Counted(), buffers=(Buffer("nodes", "2*capacity", type="uvec2"),)).variant({})
     assert Fitted(variant, empty).memory_bytes() == {"nodes": 8}
+
+
+@pytest.mark.parametrize(("per_pass", "occupancy"), [(4, 32), (0, 32)])
+def test_a_parameter_whose_effect_depends_on_another_is_settled_behind_it(per_pass, occupancy):
+    """With k = 4 a `per_pass` of 4 has no effect, so that occupancy culling, which needs a single pass, has one."""
+    chosen = catalog()["kb"].complete({"k": 4, "per_pass": per_pass, "occupancy": occupancy})
+    assert (chosen["per_pass"], chosen["occupancy"]) == (0, occupancy)
+
+
+@pytest.mark.parametrize("method", catalog().values(), ids=lambda m: m.id)
+def test_parameters_stand_behind_those_that_their_effect_depends_on(method):
+    names = [p.name for p in method.params]
+    for at, param in enumerate(method.params):
+        condition = param.acts
+        while condition:
+            others = {condition.name, getattr(condition, "other", condition.name)} - {param.name}
+            late = [n for n in others if method.param(n) and method.param(n).acts and names.index(n) > at]
+            assert not late, f"{param.name} is settled before {late}"
+            condition = getattr(condition, "also", None)

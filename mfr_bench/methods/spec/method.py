@@ -92,7 +92,10 @@ class Method(_Stepped):
         return next((p for p in self.params if p.name == name), None)
 
     def complete(self, given: Mapping[str, Any]) -> dict[str, Value]:
-        """All parameters of the method: `given` ones parsed, others and those without effect at their defaults."""
+        """All parameters of the method: `given` ones parsed, others and those without effect at their defaults.
+
+        They are settled in order: one whose effect depends on another that may have none stands behind it.
+        """
         chosen = {p.name: p.parse(given[p.name]) if p.name in given else p.default for p in self.params}
         for p in self.params:
             if p.acts and not p.acts.holds(chosen):

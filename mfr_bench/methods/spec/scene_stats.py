@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ...effects import PLAIN, TRANSPARENCY, Settings
+from ...effects import PLAIN, Settings
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class SceneStats:
     @property
     def blended(self) -> bool:
         """Whether the fragments of a pixel are blended, and nothing else is done with them."""
-        return self.effect.name == TRANSPARENCY
+        return self.effect.blended
 
     @property
     def most_layers(self) -> int:

@@ -1,5 +1,5 @@
-// Scans one block of SCAN_LANES runs of SCAN_RUN elements, a run for each invocation: the sums of runs by an invocation
-// alone, the sums before each run in shared memory.
+// Scans one block of SCAN_LANES runs of SCAN_RUN elements. Each invocation adds up a run by itself; the sums before the
+// runs are found in shared memory.
 // Source: Blelloch 1990, as in the parallel prefix sum that sbuffer_2012 §4 takes from OpenCL; the sums of runs are
 // scanned as in Hillis and Steele 1986.
 layout(local_size_x = SCAN_LANES) in;
