@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from ..config.model import Experiment
+from ..markdown import markdown_table
 from ..report.data import figure_of
 from ..report.settings import Setting, settings
 from .verdict import Claim
@@ -84,5 +85,4 @@ def _claim(claim: Claim) -> tuple[str, ...]:
 
 
 def _table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = [columns, ["---"] * len(columns), *rows]
-    return "\n".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |" for line in lines) + "\n"
+    return "\n".join(markdown_table(columns, rows)) + "\n"

@@ -7,6 +7,7 @@ import textwrap
 from collections import Counter
 from collections.abc import Iterable, Sequence
 
+from ..markdown import markdown_table
 from ..store import csv_text
 from .verdict import VERDICTS, Verdict
 
@@ -86,16 +87,10 @@ def as_markdown(verdicts: Sequence[Verdict]) -> str:
     """A table of the verdicts for each device, then every claim with its rules and what was measured."""
     parts = []
     for device, of_device in _by_device(verdicts):
-        rows = ["| claim | source | verdict | what it says |", "| --- | --- | --- | --- |",
-                *(_markdown_row(v) for v in of_device)]
-        parts += [f"## Claims on {device}", _counts(device, of_device), "\n".join(rows), *map(_section, of_device)]
+        table = markdown_table(("claim", "source", "verdict", "what it says"),
+                               ((v.claim.id, v.claim.source, v.verdict, v.claim.sentence) for v in of_device))
+        parts += [f"## Claims on {device}", _counts(device, of_device), "\n".join(table), *map(_section, of_device)]
     return "\n\n".join(parts)
-
-
-def _markdown_row(verdict: Verdict) -> str:
-    claim = verdict.claim
-    cells = (claim.id, claim.source, verdict.verdict, claim.sentence)
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
 def _section(verdict: Verdict) -> str:
@@ -112,4 +107,4 @@ def as_matrix(verdicts: Sequence[Verdict]) -> str:
     head = ["claim", *VERDICTS, *devices]
     rows = [[claim, *(str(list(on.values()).count(name)) for name in VERDICTS), *(on.get(d, "") for d in devices)]
             for claim, on in found.items()]
-    return "\n".join("| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows))
+    return "\n".join(markdown_table(head, rows))

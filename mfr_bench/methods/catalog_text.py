@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ..markdown import markdown_table
 from .shared.resolving import REGISTERS_UP_TO
 from .spec import ALPHA_STEPS, LEAF_ROUNDINGS, Buffer, Method, Param, Target
 
@@ -24,14 +25,6 @@ implementations.
 """
 CONTENTS = ("The formula of a buffer counts 32-bit words; in it `capacity` is the number of fragments that there is "
             "room for. A target has the size of the viewport.")
-
-
-def _row(*cells: str) -> str:
-    return "| " + " | ".join(c.replace("|", "\\|") for c in cells) + " |"
-
-
-def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> list[str]:
-    return [_row(*head), _row(*("---" for _ in head)), *(_row(*row) for row in rows)]
 
 
 def _needs(method: Method) -> str:
@@ -108,24 +101,24 @@ def as_markdown(methods: Iterable[Method]) -> str:
     """docs/methods.md: what each method is, promises and costs; its parameters; what becomes of equal depths."""
     methods = list(methods)
     lines = [HEAD, "## What they are", ""]
-    lines += _table(("id", "name in the papers", "what", "source"),
-                    ((f"`{m.id}`", m.name, m.summary, m.source) for m in methods))
+    lines += markdown_table(("id", "name in the papers", "what", "source"),
+                            ((f"`{m.id}`", m.name, m.summary, m.source) for m in methods))
     lines += ["", "## What they promise and cost", ""]
-    lines += _table(("id", "guarantee", "error at most, units of 2^-24", "words", "passes", "needs"),
-                    ((f"`{m.id}`", _promise(m), _bound(m), f"`{m.words}`",
-                      ", ".join(m.pass_names), _needs(m)) for m in methods))
+    lines += markdown_table(("id", "guarantee", "error at most, units of 2^-24", "words", "passes", "needs"),
+                            ((f"`{m.id}`", _promise(m), _bound(m), f"`{m.words}`",
+                              ", ".join(m.pass_names), _needs(m)) for m in methods))
     lines += ["", "## What is allocated in addition to the words, or how they are used", ""]
-    lines += _table(("id", "in addition to the words"), ((f"`{m.id}`", m.beside) for m in methods if m.beside))
+    lines += markdown_table(("id", "in addition to the words"), ((f"`{m.id}`", m.beside) for m in methods if m.beside))
     lines += ["", "## What buffers and targets contain", "", CONTENTS, ""]
-    lines += _table(("name", "size", "contents", "methods"), _contents(methods))
+    lines += markdown_table(("name", "size", "contents", "methods"), _contents(methods))
     lines += ["", "## Why some take more than three times as long as the fastest A-buffer", ""]
-    lines += _table(("id", "reason"), ((f"`{m.id}`", m.cost) for m in methods if m.cost))
+    lines += markdown_table(("id", "reason"), ((f"`{m.id}`", m.cost) for m in methods if m.cost))
     lines += ["", "## What the parameter `touched` leaves as it is", ""]
-    lines += _table(("id", "pass: reason"), _whole(methods))
+    lines += markdown_table(("id", "pass: reason"), _whole(methods))
     lines += ["", "## Equal depths", ""]
-    lines += _table(("id", "fragments of equal depth"), ((f"`{m.id}`", m.ties) for m in methods))
+    lines += markdown_table(("id", "fragments of equal depth"), ((f"`{m.id}`", m.ties) for m in methods))
     lines += ["", "## Parameters", ""]
-    lines += _table(("id", "parameters: the default (what is allowed)"),
-                    ((f"`{m.id}`", "; ".join(f"{p.name}: {p.default} ({p.allowed})" for p in m.params))
-                     for m in methods if m.params))
+    lines += markdown_table(("id", "parameters: the default (what is allowed)"),
+                            ((f"`{m.id}`", "; ".join(f"{p.name}: {p.default} ({p.allowed})" for p in m.params))
+                             for m in methods if m.params))
     return "\n".join(lines) + "\n"

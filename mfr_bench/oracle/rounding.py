@@ -9,6 +9,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..markdown import markdown_table
+
 Rounding = Callable[[np.ndarray], np.ndarray]
 
 
@@ -102,6 +104,5 @@ def as_markdown(counts: tuple[int, ...] = (16, 128, 1024, 4096),
     columns = [(alpha, n) for alpha in alphas for n in counts]
     found = [errors(n, alpha) for alpha, n in columns]
     heads = [f"{low}–{high}, n = {n}" if low != high else f"{low}, n = {n}" for (low, high), n in columns]
-    lines = [f"| alpha · 255 | {' | '.join(heads)} |", "| --- |" + " ---: |" * len(columns)]
-    lines += [f"| {name} | {' | '.join(f'{each[name]:.1e}' for each in found)} |" for name in WAYS]
-    return "\n".join(lines) + "\n"
+    rows = ((name, *(f"{each[name]:.1e}" for each in found)) for name in WAYS)
+    return "\n".join(markdown_table(("alpha · 255", *heads), rows, left=1)) + "\n"

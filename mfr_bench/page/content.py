@@ -12,6 +12,7 @@ from typing import Any
 
 from ..report import data
 from ..report.data import Point, Result
+from ..store.rows import package_text
 from .pictures import figure_png, kept_images, kept_png
 
 
@@ -184,8 +185,7 @@ def _environment(manifest: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
               ("timer", manifest.get("timer")), ("measured", manifest.get("started")),
               ("noise floor", data.percent(manifest["noise_floor_rel"])
                if isinstance(manifest.get("noise_floor_rel"), (int, float)) else None)]
-    found += [("package", " ".join(str(each[part]) for part in ("name", "version", "hash") if each.get(part)))
-              for each in manifest.get("packages") or ()]
+    found += [("package", package_text(each)) for each in manifest.get("packages") or ()]
     return tuple((name, without_paths(value)) for name, value in found if value is not None)
 
 

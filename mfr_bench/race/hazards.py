@@ -13,6 +13,7 @@ from pathlib import Path
 
 from ..environment import usable_cores
 from ..errors import MfrError
+from ..markdown import markdown_table
 from ..methods.spec import Method, Value, Variant
 from ..store import csv_text, write_file
 from .campaign import run, settings
@@ -93,12 +94,9 @@ def as_markdown(found: Sequence[Hazard]) -> str:
     whole = [h for h in found if h.in_flight == h.n]
     points = sorted({(h.n, int(h.variant.params["k"])) for h in whole}, key=lambda point: (point[1], point[0]))
     shares = {(_name(h), h.n, int(h.variant.params["k"])): h.share for h in whole}
-    heads = " | ".join(f"n = {n}, k = {k}" for n, k in points)
-    lines = [f"| method | {heads} |", "| --- " * (len(points) + 1) + "|"]
-    for name in dict.fromkeys(map(_name, whole)):
-        cells = (f"{shares[name, n, k]:.1%}" if (name, n, k) in shares else "" for n, k in points)
-        lines.append(f"| {name} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+    rows = ((name, *(f"{shares[name, n, k]:.1%}" if (name, n, k) in shares else "" for n, k in points))
+            for name in dict.fromkeys(map(_name, whole)))
+    return "\n".join(markdown_table(("method", *(f"n = {n}, k = {k}" for n, k in points)), rows))
 
 
 def _name(hazard: Hazard) -> str:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..config.model import Experiment
+from ..markdown import markdown_table
 from .data import figure_of, plain, short
 
 HEAD = """# The experiments
@@ -35,8 +36,8 @@ def as_markdown(pairs: Iterable[tuple[Sized, Sized]]) -> str:
     """The page; each pair is an experiment at full size and in its profile `smoke`."""
     pairs = list(pairs)
     rows = [_row(full, smoke) for full, smoke in pairs if full.experiment.source.get("paper")]
-    table = [f"| {' | '.join(COLUMNS)} |", f"|{'|'.join(' --- ' for _ in COLUMNS)}|", *rows]
-    return "\n".join([HEAD, *table, "", *_readings([full.experiment for full, _ in pairs])]) + "\n"
+    readings = _readings([full.experiment for full, _ in pairs])
+    return "\n".join([HEAD, *markdown_table(COLUMNS, rows), "", *readings]) + "\n"
 
 
 def _readings(experiments: Iterable[Experiment]) -> list[str]:
@@ -45,11 +46,10 @@ def _readings(experiments: Iterable[Experiment]) -> list[str]:
     return ["## Readings", "", READINGS, "", *found] if found else []
 
 
-def _row(full: Sized, smoke: Sized) -> str:
+def _row(full: Sized, smoke: Sized) -> tuple[str, ...]:
     e = full.experiment
     source = f"{e.source['paper']} {figure_of(e.source)}".strip()
-    fields = f"`{e.name}`", source, f"{e.title}: {_shown(e)}", _scene(e), _size(full), _size(smoke)
-    return f"| {' | '.join(f.replace('|', chr(92) + '|') for f in fields)} |"
+    return f"`{e.name}`", source, f"{e.title}: {_shown(e)}", _scene(e), _size(full), _size(smoke)
 
 
 def _shown(experiment: Experiment) -> str:

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from ..errors import StoreError
+from ..markdown import markdown_table
 from ..resources import peers_dir
 
 ALIKE = (0.85, 1.15)  # ratios between which no reason is asked for
@@ -53,9 +54,9 @@ def as_markdown() -> str:
     rows = list(table("measured.csv"))
     reasons = {(r["method"], r["parameters"], r["implementation"]): r["reason"] for r in table("reasons.csv")}
     lines = [HEAD, *_measured(rows), "", REASONS, *_reasons(rows, reasons), "", OPEN, DIFFERENCES]
-    lines += _table(("method", "the source", "here", "chosen by", "worth"),
-                    ((f"`{r['method']}`", r["source"], r["here"], r["choice"] and f"`{r['choice']}`", r["worth"])
-                     for r in table("differences.csv")))
+    lines += markdown_table(("method", "the source", "here", "chosen by", "worth"),
+                            ((f"`{r['method']}`", r["source"], r["here"], r["choice"] and f"`{r['choice']}`",
+                              r["worth"]) for r in table("differences.csv")))
     return "\n".join(lines) + "\n"
 
 
@@ -71,10 +72,10 @@ def table(name: str) -> Iterator[dict[str, str]]:
 
 def _measured(rows: Iterable[dict[str, str]]) -> list[str]:
     head = ("method", "parameters", "beside", "what", "pixels", "covered", "n", "k", "ours, ms", "theirs, ms", "ratio")
-    return _table(head, ((f"`{r['method']}`", r["parameters"], f"{r['implementation']} {r['commit'][:8]}",
-                          r["measured"], f"{r['width']}×{r['height']}", f"{float(r['density']):.0%}", r["n"], r["k"],
-                          r["ours_ms"], r["theirs_ms"], f"{r['ratio']} [{r['ratio_low']}, {r['ratio_high']}]")
-                         for r in rows))
+    cells = ((f"`{r['method']}`", r["parameters"], f"{r['implementation']} {r['commit'][:8]}", r["measured"],
+              f"{r['width']}×{r['height']}", f"{float(r['density']):.0%}", r["n"], r["k"], r["ours_ms"], r["theirs_ms"],
+              f"{r['ratio']} [{r['ratio_low']}, {r['ratio_high']}]") for r in rows)
+    return markdown_table(head, cells)
 
 
 def _reasons(rows: Iterable[dict[str, str]], reasons: Mapping[tuple[str, str, str], str]) -> list[str]:
@@ -88,7 +89,3 @@ def _reasons(rows: Iterable[dict[str, str]], reasons: Mapping[tuple[str, str, st
                          f"lies outside {low} to {high}; add a row")
     return [f"- `{method}`{f' ({chosen})' if chosen else ''} beside {theirs}: {reasons[method, chosen, theirs]}"
             for method, chosen, theirs in asked]
-
-
-def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> list[str]:
-    return [f"| {' | '.join(cells)} |" for cells in (head, tuple("---" for _ in head), *rows)]

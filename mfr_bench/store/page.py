@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ..markdown import markdown_table
 from .columns import ARRAYS, COLUMNS, DERIVED, PASS_COLUMNS, Column
 from .record import HISTORY, SCHEMA
 from .status import STATUSES
@@ -56,30 +57,22 @@ def columns_page() -> str:
     parts = [HEAD, *history, FILES, COLUMNS_HEAD, *_columns(COLUMNS),
              "\n## Measures derived from them, for figures and tables\n", *_columns(DERIVED),
              "\n## Columns of passes.csv\n", *_columns(PASS_COLUMNS), "\n## Statuses\n", *_statuses(),
-             "\n## Arrays\n", *_table(("array", "type", "dimensions", "what"), arrays)]
+             "\n## Arrays\n", *markdown_table(("array", "type", "dimensions", "what"), arrays)]
     return "\n".join(parts) + "\n"
 
 
 def _columns(columns: Iterable[Column]) -> list[str]:
-    return _table(("column", "type", "unit", "meaning", "figures", "axis", "from"), (
+    return markdown_table(("column", "type", "unit", "meaning", "figures", "axis", "from"), (
         (f"`{c.name}`", c.type, c.unit, c.meaning, c.drawn, c.axis if c.drawn not in ("", "place") else "",
          f"`{c.producer}`") for c in columns))
 
 
 def _statuses() -> list[str]:
     head = ("status", "meaning", "image", "refused", "retried", "failed", "over memory", "exit status", "breaks")
-    return _table(head, ((f"`{s.name}`", s.meaning, s.image, *(_yes(v) for v in (s.refused, s.retried, s.failed,
-                                                                                s.over_memory)),
-                          str(s.exit_status), s.breaks) for s in STATUSES.values()))
+    rows = ((f"`{s.name}`", s.meaning, s.image, *map(_yes, (s.refused, s.retried, s.failed, s.over_memory)),
+             str(s.exit_status), s.breaks) for s in STATUSES.values())
+    return markdown_table(head, rows)
 
 
 def _yes(value: bool) -> str:
     return "yes" if value else ""
-
-
-def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> list[str]:
-    return [_row(*head), _row(*("---" for _ in head)), *(_row(*row) for row in rows)]
-
-
-def _row(*cells: str) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"

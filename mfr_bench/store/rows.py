@@ -26,8 +26,11 @@ def device_name(cell: Mapping[str, Any]) -> str | None:
 def package_name(cell: Mapping[str, Any]) -> str | None:
     """Name, version and hash of the package that brings the cell's method from outside; None for this program's own."""
     package = cell.get("package")
-    if not isinstance(package, Mapping):
-        return None
+    return package_text(package) if isinstance(package, Mapping) else None
+
+
+def package_text(package: Mapping[str, Any]) -> str:
+    """Name, version and hash of a package from outside."""
     return " ".join(str(package[part]) for part in ("name", "version", "hash") if package.get(part))
 
 

@@ -43,13 +43,13 @@ def _svg(figure: Figure, look: Look, path: Path) -> None:
     """Its viewBox stays as it is laid out; width and height say how large that is shown."""
     content = io.StringIO()
     figure.savefig(content, format="svg", **FORMATS["svg"])
-    size = re.sub(r'(<svg [^>]*?)width="([\d.]+)pt" height="([\d.]+)pt"', lambda m: (
-        f'{m[1]}width="{float(m[2]) * look.scale:g}pt" height="{float(m[3]) * look.scale:g}pt"'), content.getvalue(),
-        count=1)
-    size = re.sub(r'(<svg [^>]*?)height="([\d.]+)pt"([^>]*?)width="([\d.]+)pt"', lambda m: (
-        f'{m[1]}height="{float(m[2]) * look.scale:g}pt"{m[3]}width="{float(m[4]) * look.scale:g}pt"'), size,
-        count=1) if size == content.getvalue() else size
-    write_file(path, size.encode())
+
+    def scaled(side: re.Match[str]) -> str:
+        return f'{side[1]}="{float(side[2]) * look.scale:g}pt"'
+
+    shown = re.sub(r"<svg [^>]*>", lambda tag: re.sub(r'\b(width|height)="([\d.]+)pt"', scaled, tag[0]),
+                   content.getvalue(), count=1)
+    write_file(path, shown.encode())
 
 
 def _pdf(figure: Figure, look: Look, path: Path) -> None:
