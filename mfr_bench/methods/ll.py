@@ -21,7 +21,7 @@ METHODS = [
         id="kb-ll", name="KB-LL", family="ll",
         source="Yu et al. 2012; kplus_2015 §2, §5",
         summary="depth-ordered linked lists by compare-and-swap; a fragment behind k nearer ones is not linked",
-        guarantee="approximate",
+        counts_losses=True, guarantee="approximate",
         failure="a fragment whose swap fails `retries` times is lost, and counted; exact where none is",
         words="3*f + 6", beside=SPARE_CELLS,
         ties="kept, in order of arrival; the first to arrive has the k-th place",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from enum import Enum
 
@@ -10,8 +9,6 @@ from ..methods.spec import Fitted, SceneStats, Variant
 from ..oracle import twochannel
 from ..oracle.ties import Answer, answer_of_quads
 from ..scene.quads import Quads
-
-_WITHIN = re.compile(r"up\s+to 1 - `?(\w+)`?")
 
 
 class Kind(Enum):
@@ -34,17 +31,16 @@ class Promised:
 
 def promised(variant: Variant, stats: SceneStats) -> Promised:
     """The promise about the variant's image that holds whatever the schedule."""
-    method, weak = variant.method, variant.weaknesses
+    method = variant.method
     if variant.scope.get("sync") == "none":
         return Promised(Kind.NONE)
-    bounds = [float(variant.scope[m[1]]) for text in weak if (m := _WITHIN.search(text)) and m[1] in variant.scope]
-    if weak and len(bounds) == len(weak):
-        return Promised(Kind.WITHIN, max(1.0 - bound for bound in bounds))
-    if weak or method.mixes or method.guarantee == "none":
+    if (error := variant.weakened_error) is not None:
+        return Promised(Kind.WITHIN, error)
+    if variant.weaknesses or method.mixes or method.guarantee == "none":
         return Promised(Kind.IN_ORDER)
     if Fitted(variant, stats).exact():
         return Promised(Kind.EXACT)
-    if method.failure and "and counted" in method.failure:
+    if method.counts_losses:
         return Promised(Kind.EXACT, counted=True)
     return Promised(Kind.NONE)
 

@@ -194,3 +194,15 @@ def test_parameters_stand_behind_those_that_their_effect_depends_on(method):
             late = [n for n in others if method.param(n) and method.param(n).acts and names.index(n) > at]
             assert not late, f"{param.name} is settled before {late}"
             condition = getattr(condition, "also", None)
+
+
+@pytest.mark.parametrize(("params", "error"), [
+    ({}, None), ({"stop_opacity": 0.75}, 0.25), ({"accumulate": "unorm8"}, None),
+    ({"stop_opacity": 0.75, "accumulate": "unorm8"}, None)])
+def test_the_error_that_parameters_bring_is_known_if_each_of_them_says_it(params, error):
+    assert catalog()["ab-array"].variant(params).weakened_error == error
+
+
+def test_of_several_weaknesses_the_largest_error_holds():
+    weak = catalog()["lin-pre"].variant({"early_culling": "on", "culling_opacity": 0.5, "stop_opacity": 0.75})
+    assert weak.weakened_error == 0.5

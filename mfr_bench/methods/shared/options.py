@@ -30,7 +30,7 @@ STOP_OPACITY = Param("stop_opacity", 1.0, "opacity at which a pixel's compositin
                      real=True, low=0, high=1, closed=True,
                      asks={"0-0.999999": "blended"},
                      weakens={"0-0.999999": "fragments behind an opacity of `stop_opacity` may be missing, an error of "
-                              "up to 1 - stop_opacity"})
+                              "up to 1 - stop_opacity"}, error="1 - stop_opacity")
 ACCUMULATE = Param(
     "accumulate", "float32", "the colour that fragments are added to, front to back: 32-bit floats; the same with what "
     "each addition rounds away carried along; rounded after each fragment to 16-bit floats, or to 8 bits",
@@ -48,7 +48,7 @@ ATOMIC64 = Param("atomic64", "native", "64-bit atomics: the device's own, or emu
 EARLY_CULLING = Param("early_culling", "off", "drop fragments behind an accumulated opacity of `culling_opacity`",
                       choices=ON_OFF, asks={"on": "blended"},
                       weakens={"on": "fragments behind an opacity of `culling_opacity` may be missing, an error of up "
-                                     "to 1 - culling_opacity"})
+                                     "to 1 - culling_opacity"}, error="1 - culling_opacity")
 CULLING_OPACITY = Param("culling_opacity", 0.95, "opacity behind which early culling drops fragments; 0.95 in "
                         "gpupro5_ch1", real=True, low=0, high=1, closed=True, acts=when("early_culling", "on"))
 PEELED = Param("layers", 0, "layers peeled at most; 0: all of them", low=0, high=4096)

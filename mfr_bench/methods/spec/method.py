@@ -72,6 +72,7 @@ class Method(_Stepped):
     buffers: tuple[Buffer, ...] = ()
     targets: tuple[Target, ...] = ()
     loses_ties: bool = False
+    counts_losses: bool = False  # a fragment may be lost, but every one that is lost is counted
     needs: tuple[str, ...] = ()
     fixed: tuple[Param, ...] = ()  # parameters of shared shaders, at defaults that this method never varies
     local: str = "n"  # most fragments of a pixel that its resolve composites, a formula
@@ -193,8 +194,19 @@ class Variant(_Stepped):
     @property
     def weaknesses(self) -> tuple[str, ...]:
         """The known failures that chosen parameters bring to a method that has none."""
-        brought = (p.weakness(self.params[p.name]) for p in self.acting)
-        return tuple(f for f in brought if f)
+        return tuple(str(p.weakness(self.params[p.name])) for p in self._weakening)
+
+    @property
+    def _weakening(self) -> tuple[Param, ...]:
+        return tuple(p for p in self.acting if p.weakness(self.params[p.name]))
+
+    @property
+    def weakened_error(self) -> float | None:
+        """The largest error of a channel that the weaknesses bring; None if there is none, or one of unknown error."""
+        formulas = [p.error for p in self._weakening]
+        if not formulas or None in formulas:
+            return None
+        return max(float(evaluate(str(formula), ONE, self.scope)) for formula in formulas)
 
     @property
     def guarantee(self) -> Guarantee:
