@@ -43,7 +43,9 @@ def submit(configs: tuple[str, ...], settings: str, profile: str | None, overrid
     run = [*files, *(["--profile", profile] if profile else []), *(part for o in overrides for part in ("--set", o))]
     counts = {kind.shares for kind in cluster.kinds.values()}
     cells = _cells_by_share(files, profile, overrides, counts)
-    with nullcontext() if dry_run else submission.alone(store):
+    with nullcontext() if dry_run else submission.alone(store) as unlocked:
+        if unlocked:
+            note(unlocked)
         plan = submission.planned(cluster, store, run, cells)
         states = state.task_states(plan, queue.states(plan.engine, [t.job for t in plan.tasks if t.job]))
         due = state.wanting(states)

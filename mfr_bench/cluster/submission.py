@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
-from ..errors import MfrError, StoreError, UsageError
+from ..errors import MfrError, UsageError
 from ..store import write_file
+from ..store.files import locked
 from ..store.record import text
 from .settings import Cluster, Kind, Settings
 from .task import Task
@@ -94,28 +94,9 @@ def read_submission(store: Path) -> Submission | None:
     raise UsageError(f"{path}: cannot be read: {wrong}; allowed: what 'mfr-bench submit' of this version wrote")
 
 
-@contextmanager
-def alone(store: Path) -> Iterator[None]:
-    """Within it no other process submits into the store, which is made. Raises StoreError."""
-    try:
-        store.mkdir(parents=True, exist_ok=True)
-        handle = os.open(store, os.O_RDONLY)
-    except OSError as error:
-        raise StoreError(f"{store}: cannot be made: {error.strerror}") from None
-    try:
-        with suppress(OSError):  # a file system without locks
-            _lock(store, handle)
-        yield
-    finally:
-        os.close(handle)
-
-
-def _lock(store: Path, handle: int) -> None:
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        raise StoreError(f"{store}: another process submits into it; wait for its end, then run the same command "
-                         "again") from None
+def alone(store: Path) -> AbstractContextManager[str | None]:
+    """Within it no other process submits into the store, which is made; see `locked`. Raises StoreError."""
+    return locked(store / FILE, "submits into it", "wait for its end, then run the same command again")
 
 
 def planned(cluster: Cluster, store: Path, run: Sequence[str],

@@ -9,6 +9,7 @@ DEFINED = re.compile(r"defined\s*\(?\s*(\w+)\s*\)?")
 
 
 def active(text: str) -> str:
+    """The lines of a shader in the branches that are chosen, with those macros replaced."""
     macros: dict[str, str] = {}
     lines: list[str] = []
     stack: list[tuple[bool, bool]] = []  # of each open #if: this branch is active, one of its branches has been

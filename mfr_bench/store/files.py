@@ -1,9 +1,12 @@
-"""Files that are replaced whole or not at all, and outlive a loss of power where they must."""
+"""Files that are replaced whole or not at all, and outlive a loss of power where they must; locks of folders."""
 
 from __future__ import annotations
 
 import errno
+import fcntl
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ..errors import StoreError
@@ -48,6 +51,47 @@ def sync_folder(folder: Path) -> None:
         os.fsync(handle)
     finally:
         os.close(handle)
+
+
+@contextmanager
+def locked(file: Path, does: str, instead: str) -> Iterator[str | None]:
+    """Within this no other process has the lock of the file's folder, which is made where it is missing.
+
+    The kernel ends the lock with the process. Gives None, or a line on why the file system has no locks. Raises
+    StoreError where the folder cannot be made, or where another process has the lock: which one, what it `does`, and
+    what to do `instead`.
+    """
+    folder = file.parent
+    try:
+        make_folder(folder)
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError as error:
+        raise StoreError(unwritable(file, error)) from error
+    try:
+        yield _lock(folder, handle, does, instead)
+    finally:
+        os.close(handle)
+
+
+def _lock(folder: Path, handle: int, does: str, instead: str) -> str | None:
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise StoreError(f"{folder}: {_holder(handle)} {does}; {instead}") from None
+    except OSError as error:
+        return f"{folder}: cannot be locked ({error.strerror}): let no other process write to it"
+    return None
+
+
+def _holder(handle: int) -> str:
+    """The process that has the lock on an open folder, as far as the kernel reports it."""
+    inode = os.fstat(handle).st_ino
+    with suppress(OSError):
+        for line in Path("/proc/locks").read_text().splitlines():
+            _, kind, _, _, pid, where, *_ = line.split()
+            if kind == "FLOCK" and where.rpartition(":")[2] == str(inode) and int(pid) > 0:
+                return f"process {pid}"
+    return "another process"
 
 
 def unwritable(path: Path, error: OSError) -> str:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import os
-from collections.abc import Iterable, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from ..errors import StoreError, UsageError, nearest
 from . import columns
-from .files import make_folder, unwritable, write_file
+from .files import locked, write_file
 from .manifest import sound
 from .pack import Pack, remove, write_pack
 from .record import (
@@ -29,17 +28,6 @@ from .record import (
     schema_of,
     text,
 )
-
-
-def _holder(handle: int) -> str:
-    """The process that has the lock on an open folder, as far as the kernel reports it."""
-    inode = os.fstat(handle).st_ino
-    with suppress(OSError):
-        for line in Path("/proc/locks").read_text().splitlines():
-            _, kind, _, _, pid, where, *_ = line.split()
-            if kind == "FLOCK" and where.rpartition(":")[2] == str(inode) and int(pid) > 0:
-                return f"process {pid}"
-    return "another process"
 
 
 class ResultFolder:
@@ -77,33 +65,15 @@ class ResultFolder:
         return self.path / "unfinished.jsonl"
 
     @contextmanager
-    def lock(self):
-        """Within this no other process measures into the folder, which is made where it is missing.
+    def lock(self) -> Iterator[str | None]:
+        """Within this no other process measures into the folder, which is made where it is missing; see `locked`.
 
-        The kernel ends the lock with the process. Gives None, or a line on why the file system has no locks.
-        Raises StoreError where another process has the lock, or a newer program wrote into the folder.
+        Raises StoreError also where a newer program wrote into the folder.
         """
-        try:
-            make_folder(self.path)
-            handle = os.open(self.path, os.O_RDONLY)
-        except OSError as error:
-            raise StoreError(unwritable(self.path / "manifest.json", error)) from error
-        try:
-            unlocked = self._locked(handle)
+        file, does = self.path / "manifest.json", "measures into this folder"
+        with locked(file, does, "wait for its end, or choose another folder") as unlocked:
             self.refuse_newer()
             yield unlocked
-        finally:
-            os.close(handle)
-
-    def _locked(self, handle: int) -> str | None:
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise StoreError(f"{self.path}: {_holder(handle)} measures into this folder; wait for its end, "
-                             "or choose another folder") from None
-        except OSError as error:
-            return f"{self.path}: cannot be locked ({error.strerror}): let no other run write to it"
-        return None
 
     # --- cells -----------------------------------------------------------------------------------
 
