@@ -1,4 +1,4 @@
-"""When sampling goes on and why it stops; how often the interval it stops with holds the truth."""
+"""The end of sampling and its reason; the share of intervals at that end that contain the truth."""
 
 import numpy as np
 import pytest

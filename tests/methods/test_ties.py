@@ -38,7 +38,7 @@ def test_equal_depths_become_what_the_method_says(device, method):
     assert min(abs(alpha[0, 0] - e) for e in expected) < (1e-5 if exact else 0.01)
 
 
-# What a phrase says of the order: the layers shown with room for all, and with room for two, the k-th place tied.
+# The meaning of each phrase: the layers shown with room for all, and with room for two, the k-th place tied.
 ALL_OF_THEM, TWO_OF_THEM = (FRONT, *TIED, BACK), (FRONT, TIED[0])
 ORDERS = {"in order of arrival": (4, ALL_OF_THEM), "the first to arrive": (2, TWO_OF_THEM),
           "the first in the list": (2, (FRONT, TIED[1])), "the lesser payload stays": (2, (FRONT, TIED[1]))}
