@@ -98,6 +98,11 @@ class Device:
         """Whether points that a dispatch has listed are right only behind a flush, by a trial."""
         return self.trials.points_need_a_flush(self)
 
+    @property
+    def subpixel_bits(self) -> int:
+        """The device rasterizes on a grid of 2^-subpixel_bits pixels."""
+        return int(self.ctx.info["GL_SUBPIXEL_BITS"])
+
     @cached_property
     def _sample_counts(self) -> frozenset[int]:
         """Samples that both kinds of target used for stencil routing can have."""

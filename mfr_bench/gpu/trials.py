@@ -48,6 +48,7 @@ from .context import Device
 from .frame import Frame
 from .probes import COUNTED, LOCKED, ROUTED, ROUTED_SCENE, ProbeBench, probe_method
 from .targets import Framebuffer, Texture
+from .trial_triangles import triangles
 
 SCENE = SceneConfig(size=(24, 20), depth_complexity=3)
 TILES_SCENE = SceneConfig(size=(3 * LISTED, 2 * LISTED), depth_complexity=5)
@@ -92,19 +93,23 @@ Outcome = tuple[bool, str]
 class Trial:
     """A check with a known answer, and the feature that methods lose where it fails; None: of all devices.
 
-    `avoided`: no shader depends on it, so that a failure is reported and harms nothing.
+    `avoided`: no shader depends on it, so that a failure is reported and harms nothing. `spoils`: what alone a failure
+    changes.
     """
 
     name: str
     run: Callable[[Device], Outcome]
     feature: str | None = None
     avoided: bool = False
+    spoils: str | None = None
 
     @property
     def costs(self) -> str | None:
         """The cost of a failure; None: any result may be wrong."""
         if self.avoided:
             return "avoided by all methods"
+        if self.spoils:
+            return self.spoils
         return f"methods that need {self.feature} are unsupported" if self.feature else None
 
     def outcome(self, device: Device) -> Outcome:
@@ -340,6 +345,8 @@ TRIALS = (
     Trial("interlock", interlock, "fragment_shader_interlock"),
     Trial("points after a dispatch", listed_points, TILE_POINTS),
     Trial("stencil of each sample", partial(routed, multisampling="off"), SAMPLE_STENCIL),
+    Trial("triangles", triangles,
+          spoils="meshes have the fragments that this device makes of them, and methods are checked against these"),
 )
 
 

@@ -43,6 +43,10 @@ def outcome(device, name):
     ("interlock", "probe/locked_count.frag", "+ 1u", "+ 2u", "plain increments"),
     ("points after a dispatch", "common/list_tiles.comp", "if (tile_has_fragments(tile)) list(tile)", "",
      "pixels right"),
+    ("triangles", "scene/triangle.vert", "gl_Position = in_corner;", "gl_Position = in_corner + vec4(0.004, 0, 0, 0);",
+     "impossible"),
+    ("triangles", "scene/triangle.vert", "gl_Position = in_corner;",
+     "gl_Position = in_corner * vec4(1, 1, 0.999, 1);", "with a depth out of bounds"),
 ])
 def test_a_fault_is_seen(device, plant, name, path, right, wrong, said):
     plant(path, right, wrong)

@@ -5,9 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mfr_bench.config import load
 from mfr_bench.gpu.capture import capture
 from mfr_bench.gpu.single import shown
+from mfr_bench.gpu.trial_triangles import fragments
 from mfr_bench.methods import catalog
+from mfr_bench.oracle.rasterizer.cases import CASES
+from mfr_bench.oracle.rasterizer.deviation import deviation
+from mfr_bench.plan import expand
+from mfr_bench.scene import generate
+from mfr_bench.scene.kinds.mesh import View
 from mfr_bench.scene.meshes.view import DIRECTIONS, axes_of, orthographic_camera, perspective_camera
 from mfr_bench.scene.triangles import Triangles
 from mfr_bench.store.status import EXACT_ERROR
@@ -65,6 +72,22 @@ def test_fragments_are_those_of_a_rasterizer_in_float64(device, perspective):
         drawn = np.sort(depths[:, y, x][np.isfinite(depths[:, y, x])])
         errors.append(np.abs(found.depth[first:first + count].view(np.float32) - drawn).max())
     assert max(errors) < 2e-6
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_hard_triangles_are_within_the_bounds_of_the_independent_rasterizer(device, case):
+    off = deviation(fragments(device, CASES[case]()), device.subpixel_bits)
+    assert off.within and off.fragments > 0, off
+
+
+@pytest.mark.parametrize("depth_range", ["half", "whole", "reversed"])
+@pytest.mark.parametrize("view", ["perspective", "orthographic"])
+def test_the_mesh_of_the_package_is_within_bounds(device, view, depth_range):
+    scene = expand(load("meshes", catalog(), "smoke")[0], catalog())[0].scene
+    seen = View(direction="+x") if view == "orthographic" else scene.view
+    off = deviation(fragments(device, generate(replace(scene, opaque="store", view=seen, depth_range=depth_range))),
+                    device.subpixel_bits)
+    assert off.within and off.fragments > 1000, off
 
 
 METHODS = ["ab-array", "ab-ll", "ab-sb", "peel-f2b", "peel-dual", "kplus-array", "kb-mdt32", "adaptive", "lin-post",
