@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from .flip import OnScreen
 from .ties import Answer
 
 WRONG_PIXEL = 1 / 512  # a channel error above half a step of 8 bits shows
@@ -38,8 +39,7 @@ def quality(image: np.ndarray, full: np.ndarray, with_flip: bool = True) -> dict
     """Errors against the image of all fragments.
 
     rmse: over all channels. psnr_db: infinite where the images are equal. flip: mean of NVIDIA's FLIP of the displayed
-    8-bit images, over black or over white, whichever is worse; None without
-    it, since it takes longer than all else.
+    8-bit images, over black or over white, whichever is worse; None without it, since it takes longer than all else.
     max_error_all, wrong_pixels_all: as `conformance` has them against the promise.
     """
     _require_same_shape(image, full)
@@ -47,7 +47,8 @@ def quality(image: np.ndarray, full: np.ndarray, with_flip: bool = True) -> dict
     rmse = math.sqrt(float(np.mean(error ** 2)))
     worst, wrong = _worst(error.max(axis=-1))
     return {"rmse": rmse, "psnr_db": -20 * math.log10(rmse) if rmse > 0 else math.inf,
-            "flip": _flip(image, full) if with_flip else None, "max_error_all": worst, "wrong_pixels_all": wrong}
+            "flip": OnScreen.of(image, full).flip() if with_flip else None,
+            "max_error_all": worst, "wrong_pixels_all": wrong}
 
 
 def _worst(error: np.ndarray) -> tuple[float, int]:
@@ -66,27 +67,3 @@ def _require_same_shape(image: np.ndarray, oracle: np.ndarray) -> None:
     if image.shape != oracle.shape:
         raise ValueError(f"image {image.shape} against oracle {oracle.shape}")
 
-
-def _flip(image: np.ndarray, oracle: np.ndarray) -> float:
-    """Mean of FLIP's map over black or over white, whichever is larger; a pixel that no screen shows counts as 1."""
-    shown = np.all(np.isfinite(image) & (image >= -WRONG_PIXEL) & (image <= 1 + WRONG_PIXEL), axis=-1)
-    return max(float(np.where(shown, _flip_map(image, oracle, backdrop), 1.0).mean()) for backdrop in (0.0, 1.0))
-
-
-def _flip_map(image: np.ndarray, oracle: np.ndarray, backdrop: float) -> np.ndarray:
-    """FLIP at 67 pixels per degree, its default, of two images over a grey `backdrop`: (H, W), row 0 at the bottom."""
-    reference, test = (_displayed(i, backdrop) for i in (oracle, image))
-    if np.array_equal(reference, test):
-        return np.zeros(image.shape[:2])
-    import flip_evaluator  # a compiled module; only images that differ need it
-
-    found, _, _ = flip_evaluator.evaluate(reference[::-1].copy(), test[::-1].copy(), "LDR", applyMagma=False,
-                                          computeMeanError=False)
-    return found[::-1, :, 0]
-
-
-def _displayed(image: np.ndarray, backdrop: float) -> np.ndarray:
-    """The colours that a screen of 8 bits shows of a premultiplied image over a grey backdrop: float32 (H, W, 3)."""
-    finite = np.where(np.isfinite(image), image, 0.0)
-    over = finite[..., :3] + backdrop * (1 - finite[..., 3:])
-    return (np.rint(255 * np.clip(over, 0, 1)) / 255).astype(np.float32)

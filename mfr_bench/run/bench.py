@@ -10,6 +10,7 @@ from typing import Any
 from ..gpu.context import Device
 from ..gpu.timers import Timer
 from ..measure.split import Split
+from .aside import Aside, AtOnce
 from .events import CHECK, Begun
 
 Emit = Callable[[Any], None]
@@ -17,13 +18,17 @@ Emit = Callable[[Any], None]
 
 @dataclass
 class Bench:
-    """The device and the timer of every cell, and `emit`, which receives the events of its measurement."""
+    """The device and the timer of every cell, and `emit`, which receives the events of its measurement.
+
+    aside: does what no frame waits for.
+    """
 
     device: Device
     timer: Timer
     emit: Emit
     interrupted: Callable[[], bool] = lambda: False
     split: Split = field(default_factory=Split)
+    aside: Aside = field(default_factory=AtOnce)
 
     def stop_if_asked(self) -> None:
         if self.interrupted():

@@ -82,12 +82,14 @@ class CellWork:
     def batch(self, sampler: Sampler) -> None:
         """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed."""
         self._phases.begin("sampling")
-        for _ in sampler.turn():
-            self.bench.stop_if_asked()
-            self.frame.show(self.scene.show(len(sampler.samples_ms)))
-            with self.bench.split.work("measure" if sampler.warm else "warm-up"):
-                sampler.add(self._sample(sampler.warm))
-        self._emit_new(self._time_passes(1) if sampler.warm else {})
+        with self.bench.aside.paused():
+            for _ in sampler.turn():
+                self.bench.stop_if_asked()
+                self.frame.show(self.scene.show(len(sampler.samples_ms)))
+                with self.bench.split.work("measure" if sampler.warm else "warm-up"):
+                    sampler.add(self._sample(sampler.warm))
+            passes = self._time_passes(1) if sampler.warm else {}
+        self._emit_new(passes)
 
     def warm_up(self, frames: int) -> None:
         """Draw frames that count for nothing."""
@@ -145,7 +147,8 @@ class CellWork:
     def finish(self) -> Finished:
         """Time the passes, check the image once more: the row."""
         self._phases.begin("passes")
-        self._time_passes(self.pass_frames)
+        with self.bench.aside.paused():
+            self._time_passes(self.pass_frames)
         self._phases.begin("last frames")
         self.images.check_again()
         distinct = self.images.distinct()
@@ -160,7 +163,7 @@ class CellWork:
         """The values of the row's columns, but for what needs the kept arrays or further frames."""
         sampler = self.sampler
         low, middle, high = sampler.interval
-        found = scene_values(self.fitted) | self.images.conformance | self.images.quality | {
+        found = scene_values(self.fitted) | self.images.errors() | {
             "samples": len(sampler.samples_ms), "timer": self.bench.timer.name, "time_ms": middle, "time_ms_low": low,
             "time_ms_high": high, "noisy": sampler.noisy, "stop_reason": sampler.stop_reason,
             "repeats": self.repeats, "memory_bytes": self.memory_bytes,

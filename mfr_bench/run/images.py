@@ -19,8 +19,8 @@ from .scene_work import ALL, SceneWork
 class Images:
     """The images of one cell; `conformance` and `lost` are the worst of all that were checked.
 
-    quality: errors of the first image against all fragments. conformance, quality: empty for a method that promises
-    no image. lost: fragments that were dropped in a frame.
+    quality: errors of the first image against all fragments, but FLIP. Both are empty for a method that promises no
+    image. lost: fragments that were dropped in a frame.
     """
 
     def __init__(self, bench: Bench, phases: Phases, scene: SceneWork, job: Job, variant: Variant, frame: Frame):
@@ -31,7 +31,15 @@ class Images:
         self.lost = frame.lost_in_a_frame()
         with phases.checking():
             self.conformance = self._conformance(image)
-            self.quality = scene.quality(image, not self._measure.eliminate) if self.promised else {}
+            self.quality = scene.quality(image) if self.promised else {}
+            self._flip = scene.flip(image, bench.aside) if self.promised and not self._measure.eliminate else None
+
+    def errors(self) -> dict[str, float | int | None]:
+        """`conformance` and `quality` with FLIP, which may have to be waited for."""
+        if self._flip is None:
+            return self.conformance | self.quality
+        with self._phases.checking():
+            return self.conformance | self.quality | {"flip": self._flip()}
 
     def check_again(self) -> None:
         """Draw and check another frame, the last: it must be as right as the first."""

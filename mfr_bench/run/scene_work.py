@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +17,11 @@ from ..gpu.truth import Truth, true_stats
 from ..measure.split import Split
 from ..methods.spec import Fitted, Promise, SceneStats, Variant
 from ..oracle import quality
+from ..oracle.flip import OnScreen
 from ..oracle.ties import Answer
 from ..scene import generate
 from ..scene.geometry import Geometry
+from .aside import Aside
 
 ANIMATION_FRAMES = 8  # that an animated scene cycles through
 ALL = Promise()  # every fragment: the A-buffer's image
@@ -28,7 +32,7 @@ class SceneWork:
 
     def __init__(self, device: Device, config, split: Split):
         self.split = split
-        self._device, self._answers, self._qualities, self._truths = device, {}, {}, {}
+        self._device, self._answers, self._compared, self._truths = device, {}, {}, {}
         with split.work("scene"):
             frames = ANIMATION_FRAMES if config.animate else 1
             self.scenes = [generate(config, frame) for frame in range(frames)]
@@ -89,17 +93,30 @@ class SceneWork:
         answer = self.promised(variant)
         return image if answer.unique else np.where(answer.tied[..., None], np.float32(0), image)
 
-    def quality(self, image: np.ndarray, with_flip: bool = True) -> dict[str, float | None]:
-        """Errors against all fragments; equal images, as exact methods give them, are compared once."""
-        which = id(self.scene_buffer.scene), hashlib.sha256(image).digest()
-        if which not in self._qualities:
-            self._qualities[which] = quality.quality(image, self.answer(ALL).image, with_flip)
-        return self._qualities[which]
+    def quality(self, image: np.ndarray) -> dict[str, float | None]:
+        """Errors against all fragments, but FLIP; equal images, as exact methods give them, are compared once."""
+        return self._once("quality", image, lambda full: quality.quality(image, full, with_flip=False))
+
+    def flip(self, image: np.ndarray, aside: Aside) -> Callable[[], float]:
+        """Begin to take FLIP against all fragments; the function that is returned waits for it."""
+        return self._once("flip", image, lambda full: _flip_aside(OnScreen.of(image, full), aside))
+
+    def _once(self, what: str, image: np.ndarray, compared: Callable[[np.ndarray], Any]) -> Any:
+        """The comparison of an image with that of all fragments, which equal images share."""
+        which = what, id(self.scene_buffer.scene), hashlib.sha256(image).digest()
+        if which not in self._compared:
+            self._compared[which] = compared(self.answer(ALL).image)
+        return self._compared[which]
 
     def release(self) -> None:
         for name in ("scene_buffer", "canvas"):
             if name in self.__dict__:
                 self.__dict__[name].release()
+
+
+def _flip_aside(images: OnScreen, aside: Aside) -> Callable[[], float]:
+    """What waits for FLIP; images that a screen shows alike need no other process."""
+    return (lambda: 0.0) if images.equal else aside.begin(images.flip)
 
 
 def _largest(stats: list[SceneStats]) -> SceneStats:

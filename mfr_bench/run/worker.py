@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import ctypes
 import os
-import signal
 import sys
 from contextlib import suppress
 from dataclasses import asdict
 from multiprocessing.connection import Connection
-from pathlib import Path
 
 from ..errors import DeviceError, UnknownDeviceError
 from ..gpu.device import open_device
@@ -17,37 +14,24 @@ from ..gpu.selftest import calibrate
 from ..gpu.timers import GpuTimer, WallTimer
 from ..measure.split import Split
 from ..methods import catalog
+from .aside import OtherProcess
 from .bench import Bench
 from .events import Calibrate, Calibrated, Ended, Failed, Go, Ready, Synced
 from .measuring import DeviceLost, Measuring
+from .parent import live_for
 
-PR_SET_PDEATHSIG = 1
 TIMERS = {timer.name: timer for timer in (GpuTimer, WallTimer)}
 LOST = 3  # exit status
-# The parent decides what becomes of these. A scheduler sends one to every process of a job: a worker that ended of it
-# before the parent had seen it would leave its cell as crashed.
-ENDS_OF_A_RUN = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def main() -> None:
     """Arguments: the parent's end of the link, its process id, the kind of device, the timer or nothing."""
     descriptor, parent, want, timer = sys.argv[1:]
-    for number in ENDS_OF_A_RUN:
-        signal.signal(number, signal.SIG_IGN)
-    _die_with(int(parent))
+    live_for(int(parent))
     status = LOST
     with suppress(DeviceLost, EOFError, ConnectionError):  # the last two: the parent needs no more
         status = serve(Connection(int(descriptor)), want, timer)
     os._exit(status)  # without the exit handlers of a driver, which may hang
-
-
-def _die_with(parent: int) -> None:
-    """The kernel kills this process once its parent dies, inside a call of the driver as well."""
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-    if os.getppid() != parent:
-        os._exit(LOST)
-    with suppress(OSError):  # where memory runs out, it is this process that goes, not the one that keeps the rows
-        Path("/proc/self/oom_score_adj").write_text("1000")
 
 
 def serve(link: Connection, want: str, timer: str) -> int:
@@ -61,7 +45,8 @@ def serve(link: Connection, want: str, timer: str) -> int:
     calibration = {} if timer else asdict(calibrate(device))
     timer = timer or calibration["timer"]
     channel = Channel(link)
-    bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted)
+    bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted,
+                  aside=OtherProcess(pauses=device.kind == "cpu"))
     measuring = Measuring(bench, catalog())
     link.send(Ready(device.info, device.limits, timer, calibration))
     while True:

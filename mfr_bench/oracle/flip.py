@@ -1,0 +1,95 @@
+"""NVIDIA's FLIP of two images as a screen of 8 bits shows them, evaluated only where they differ."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+TOLERANCE = 1 / 512  # half a step of 8 bits: a value that is further outside [0, 1] is on no screen
+REACH = 10  # pixels: at 67 pixels per degree, FLIP's default, its filters see no further
+SIDES = (4, 16, 64, 256)  # of the blocks that are evaluated, in pixels, without their surroundings
+BACKDROPS = (0.0, 1.0)  # black and white
+
+
+@dataclass(frozen=True)
+class OnScreen:
+    """An image and its oracle as a screen of 8 bits shows them.
+
+    pairs: both, uint8 (H, W, 3), over black and over white. shown: bool (H, W), the pixels of the image that are
+    finite and in [0, 1].
+    """
+
+    pairs: tuple[tuple[np.ndarray, np.ndarray], ...]
+    shown: np.ndarray
+
+    @classmethod
+    def of(cls, image: np.ndarray, oracle: np.ndarray) -> OnScreen:
+        """Images are (H, W, 4), premultiplied."""
+        shown = np.all(np.isfinite(image) & (image >= -TOLERANCE) & (image <= 1 + TOLERANCE), axis=-1)
+        return cls(tuple((displayed(oracle, backdrop), displayed(image, backdrop)) for backdrop in BACKDROPS), shown)
+
+    @property
+    def equal(self) -> bool:
+        return bool(self.shown.all()) and all(np.array_equal(*pair) for pair in self.pairs)
+
+    def flip(self) -> float:
+        """Mean of FLIP's map over black or over white, whichever is larger; a pixel that is not shown counts as 1."""
+        return max(float(np.where(self.shown, flip_map(*pair), 1.0).mean()) for pair in self.pairs)
+
+
+def displayed(image: np.ndarray, backdrop: float) -> np.ndarray:
+    """The colours that a screen of 8 bits shows of a premultiplied image over a grey backdrop: uint8 (H, W, 3)."""
+    finite = np.where(np.isfinite(image), image, 0.0)
+    over = finite[..., :3] + backdrop * (1 - finite[..., 3:])
+    return np.rint(255 * np.clip(over, 0, 1)).astype(np.uint8)
+
+
+def flip_map(reference: np.ndarray, test: np.ndarray) -> np.ndarray:
+    """FLIP of each pixel of two uint8 (H, W, 3) images: float32 (H, W).
+
+    It is 0 where no pixel within REACH differs. If few do, the blocks around them are cut out with what the filters
+    see, and evaluated side by side as one image: a call takes 0.1 s, however small its image is.
+    """
+    found = np.zeros(reference.shape[:2], np.float32)
+    differ = np.argwhere(np.any(reference != test, axis=-1))
+    if not len(differ):
+        return found
+    side, blocks = _blocks(differ)
+    if len(blocks) * _width(side) ** 2 >= found.size:
+        return _evaluated(reference, test)
+    patches = _evaluated(*(_cut_out(image, blocks, side) for image in (reference, test)))
+    for (y, x), patch in zip(blocks, np.split(patches, len(blocks)), strict=True):
+        top, left = max(0, y - REACH), max(0, x - REACH)
+        into = found[top:y + side + REACH, left:x + side + REACH]
+        y_in, x_in = top - y + 2 * REACH, left - x + 2 * REACH
+        into[:] = patch[y_in:y_in + into.shape[0], x_in:x_in + into.shape[1]]
+    return found
+
+
+def _width(side: int) -> int:
+    """The width of a block with what its values and those within REACH of it depend on."""
+    return side + 4 * REACH
+
+
+def _blocks(differ: np.ndarray) -> tuple[int, np.ndarray]:
+    """The corners (y, x) of the blocks that hold all pixels that differ, and their side: the least work of all."""
+    found = ((side, np.unique(differ // side * side, axis=0)) for side in SIDES)
+    return min(found, key=lambda each: len(each[1]) * _width(each[0]) ** 2)
+
+
+def _cut_out(image: np.ndarray, blocks: Iterable[tuple[int, int]], side: int) -> np.ndarray:
+    """The blocks with their surroundings, one above the other. FLIP repeats an image's edge beyond it, as here."""
+    around = 2 * REACH
+    padded = np.pad(image, ((around, around + side), (around, around + side), (0, 0)), mode="edge")
+    return np.concatenate([padded[y:y + _width(side), x:x + _width(side)] for y, x in blocks])
+
+
+def _evaluated(reference: np.ndarray, test: np.ndarray) -> np.ndarray:
+    import flip_evaluator  # a compiled module; only images that differ need it
+
+    found, _, _ = flip_evaluator.evaluate(*(np.ascontiguousarray(image, np.float32) / np.float32(255)
+                                            for image in (reference, test)), "LDR", applyMagma=False,
+                                          computeMeanError=False)
+    return found[..., 0]
