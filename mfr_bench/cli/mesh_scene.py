@@ -37,14 +37,14 @@ def fragment_overrides(file: str) -> list[str]:
 
     path = Path(file).absolute()
     scene = {"kind": "fragments", "file": str(path), "size": viewport_of(path), "order": "file"}
-    return [f"name=fragments-{_word(path.stem)}", f"title={json.dumps(f'Methods on {path.name}')}",
+    return [f"name=fragments-{_name_of(path)}", f"title={json.dumps(f'Methods on {path.name}')}",
             f"scene={json.dumps(scene)}"]
 
 
 def mesh_overrides(file: str) -> list[str]:
     """Settings KEY=VALUE for the mesh, seen from the front. Raises UsageError for a file that does not do."""
     path = Path(file).absolute()
-    return [f"name=mesh-{_word(path.stem)}", f"title={json.dumps(f'Methods on {path.name}')}", "scene.kind=mesh",
+    return [f"name=mesh-{_name_of(path)}", f"title={json.dumps(f'Methods on {path.name}')}", "scene.kind=mesh",
             f"scene.file={json.dumps(str(path))}", "scene.view={}", f"scene.alpha={_alpha(path)}"]
 
 
@@ -63,8 +63,16 @@ def _alpha(path: Path) -> str:
     return json.dumps(OPACITIES)
 
 
+def _name_of(path: Path) -> str:
+    """A name for results of the file: no two files of other contents, or of other endings, share a folder."""
+    from ..scene.files import digest
+
+    return f"{_word(path.stem)}-{_word(path.suffix.lstrip('.').lower())}-{digest([path], 'a file')[:6]}"
+
+
 def _word(stem: str) -> str:
-    return "".join(c if c.isalnum() or c in "-_" else "-" for c in stem) or "file"
+    """The text as a part of a folder's name."""
+    return "".join(c if c.isascii() and (c.isalnum() or c in "-_") else "-" for c in stem)[:60] or "file"
 
 
 def as_written(scene) -> dict[str, Any]:

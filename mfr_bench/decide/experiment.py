@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..scene.files import digest_of
 from .candidates import Candidate
 from .question import Question
 
@@ -29,7 +30,7 @@ def config_of(question: Question, scene: Mapping[str, Any], found: Sequence[Cand
                "time_limit_s": round(max(0.05, time_limit_s), 3),
                "memory_budget_mb": question.memory_mb or default_memory_mb}
     methods = [{"id": each.method, "label": each.label, **each.params} for each in found]
-    identity = repr((sorted(scene.items(), key=str), question.memory_mb, question.max_error))
+    identity = repr((sorted(scene.items(), key=str), digest_of(scene), question.memory_mb, question.max_error))
     digest = hashlib.sha256(identity.encode()).hexdigest()[:10]
     return {"name": f"decide-{digest}", "title": f"Decision for {question}", "scene": dict(scene),
             "methods": methods, "measure": measure,

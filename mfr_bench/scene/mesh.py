@@ -48,7 +48,7 @@ def mesh(config: Scene, frame: int = 0) -> Triangles:
 def faces_of(config: Scene) -> Faces:
     """The triangles of all files in the world, before any view."""
     parts = config.files or (Transform(file=config.file),)
-    return joined([_read(str(path), files.stamp(path, _wanted(path))).moved(matrix_of(part))
+    return joined([_read(str(path), tuple(files.stamps([path], _wanted(path)))).moved(matrix_of(part))
                    for path, part in zip(paths(config), parts, strict=True)])
 
 
@@ -63,7 +63,7 @@ def _read(path: str, stamp: tuple) -> Faces:
 
 
 def digest(config: Scene) -> str:
-    """Hash of the contents of all files of a scene."""
+    """Hash of the contents of all files of a scene, materials and textures included."""
     return files.digest(paths(config), WANTED)
 
 

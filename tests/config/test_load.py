@@ -76,6 +76,30 @@ def test_fixing_a_scene_key_ends_its_sweep(load):
     assert load(text, overrides=["scene.seed=5"]).sweep == {"k": (4, 16)}
 
 
+def test_a_fixed_scene_key_stays_the_axis_that_a_figure_draws_along(load):
+    text = GOOD.replace("{k: [4, 16]}", "{k: [4, 16], scene.seed: [1, 2]}").replace("x: k", "x: scene.seed")
+    experiment = load(text, overrides=["scene.seed=5"])
+    assert experiment.sweep == {"k": (4, 16), "scene.seed": (5,)} and experiment.scene.seed == 5
+
+
+@pytest.mark.parametrize(("fixed", "expected"), [
+    ("scene.seed=2", {"scene.size": ((3, 4),), "scene.alpha": ((0.2, 0.2),)}),
+    ("scene.size=[1, 2]", {"scene.seed": (1, 5), "scene.alpha": ((0.1, 0.1), (0.5, 0.5))}),
+    ("scene.seed=9", {"scene.size": ((1, 2), (3, 4), (1, 2)), "scene.alpha": ((0.1, 0.1), (0.2, 0.2), (0.5, 0.5))}),
+])
+def test_fixing_a_zipped_key_keeps_the_points_that_have_its_value(load, fixed, expected):
+    zipped = "zip: {scene.seed: [1, 2, 5], scene.size: [[1, 2], [3, 4], [1, 2]], scene.alpha: [0.1, 0.2, 0.5]}\n"
+    assert load(GOOD + zipped, overrides=[fixed]).zip == expected
+
+
+@pytest.mark.parametrize("fixed", ["layers", "csg", "transparency"])
+def test_an_effect_of_many_may_be_fixed(fixed):
+    """It brings the layer and the operation that the config has beside it."""
+    [experiment] = config.load("effects", catalog(), "smoke", overrides=[f"scene.effect={fixed}"])
+    assert experiment.sweep["scene.effect"] == (fixed,)
+    assert experiment.zip["scene.operation"] == (("difference",) if fixed == "csg" else ("union",))
+
+
 def test_fixing_the_depth_complexity_ends_r(load):
     experiment = load(GOOD + "params: {r: 2}\n", overrides=["scene.depth_complexity=5"])
     assert experiment.params == {}
