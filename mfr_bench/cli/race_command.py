@@ -151,6 +151,7 @@ def _replayed(variant, counts, how, ties: bool, word: str):
 def _campaign(context: click.Context, chosen, counts, how, scenes: int, together: int, at_once: int | None, out: str,
               as_json: bool) -> None:
     """Prints a line for each configuration and machine, and ends with the status of a broken promise if one broke."""
+    from ..environment import usable_cores
     from ..race.report import campaign_end, campaign_line
     from ..race.sweep import jobs, sweep
 
@@ -159,7 +160,7 @@ def _campaign(context: click.Context, chosen, counts, how, scenes: int, together
         lines.append(line)
         say(json.dumps(asdict(line)) if as_json else campaign_line(line))
     if not as_json:
-        say(campaign_end(lines))
+        say(campaign_end(lines, at_once or usable_cores()))
     if any(line.broken for line in lines):
         context.exit(WRONG if any(line.violations for line in lines) else 1)
 

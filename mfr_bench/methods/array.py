@@ -10,7 +10,7 @@ ORDER = 2
 
 
 ROOM = Param("room", 0, "slots of a pixel; 0: as many as the deepest has fragments (kplus_2015 §5.3 has too few)",
-             low=0, high=65536,
+             low=0, high=65536, counts_losses=True,
              weakens={"1-65536": "of more fragments of a pixel than `room`, those that come later are lost"})
 SLOTS = {"SLOTS": "min(room or n, n)"}
 

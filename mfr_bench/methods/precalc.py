@@ -26,26 +26,31 @@ ORDER = 5
 SCAN = Param("scan", "compute", "prefix sum by full-screen steps (Peeper), or work-efficient in compute shaders",
              choices=("fullscreen", "compute"))
 SCAN_LANES, SCAN_RUN = 64, 16  # invocations of a work group, and pixels that each scans by itself
-SCAN_BLOCK = SCAN_LANES * SCAN_RUN  # pixels that one work group scans
-BLOCK = {"SCAN_BLOCK": SCAN_BLOCK, "SCAN_LANES": SCAN_LANES, "SCAN_RUN": SCAN_RUN}
+MOST_GROUPS = 65_535  # of a dispatch, by GL's least limit
 FULLSCREEN, COMPUTE = when("scan", "fullscreen"), when("scan", "compute")
 
-SCANS = (
-    Pass("scan", "fullscreen", "methods/precalc/seed.frag", reads=("counter",), writes=("address.previous",),
-         when=FULLSCREEN, whole=WHOLE_SUM),
-    Loop((Pass("scan", "fullscreen", "methods/precalc/scan.frag", reads=("address.previous",),
-               writes=("address.current",), when=FULLSCREEN, whole=WHOLE_SUM),),
-         times="ceil(log2(P))", until_empty=False),
-    Pass("scan", "compute", "methods/precalc/sum_blocks.comp", reads=("counter",), writes=("block_sum",),
-         groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK, when=COMPUTE, whole=WHOLE_SUM),
-    Pass("scan", "compute", "methods/precalc/scan_sums.comp", writes=("block_sum",), groups="1", defines=BLOCK,
-         when=COMPUTE, whole=WHOLE_SUM),
-    Pass("scan", "compute", "methods/precalc/scan_pixels.comp", reads=("counter", "block_sum"), writes=("address",),
-         groups=f"min(65535, ceil(P/{SCAN_BLOCK}))", defines=BLOCK, when=COMPUTE, whole=WHOLE_SUM),
-)
 
-METHODS = [
-    Method(
+def scans(block: int, groups: str, defines: dict[str, int]) -> tuple[Pass | Loop, ...]:
+    """The steps of the prefix sum: by full-screen steps, or by work groups that scan blocks of so many pixels."""
+    return (
+        Pass("scan", "fullscreen", "methods/precalc/seed.frag", reads=("counter",), writes=("address.previous",),
+             when=FULLSCREEN, whole=WHOLE_SUM),
+        Loop((Pass("scan", "fullscreen", "methods/precalc/scan.frag", reads=("address.previous",),
+                   writes=("address.current",), when=FULLSCREEN, whole=WHOLE_SUM),),
+             times="ceil(log2(P))", until_empty=False),
+        Pass("scan", "compute", "methods/precalc/sum_blocks.comp", reads=("counter",), writes=("block_sum",),
+             groups=groups, defines=defines, when=COMPUTE, whole=WHOLE_SUM),
+        Pass("scan", "compute", "methods/precalc/scan_sums.comp", writes=("block_sum",), groups="1", defines=defines,
+             when=COMPUTE, whole=WHOLE_SUM),
+        Pass("scan", "compute", "methods/precalc/scan_pixels.comp", reads=("counter", "block_sum"),
+             writes=("address",), groups=groups, defines=defines, when=COMPUTE, whole=WHOLE_SUM),
+    )
+
+
+def precalc(lanes: int = SCAN_LANES, run: int = SCAN_RUN, most_groups: int = MOST_GROUPS) -> Method:
+    """PreCalc, whose compute scan has work groups of so many lanes, and in each lane a run of so many pixels."""
+    block = lanes * run
+    return Method(
         id="ab-precalc", name="PreCalc", family="precalc",
         source="Peeper 2008; sbuffer_2012 §2, §4 (PreCalc, PreCalc_OpenCL)",
         summary="count, prefix sum over all pixels, store into exact ranges",
@@ -54,15 +59,21 @@ METHODS = [
                "pixel where full-screen steps take turns; the memory table of sbuffer_2012 shows the like (§4)",
         params=(SCAN, *RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD), capacity=Counted(),
         buffers=(COUNTER, replace(ADDRESS, copies=2, when=FULLSCREEN), replace(ADDRESS, when=COMPUTE), NODES,
-                 Buffer("block_sum", f"ceil(P/{SCAN_BLOCK})", when=COMPUTE,
+                 Buffer("block_sum", f"ceil(P/{block})", when=COMPUTE,
                         doc="fragments of each block of pixels, then of all blocks before it")),
         steps=(
-            *once(clear("counter", whole=WHOLE_SUM), count(), *SCANS),
+            *once(clear("counter", whole=WHOLE_SUM), count(),
+                  *scans(block, f"min({most_groups}, ceil(P/{block}))",
+                         {"SCAN_BLOCK": block, "SCAN_LANES": lanes, "SCAN_RUN": run})),
             *in_screen_region(rewind("scan", "address.previous"),
                       replace(STORE, writes=("address.previous", "nodes")),
                       replace(RESOLVE, reads=("counter", "address.previous", "nodes"))),
         ),
-    ),
+    )
+
+
+METHODS = [
+    precalc(),
     Method(
         id="ab-precalc-fixed", name="PreCalc_Fixed", family="precalc",
         source="sbuffer_2012 §4 (PreCalc_Fixed), after Peeper 2008",

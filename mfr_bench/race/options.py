@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, product
 
 from ..errors import MfrError
-from ..methods.spec import Above, Fitted, Method, Param, Value, Variant
+from ..methods.spec import Above, Fitted, Method, Param, Value, Variant, When
 from ..oracle.composite import stats_of
 from ..scene.quads import Quads
 from .adapter import frame_of
@@ -15,17 +15,33 @@ from .campaign import SMALL_K
 
 # Values of parameters that are numbers: the smallest, a few, and what a small scene makes tight.
 NUMBERS: Mapping[str, tuple[Value, ...]] = {
-    "k": (1, 3), "occupancy": (32,), "buckets": (2,), "counters": (1, 2), "layers": (1, 2), "samples": (4,),
+    "k": (1, 3), "occupancy": (32,), "buckets": (2,), "counters": (1, 2), "layers": (1, 2), "samples": (4, 8),
     "passes": (1, 2), "per_pass": (2, 4), "load_factor": (0.3, 0.9), "max_error": (0.1,), "retries": (1,),
-    "culling_opacity": (0.5,), "moments": (6,), "hit_ratio": (0.5,), "stop_opacity": (0.9,),
+    "culling_opacity": (0.5,), "moments": (6,), "hit_ratio": (0.5,), "stop_opacity": (0.9,), "room": (2,),
+    "depth_bits": (16,),
 }
-SAME_ACCESSES = ("bound",)  # parameters that change the text of a shader, and nothing that it reads or writes
+# Parameters that change shaders or passes, and nothing in which invocations meet.
+SAME_ACCESSES: Mapping[str, str] = {
+    "bound": "the bound of a loop is a uniform or a constant",
+    "memory_mb": "the same passes run on one part of the screen after the other, which a scene of a few pixels has not",
+}
 TOGETHER = 2  # parameters that differ from their defaults at once
 
 
 def base(method: Method) -> dict[str, Value]:
     """The parameters from which configurations differ."""
     return {"k": SMALL_K} if method.param("k") else {}
+
+
+def acting(method: Method, *params: Param) -> dict[str, Value]:
+    """The parameters from which configurations differ, with what lets these parameters act."""
+    chosen = base(method)
+    for param in params:
+        where = param.acts
+        while isinstance(where, When):
+            chosen.setdefault(where.name, where.values[0])
+            where = where.also
+    return chosen
 
 
 def others(param: Param) -> tuple[Value, ...]:
@@ -55,8 +71,8 @@ def _variants(method: Method, scene: Quads, together: int) -> Iterator[Variant]:
     start = method.variant(base(method))
     yield start
     alone = concurrent_key(start, scene)
-    acting = [p for p in method.params if others(p)]
-    telling = [p for p in acting if any(concurrent_key(v, scene) != alone for v in _with(method, (p,)))]
+    varied = [p for p in method.params if others(p)]
+    telling = [p for p in varied if any(concurrent_key(v, scene) != alone for v in _with(method, (p,)))]
     for size in range(1, together + 1):
         for params in combinations(telling, size):
             yield from _with(method, params)
@@ -64,7 +80,7 @@ def _variants(method: Method, scene: Quads, together: int) -> Iterator[Variant]:
 
 def _with(method: Method, params: Sequence[Param]) -> Iterator[Variant]:
     for values in product(*map(others, params)):
-        chosen = base(method) | dict(zip((p.name for p in params), values, strict=True))
+        chosen = acting(method, *params) | dict(zip((p.name for p in params), values, strict=True))
         for above in (p.acts for p in params if isinstance(p.acts, Above)):
             chosen[above.name] = max(chosen[above.name], chosen[above.other] + 1)
         yield method.variant(chosen)

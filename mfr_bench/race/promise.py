@@ -26,7 +26,7 @@ class Promised:
 
     kind: Kind
     error: float = 0.0
-    counted: bool = False  # a fragment may be lost where it is counted
+    counted: bool = False  # fragments may be lost that are counted
 
 
 def promised(variant: Variant, stats: SceneStats) -> Promised:
@@ -34,15 +34,14 @@ def promised(variant: Variant, stats: SceneStats) -> Promised:
     method = variant.method
     if variant.scope.get("sync") == "none":
         return Promised(Kind.NONE)
+    counted = variant.counts_losses
     if (error := variant.weakened_error) is not None:
-        return Promised(Kind.WITHIN, error)
+        return Promised(Kind.WITHIN, error, counted)
     if variant.weaknesses or method.mixes or method.guarantee == "none":
-        return Promised(Kind.IN_ORDER)
+        return Promised(Kind.IN_ORDER, counted=counted)
     if Fitted(variant, stats).exact():
         return Promised(Kind.EXACT)
-    if method.counts_losses:
-        return Promised(Kind.EXACT, counted=True)
-    return Promised(Kind.NONE)
+    return Promised(Kind.EXACT, counted=True) if counted else Promised(Kind.NONE)
 
 
 def expected(variant: Variant, stats: SceneStats, scene: Quads) -> Answer:

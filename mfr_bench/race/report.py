@@ -199,15 +199,18 @@ def campaign_line(line: Line) -> str:
     return f"{what} {line.schedules:9,} schedules, {shown}, {line.schedules_per_s:9,.0f} schedules/s{again}"
 
 
-def campaign_end(lines: Sequence[Line]) -> str:
-    """The last line of a campaign: sums, and how much CPU time the schedules took."""
+def campaign_end(lines: Sequence[Line], cores: int) -> str:
+    """The last line of a campaign: sums, the CPU time of the schedules, and that time on so many cores."""
     configurations = len({(line.method, line.params) for line in lines})
     minutes = sum(line.cpu_s for line in lines) / 60
     unknown = sum(bool(line.error) for line in lines)
-    tried = f"{sum(line.schedules for line in lines):,} schedules in {minutes:.1f} CPU minutes"
+    tried = (f"{sum(line.schedules for line in lines):,} schedules in {minutes:.1f} CPU minutes "
+             f"({minutes / cores:.1f} minutes on {cores} cores)")
     violations = f"{sum(line.violations for line in lines)} violations"
     ended = [violations, f"{unknown} could not be run"] if unknown else [violations]
-    return ", ".join([f"{configurations} configurations, {len(lines)} lines", tried, *ended])
+    least = min((line.schedules for line in lines), default=0)
+    said = f"{configurations} configurations, {len(lines)} lines of {least:,} schedules or more"
+    return ", ".join([said, tried, *ended])
 
 
 def text(found: Found, again: str = "") -> str:

@@ -209,6 +209,11 @@ class Variant(_Stepped):
         return max(float(evaluate(str(formula), ONE, self.scope)) for formula in formulas)
 
     @property
+    def counts_losses(self) -> bool:
+        """Whether a fragment may be lost, but every one that is lost is counted."""
+        return self.method.counts_losses or any(p.counts_losses for p in self._weakening)
+
+    @property
     def guarantee(self) -> Guarantee:
         """The guarantee of the method with these parameters."""
         promised = self.method.guarantee

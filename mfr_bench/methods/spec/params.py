@@ -35,6 +35,7 @@ class Param:
     needs_where: When | None = None  # where `needs` holds; elsewhere every value can be had. None: everywhere
     asks: Mapping[str, str] = field(default_factory=dict)  # choice or range -> what it asks of a scene: SCENE_FACTS
     weakens: Mapping[str, str] = field(default_factory=dict)  # choice or range -> the known failure that it brings
+    counts_losses: bool = False  # values which weaken may lose fragments, but every one that is lost is counted
     error: str | None = None  # the largest error of a channel that values which weaken bring, a formula; None: unknown
     acts: When | Above | None = None  # where it has an effect; elsewhere it stands at its default
 
