@@ -40,7 +40,7 @@ class Shown:
         if variant.guarantee == "none":
             return None
         promised = self.truth.answer(Fitted(variant, self.stats).promise())
-        return conformance(image, promised, variant.method.loses_ties)
+        return conformance(image, promised, promised.given_by(variant.method))
 
 
 @contextmanager

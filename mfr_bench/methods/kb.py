@@ -111,7 +111,8 @@ METHODS = [
         source="Liu et al. 2009; kplus_2015 §2, Table 1",
         summary="k-buffer repaired by further geometry passes: what is missing is inserted again, its nearest by the "
                 "depth test, until an occlusion query finds nothing missing",
-        guarantee="approximate", words="2*k", ties="one of them is kept; each pass takes another", loses_ties=True,
+        guarantee="approximate", words="2*k", loses_ties=True, spoils_ties=True,
+        ties="one of them is kept; each pass takes another for missing, so that hazards may tear what lies behind",
         failure="with fewer passes than k, fragments that hazards lost may still be missing behind the nearest "
                 "`passes`; right with k passes, and wherever a pass finds nothing missing",
         exact_where="passes >= min(k, n)",

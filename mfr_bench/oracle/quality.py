@@ -12,17 +12,18 @@ from .ties import Answer
 WRONG_PIXEL = 1 / 512  # a channel error above half a step of 8 bits shows
 
 
-def conformance(image: np.ndarray, promised: Answer, loses_ties: bool = False) -> dict[str, float | int]:
+def conformance(image: np.ndarray, promised: Answer, given: Answer | None = None) -> dict[str, float | int]:
     """Errors against what the method promises.
 
-    max_abs_error: of any channel, colours in [0, 1]. wrong_pixels: pixels with a channel error above 1/512. Of a method
-    that `loses_ties` both leave tied pixels out where they are few enough to meet by chance. In any case
+    max_abs_error: of any channel, colours in [0, 1]. wrong_pixels: pixels with a channel error above 1/512. Both allow
+    what is `given` by a method that loses equal depths, where these are few enough to meet by chance. In any case
     tied_pixels counts these pixels, tied_error is the error of the worst, and order_error is how far one is from the
     order of submission.
     """
     tied = promised.tied
     error = pixel_errors(image, promised)
-    worst, wrong = _worst(np.where(tied, 0.0, error) if loses_ties and promised.tied_by_chance else error)
+    allowed = given if given and given.tied_by_chance else promised
+    worst, wrong = _worst(error if allowed is promised else pixel_errors(image, allowed))
     return {"max_abs_error": worst, "wrong_pixels": wrong, "tied_pixels": int(np.count_nonzero(tied)),
             "tied_error": float(error[tied].max(initial=0.0)),
             "order_error": float(_error(image[tied], promised.image[tied]).max(initial=0.0))}

@@ -5,6 +5,11 @@ channel of each pixel: from the least to the greatest value that any order of eq
 channels but opacity are the greatest where each run of equal depths shows its largest colour first, because
 exchanging neighbours i and j changes the sum by a_i·a_j·(c_i − c_j); opacity does not depend on the order, but on
 which fragments of a run have the last of the promised places.
+
+A method that loses all but one fragment of a depth by nature has a wider range: every choice of one or more fragments
+of each run, in any order. Against a background r, a fragment of colour c and alpha a shows r + a·(c - r), so the
+greatest value takes all fragments whose colour exceeds the greatest of what lies behind, the largest in front; or, if
+there are none, the one that shows least of itself. It is found run by run from the back.
 """
 
 from __future__ import annotations
@@ -14,6 +19,8 @@ from functools import cached_property
 
 import numpy as np
 
+from ..effects.rays import by_rank
+from ..methods.spec import Method
 from ..scene.quads import Quads
 from .composite import Fragments, composite, in_chunks, over, taken
 from .listed import listed
@@ -29,11 +36,13 @@ class Answer:
     """The right images of a scene: float64 (H, W, 4), premultiplied over transparent black, row 0 at the bottom.
 
     image: equal depths in order of submission. low, high: the least and the greatest value that any order gives.
+    losing: the answer for a method that loses all but one fragment of a depth; None if it is this one.
     """
 
     image: np.ndarray
     low: np.ndarray
     high: np.ndarray
+    losing: Answer | None = None
 
     @classmethod
     def only(cls, image: np.ndarray) -> Answer:
@@ -51,6 +60,18 @@ class Answer:
         if self.unique:
             return np.zeros(self.image.shape[:2], dtype=bool)
         return (self.high - self.low > ROUNDING).any(axis=-1)
+
+    def given_by(self, method: Method) -> Answer:
+        """The images that a method may give, with what equal depths cost it by nature."""
+        if self.losing is None or not method.loses_ties:
+            return self
+        return self.losing.open if method.spoils_ties else self.losing
+
+    @cached_property
+    def open(self) -> Answer:
+        """The answer that leaves its tied pixels open altogether."""
+        low, high = (np.where(self.tied[..., None], bound, self.image) for bound in (-ANY, ANY))
+        return Answer(self.image, low, high)
 
     @property
     def tied_by_chance(self) -> bool:
@@ -80,11 +101,15 @@ def answer_of_fragments(fragments: Fragments, layers: int | None = None, criteri
     pixels = np.flatnonzero(fragments.coincident)
     if not len(pixels):
         return Answer.only(image)
-    low, high = image.copy().reshape(-1, 4), image.copy().reshape(-1, 4)
+    ends = [image.copy().reshape(-1, 4) for _ in range(4)]
     every = _Runs.of(fragments, pixels)
     for part, among in in_chunks(every.counts):
-        low[pixels[part]], high[pixels[part]] = every.part(part, among).bounds(payload, layers, criterion)
-    return Answer(image, low.reshape(image.shape), high.reshape(image.shape))
+        runs = every.part(part, among)
+        found = (*runs.bounds(payload, layers, criterion), *runs.losing_bounds(payload, layers, criterion))
+        for end, values in zip(ends, found, strict=True):
+            end[pixels[part]] = values
+    low, high, lowest, highest = (end.reshape(image.shape) for end in ends)
+    return Answer(image, low, high, Answer(image, lowest, highest))
 
 
 @dataclass(frozen=True)
@@ -152,3 +177,60 @@ class _Runs:
         found = np.zeros(len(self.counts), dtype=bool)
         found[pixel[(some > 0) & (some < sizes) & differs]] = True
         return found
+
+    def losing_bounds(self, payload: np.ndarray, layers: int | None, criterion: str) -> tuple[np.ndarray, np.ndarray]:
+        """float64 (pixels, 4): the ends of each channel where all but one fragment of a run may be lost.
+
+        Of `layers` places those of lost fragments may go to what follows: runs that hold a promised fragment show at
+        least one of theirs, the others, up to so many depths in all, may. Any fragment of a run may be the one.
+        """
+        among, shown = self._depths_among(layers, criterion)
+        runs = _Runs(np.add.reduceat(among.astype(np.int64), self._starts_of_pixels), self.primitive[among],
+                     self.run[among], self.alpha[among])
+        low, high = (np.stack([runs._losing_extreme(channel, sign, payload, shown[among]) for channel in CHANNELS], -1)
+                     for sign in (1, -1))
+        return low, high
+
+    @property
+    def _starts_of_pixels(self) -> np.ndarray:
+        return np.cumsum(self.counts) - self.counts
+
+    def _depths_among(self, layers: int | None, criterion: str) -> tuple[np.ndarray, np.ndarray]:
+        """bool (F,), two: of the runs that may show, those that must, by fragment."""
+        every = np.ones(len(self.run), dtype=bool)
+        if layers is None:
+            return every, every
+        starts = np.flatnonzero(np.diff(self.run, prepend=self.run[0] - 1))
+        of = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(self.run)))
+        must = np.logical_or.reduceat(taken(self.counts, self.alpha, layers, criterion), starts)[of]
+        first = np.repeat(of[self._starts_of_pixels], self.counts)
+        last = np.repeat(of[self._starts_of_pixels + self.counts - 1], self.counts)
+        rank = {"nearest": of - first, "furthest": last - of}.get(criterion)
+        return (every if rank is None else rank < layers) | must, must
+
+    def _losing_extreme(self, channel: int, sign: int, payload: np.ndarray, shown: np.ndarray) -> np.ndarray:
+        """The channel's least (sign 1) or greatest (-1) value in each pixel. shown: bool (F,), runs that must show."""
+        colour = np.ones(len(payload)) if channel == ALPHA else payload[:, channel]
+        order = np.lexsort((sign * colour[self.primitive], self.run))
+        colour, alpha = -sign * colour[self.primitive[order]], payload[self.primitive[order], ALPHA]
+        pixels, ranks = by_rank(self.counts)
+        behind = np.zeros(self.counts.size)  # the greatest of the runs that are done
+        with_run, alone, run = behind.copy(), np.full(self.counts.size, -np.inf), np.full(self.counts.size, -1)
+        for at in reversed(list(ranks)):
+            here = slice(len(at))
+            new = self.run[at] != run[here]
+            behind[here] = np.where(new, _with_one(behind[here], with_run[here], alone[here]), behind[here])
+            with_run[here] = np.where(new, behind[here], with_run[here])
+            least = np.where(shown[at], -np.inf, behind[here])  # a run that need not show may show nothing
+            alone[here] = np.where(new, least, alone[here])
+            run[here] = self.run[at]
+            alone[here] = np.maximum(alone[here], behind[here] + alpha[at] * (colour[at] - behind[here]))
+            with_run[here] += alpha[at] * np.maximum(0.0, colour[at] - with_run[here])
+        found = np.empty(self.counts.size)
+        found[pixels] = -sign * _with_one(behind, with_run, alone)
+        return found
+
+
+def _with_one(behind: np.ndarray, with_run: np.ndarray, alone: np.ndarray) -> np.ndarray:
+    """The greatest value with a run: with the fragments that raise it, or else with the one that lowers it least."""
+    return np.where((with_run > behind) | (alone == -np.inf), with_run, alone)

@@ -16,6 +16,7 @@ from ..methods.spec import Fitted, Variant
 from ..oracle import twochannel
 from ..oracle.composite import stats_of
 from ..oracle.quality import pixel_errors
+from ..oracle.ties import Answer
 from ..scene.quads import Quads
 from .adapter import Frame, frame_of
 from .build import Built, build
@@ -136,11 +137,24 @@ class Checker:
         """Raise MfrError where the promise is exact and an image is not right by the oracle."""
         if self.promised.kind is not Kind.EXACT:
             return
-        right = expected(self.variant, self.stats, self.scene)
-        judged = ~right.tied if self.variant.method.loses_ties else np.s_[:]
-        error = max(float(pixel_errors(image, right)[judged].max(initial=0.0)) for image in images)
+        right = self._right
+        error = max(float(pixel_errors(image, right).max(initial=0.0)) for image in images)
         if error > ROUNDING:
             raise MfrError(f"{self.variant.method.id}: an error of {error:.3g} without any race")
+
+    @cached_property
+    def _right(self) -> Answer:
+        """The images that the variant aims at, with those that it may give where it loses equal depths by nature."""
+        return expected(self.variant, self.stats, self.scene).given_by(self.variant.method)
+
+    @property
+    def _within(self) -> bool:
+        """Whether images are held to a range, and not to those that some order of the fragments gives without a race.
+
+        What a method loses of equal depths may depend on the schedule.
+        """
+        loses = self.variant.method.loses_ties and not self._right.unique
+        return self.promised.kind is Kind.WITHIN or (self.promised.kind is Kind.EXACT and loses)
 
     def check(self, how: How) -> Outcome:
         """Runs the schedules until one breaks the promise."""
@@ -168,10 +182,8 @@ class Checker:
         return np.array(colours, dtype=np.float64)
 
     def _allowed(self) -> np.ndarray:
-        """The images that are right; none where no promise is given by images."""
-        if self.promised.kind is Kind.WITHIN:
-            return self.images[:0]
-        return self.images
+        """The images that are right; none where they are held to a range."""
+        return self.images[:0] if self._within else self.images
 
     @property
     def promises_nothing(self) -> bool:
@@ -179,10 +191,10 @@ class Checker:
         return self.promised.kind is Kind.NONE
 
     def _bounds(self) -> np.ndarray:
-        if self.promised.kind is not Kind.WITHIN:
+        if not self._within:
             return self.images[:0]
-        right = expected(self.variant, self.stats, self.scene)
-        return np.stack([right.low - self.promised.error - ROUNDING, right.high + self.promised.error + ROUNDING])
+        error = self.promised.error + ROUNDING
+        return np.stack([self._right.low - error, self._right.high + error])
 
     def _run(self, words: list[str], images: Iterable[np.ndarray], bounds: Iterable[np.ndarray] = (),
              deviations: Sequence[Deviation] = ()) -> dict:

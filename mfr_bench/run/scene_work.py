@@ -72,7 +72,8 @@ class SceneWork:
 
     def conformance(self, variant: Variant, image: np.ndarray) -> dict[str, float | int]:
         """Errors of an image of the scene on the device against what the variant aims at."""
-        return quality.conformance(image, self.promised(variant), variant.method.loses_ties)
+        promised = self.promised(variant)
+        return quality.conformance(image, promised, promised.given_by(variant.method))
 
     def promised(self, variant: Variant) -> Answer:
         """The images that are right of what the variant aims at in the scene on the device now."""

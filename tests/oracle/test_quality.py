@@ -150,13 +150,16 @@ def test_tied_pixels_are_held_against_every_order():
 @pytest.mark.parametrize(("tied", "error"), [(7, 0), (8, 0.5)])
 def test_what_is_lost_by_chance_is_forgiven_to_a_method_that_loses_equal_depths(tied, error):
     """Up to a hundredth of the 768 pixels; the error of tied pixels says it all the same."""
-    high = ORACLE.copy()
+    high, lowest = ORACLE.copy(), ORACLE.copy()
     high[0, :tied, 0] += 0.25
-    promised = Answer(ORACLE, ORACLE.copy(), high)
+    lowest[0, :tied, 3] -= 0.5
+    promised = Answer(ORACLE, ORACLE.copy(), high, Answer(ORACLE, lowest, high))
     image = planted((0, 0, 3), by=-0.5)
-    found = measured.conformance(image, promised, loses_ties=True)
+    found = measured.conformance(image, promised, promised.losing)
     assert (found["max_abs_error"], found["tied_error"]) == (pytest.approx(error, abs=1e-7), pytest.approx(0.5))
     assert measured.conformance(image, promised)["max_abs_error"] == pytest.approx(0.5)
+    beyond = measured.conformance(planted((0, 0, 3), by=-0.75), promised, promised.losing)
+    assert beyond["max_abs_error"] == pytest.approx(0.25 if tied == 7 else 0.75)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])

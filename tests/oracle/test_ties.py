@@ -8,6 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mfr_bench.oracle.composite import Fragments, composite
+from mfr_bench.oracle.listed import listed
+from mfr_bench.oracle.quality import conformance, pixel_errors
 from mfr_bench.oracle.ties import ALPHA, answer_of_fragments, answer_of_quads
 from mfr_bench.scene.quads import Quads
 
@@ -69,6 +71,45 @@ def test_the_range_is_that_of_every_order(pixels, layers, criterion):
             np.testing.assert_allclose(found.low[0, x], low, rtol=0, atol=CLOSE)
             np.testing.assert_allclose(found.high[0, x], high, rtol=0, atol=CLOSE)
     np.testing.assert_array_equal(found.image, composite(quads(*pixels), layers, criterion))
+
+
+def with_losses(fragments):
+    """Every list of fragments in which each depth keeps one or more of its own."""
+    runs = [list(run) for _, run in groupby(sorted(fragments, key=lambda f: f[0]), key=lambda f: f[0])]
+    kept = [[chosen for count in range(1, len(run) + 1) for chosen in combinations(run, count)] for run in runs]
+    return [[fragment for run in chosen for fragment in run] for chosen in product(*kept)]
+
+
+@given(PIXELS, st.none() | st.integers(1, 4), st.sampled_from(["nearest", "furthest"]))
+def test_the_range_of_a_method_that_loses_equal_depths_is_that_of_every_choice_of_them(pixels, layers, criterion):
+    found = answer_of_fragments(listed(quads(*pixels)), layers, criterion)
+    found = found.losing or found
+    for x, fragments in enumerate(pixels):
+        images = np.concatenate([every_image(kept, layers, criterion) for kept in with_losses(fragments)])
+        assert (found.low[0, x] <= images.min(axis=0) + CLOSE).all()
+        assert (found.high[0, x] >= images.max(axis=0) - CLOSE).all()
+        if layers is None or layers >= len(fragments):
+            np.testing.assert_allclose(found.low[0, x], images.min(axis=0), rtol=0, atol=CLOSE)
+            np.testing.assert_allclose(found.high[0, x], images.max(axis=0), rtol=0, atol=CLOSE)
+
+
+def test_a_pixel_that_lost_every_fragment_of_a_depth_is_in_no_range():
+    answer = answer_of_quads(quads([(0.25, GREY), (0.5, RED), (0.5, BLUE), (0.75, FAINT)]))
+    lost, kept = (over([GREY, *of, FAINT]).reshape(1, 1, 4) for of in ((), (RED,)))
+    assert pixel_errors(kept, answer.losing).max() < CLOSE < 0.1 < pixel_errors(kept, answer).max()
+    assert pixel_errors(lost, answer.losing).max() > 0.1
+
+
+@pytest.mark.parametrize(("pixels", "blamed"), [(200, False), (20, True)])
+def test_who_loses_one_of_two_like_fragments_is_blamed_where_that_is_no_chance(pixels, blamed):
+    """Like fragments tie nothing, for who keeps both; one pixel in 200 has them, or one in 20."""
+    scene = quads([(0.5, GREY), (0.5, GREY)], *[[(0.5, RED)]] * (pixels - 1))
+    promised = answer_of_fragments(listed(scene))
+    image = promised.image.copy()
+    image[0, 0] = over([GREY])
+    assert not promised.tied.any()
+    assert (conformance(image, promised, promised.losing)["max_abs_error"] > 0.1) == blamed
+    assert conformance(image, promised)["max_abs_error"] > 0.1
 
 
 @given(PIXELS, st.none() | st.integers(1, 4), st.sampled_from(["nearest", "furthest", "opaque"]))

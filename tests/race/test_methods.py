@@ -27,6 +27,13 @@ def test_a_method_keeps_its_promise(method):
     assert not found.broken or found.checker.promises_nothing, show(found)
 
 
+@pytest.mark.parametrize("method", [m for m in catalog().values() if m.loses_ties], ids=lambda m: m.id)
+def test_who_loses_equal_depths_shows_one_of_each(method):
+    found = run(small_variant(method, ("k=3",) if method.param("k") else ()), (4, 3, 2), How(schedules=500), scenes=2,
+                ties=True)
+    assert not found.broken, show(found)
+
+
 @pytest.mark.parametrize("method_id", ["kb", "kb-mha"])
 def test_hazards_show(method_id):
     """A machine on which nothing ever goes wrong would prove nothing."""

@@ -32,6 +32,7 @@ class Fault:
     settings: tuple[str, ...] = ()
     weak: bool = False
     fragments: tuple[int, ...] = (3, 2)
+    ties: bool = False
 
     def __str__(self) -> str:
         return f"{self.method}: {self.name}"
@@ -150,6 +151,11 @@ FAULTS = [
           "((taken[0] += count) - count)"),
     counted("ab-array", "common/list_tiles.comp", "atomicAdd(tile_command[0], 1u)", "tile_command[0]++",
             "touched=tiles", fragments=(2, *(0,) * 30, 2, *(0,) * 20, 2)),
+    # A method that loses equal depths keeps one of each all the same; and nothing else is in its place.
+    Fault("no fragment of a depth kept", "kb-mdt32", "methods/mdt/fetch.glsl",
+          "at >= pixels && depths[at - pixels] == depth", "at < pixels", ("k=3",), fragments=(4,), ties=True),
+    Fault("a layer skipped behind equal depths", "peel-f2b", "methods/peel/f2b.frag", "gl_FragCoord.z <= texel",
+          "gl_FragCoord.z <= 0.02 + texel", fragments=(3,), ties=True),
 ]
 
 
@@ -163,7 +169,7 @@ def seen(fault: Fault) -> bool:
     """Whether the promise breaks, under some schedule or without any race."""
     variant, how = small_variant(catalog()[fault.method], fault.settings), How(schedules=SCHEDULES, weak=fault.weak)
     try:
-        return run(variant, fault.fragments, how, SCENES).failed > 0
+        return run(variant, fault.fragments, how, SCENES, fault.ties).failed > 0
     except MfrError as error:
         return str(error).endswith("without any race")
 

@@ -55,8 +55,9 @@ class Method(_Stepped):
     `words` is the paper's memory formula in 32-bit words per pixel (f: the pixel's fragments), `beside` what is
     allocated in addition or in their place, and why. `cost` is the reason why it may take more than three times as long
     as the fastest A-buffer.
-    `ties` says what becomes of fragments of equal depth, `loses_ties` whether some of them are lost by nature. `needs`
-    names device features without which no choice of parameters runs.
+    `ties` says what becomes of fragments of equal depth, `loses_ties` whether some of them are lost by nature,
+    `spoils_ties` whether nothing is then promised of a pixel that has them. `needs` names device features without which
+    no choice of parameters runs.
     """
 
     id: str
@@ -72,6 +73,7 @@ class Method(_Stepped):
     buffers: tuple[Buffer, ...] = ()
     targets: tuple[Target, ...] = ()
     loses_ties: bool = False
+    spoils_ties: bool = False
     counts_losses: bool = False  # a fragment may be lost, but every one that is lost is counted
     needs: tuple[str, ...] = ()
     fixed: tuple[Param, ...] = ()  # parameters of shared shaders, at defaults that this method never varies
