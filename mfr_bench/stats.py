@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from statistics import median
 
 Interval = tuple[float | None, float | None, float | None]  # low, median, high
@@ -140,7 +140,7 @@ def interleaved_ratio(over: Sequence[float], under: Sequence[float], least: int,
     down alike leaves the interval. Samples without a counterpart are left out, for they are of another time.
     """
     shared = min(len(over), len(under))
-    ends = [goal for goal in goals(least, most) if goal < shared] + [shared]
+    ends = [*takewhile(shared.__gt__, goals(least, most)), shared]
     above: list[float] = []
     below: list[float] = []
     for start, end in pairwise([0, *ends] if shared else []):

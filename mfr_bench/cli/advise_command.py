@@ -10,7 +10,7 @@ import click
 
 from ..errors import UsageError, nearest
 from .endings import NOTHING_KEEPS
-from .options import JSON, ConfigName, OneOf
+from .options import JSON, WITHIN, ConfigName, OneOf
 from .output import note, say, width
 
 
@@ -60,6 +60,10 @@ class SceneKeys(click.ParamType):
             return text
 
 
+DEVICES = click.option("--devices", is_flag=True, help="One answer for all devices: the best on the worst device, and "
+                       "what is near the best on each.")
+
+
 @click.command()
 @click.argument("targets", nargs=-1, required=True, metavar="CONFIG|DIR...", type=ConfigName())
 @click.option("--max-error", type=Positive(), required=True, metavar="E",
@@ -69,10 +73,12 @@ class SceneKeys(click.ParamType):
               help="The error: root mean square, NVIDIA's FLIP, or the largest of any channel.")
 @click.option("--scene", "--like", "like", metavar="KEY=VALUE,...", type=SceneKeys(),
               help="Only the measured scene that is nearest to this one: size=1280x720,n=24,p_d=0.3.")
+@DEVICES
+@WITHIN
 @JSON
 @click.pass_context
 def advise(context: click.Context, targets: tuple[str, ...], max_error: float, memory_mb: float | None, metric: str,
-           like: dict | None, as_json: bool) -> None:
+           like: dict | None, devices: bool, within: float, as_json: bool) -> None:
     """Name the fastest method within an error and a memory budget.
 
     Scene by scene, from what was measured: the method with its parameters, those that come next with
@@ -83,11 +89,17 @@ def advise(context: click.Context, targets: tuple[str, ...], max_error: float, m
     Examples: mfr-bench advise pareto --max-error 0.01 --memory-mb 64
               mfr-bench advise results --max-error 0.05 --metric flip --json
               mfr-bench advise pareto --max-error 0.01 --like size=1280x720,n=24
+              mfr-bench advise results --max-error 1/255 --devices --within 10
     """
     from ..report import advice, data
     from ..store import ResultFolder
 
     folders = [ResultFolder(path) for path in _results(targets)]
+    if devices:
+        if like:
+            raise UsageError("advise: --devices with --like; allowed: one of them")
+        over_devices("advise", folders, advice.METRICS[metric], max_error, memory_mb, within, as_json)
+        return
     found = advice.advise(map(data.load, folders), advice.Bounds(metric, max_error, memory_mb), like, _config_of)
     if not found:
         raise UsageError(f"advise: nothing is measured in {', '.join(str(f.path) for f in folders)}; run "
@@ -100,6 +112,26 @@ def advise(context: click.Context, targets: tuple[str, ...], max_error: float, m
             note(line)
     if not any(each.kept for each in found):
         context.exit(NOTHING_KEEPS)
+
+
+def over_devices(command: str, folders, column: str, max_error: float, memory_mb: float | None, within: float,
+                 as_json: bool) -> None:
+    """Print the best on the worst device, and what is near the best on all, for each scene of several devices.
+
+    Raises UsageError where no scene was measured by several devices; exit status 6 where nothing keeps the bounds.
+    """
+    from ..report.devices import Limits, answers, answers_json, answers_text, read_experiments
+
+    found = answers(read_experiments(folders, whole_scenes=True), Limits(column, max_error, memory_mb), within)
+    if not found:
+        raise UsageError(f"{command}: no scene of these results was measured on several devices; allowed: folders with "
+                         "one experiment of each device")
+    say(answers_json(found) if as_json else answers_text(found, width()))
+    for folder in folders:
+        for line in folder.damaged:
+            note(line)
+    if not any(answer.rows for answer in found):
+        click.get_current_context().exit(NOTHING_KEEPS)
 
 
 def _config_of(result) -> str:

@@ -10,7 +10,7 @@ import click
 
 from .endings import NOTHING_KEEPS
 from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
-from .options import DEVICE, JSON, OUTSIDE, NumberRange, OutPath
+from .options import DEVICE, JSON, OUTSIDE, WITHIN, NumberRange, OutPath
 from .output import note, say, width
 
 MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a device finds more in some pixels
@@ -30,12 +30,15 @@ MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a devic
 @click.option("--time-budget", metavar="T", default="2m", show_default=True, help="Time for the whole answer: 90s, 2m.")
 @click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
               help="Where results go. [default: results/<device>/decide-<hash>]")
+@click.option("--devices", "measured", multiple=True, metavar="DIR", type=click.Path(),
+              help="Measure nothing: answer from what this command measured on several devices, at or below DIR.")
+@WITHIN
 @DEVICE
 @JSON
 @OUTSIDE
 def decide(size: str | None, layers: int | None, covered: float, mesh: str | None, fragments: str | None,
            config: str | None, memory_mb: float | None, max_error: str, time_budget: str, out: str | None,
-           device: str, as_json: bool) -> int:
+           measured: tuple[str, ...], within: float, device: str, as_json: bool) -> int:
     """Name the fastest method that keeps an error and a memory, and say how sure that is.
 
     Methods that cannot keep the bounds are excluded by what they declare. The others draw frames in turns; the clearly
@@ -48,11 +51,15 @@ def decide(size: str | None, layers: int | None, covered: float, mesh: str | Non
       mfr-bench decide --mesh model.glb --size 1280x720 --max-error 0.01
       mfr-bench decide --fragments recorded.npz
       mfr-bench decide --config smoke --time-budget 1m --json
+      mfr-bench decide --size 1280x720 --layers 24 --covered 0.3 --devices results
     """
     from ..decide.question import parsed_duration
 
     deadline = time.monotonic() + parsed_duration(time_budget)
     question, scene = _asked(size, layers, covered, overrides_of(mesh, fragments), config, memory_mb, max_error)
+    if measured:
+        _answer_over(measured, question, scene, within, as_json)
+        return 0
     answer = _raced(question, scene, deadline, out, device)
     say(json.dumps(answer.record(), indent=2, ensure_ascii=False) if as_json else answer.text(width()))
     return 0 if answer.best else NOTHING_KEEPS
@@ -98,6 +105,21 @@ def _of_config(config: str, memory_mb: float | None, error: float, overrides: tu
     covered = sum(stats.histogram[1:]) / stats.P
     layers = MESH_DEEPER * stats.n if measured else stats.n
     return Question(tuple(cell.scene.size), layers, covered, memory_mb, error), as_written(cell.scene)
+
+
+def _answer_over(folders: tuple[str, ...], question, scene, within: float, as_json: bool) -> None:
+    """Answer from the races for this question on several devices. Raises UsageError where there are not two."""
+    from ..decide.experiment import config_of
+    from ..errors import UsageError
+    from .advise_command import over_devices
+    from .options import results_below
+
+    name = config_of(question, scene, (), 1.0)["name"]
+    races = [folder for folder in results_below(folders) if folder.manifest().get("name") == name]
+    if len(races) < 2:
+        raise UsageError(f"decide: {len(races) or 'no'} results of {name} in {', '.join(folders)}; allowed: those of "
+                         "several devices; run the same command without --devices on each, then merge or copy them")
+    over_devices("decide", races, "max_error_all", question.max_error, question.memory_mb, within, as_json)
 
 
 def _raced(question, scene, deadline: float, out: str | None, device: str):

@@ -31,19 +31,27 @@ def merge(folders: tuple[str, ...], into: str) -> None:
 
 def merge_into(folders, into: Path) -> None:
     """Merge result folders, write the tables of each set, and say what became of them."""
-    from ..merge import merged_sets, write_set
-    from .report_commands import write_tables_of
+    from ..merge import merged_sets
+    from ..parallel import in_processes
 
     sets, left_out = merged_sets(folders, into)
     for line in left_out:
         note(line)
-    for merged in sets:
-        with merged.folder.lock() as unlocked:
-            if unlocked:
-                note(unlocked)
-            written = write_set(merged)
-        write_tables_of(merged.folder)
-        for line in filter(None, (cell.said for cell in merged.cells.values())):
+    for noted, said in in_processes(_written, sets):
+        for line in noted:
+            note(line)
+        for line in said:
             say(line)
-        say(f"{merged.folder.path}: cells: {written.cells}, new: {written.new}, merged folders: {len(merged.sources)}")
     say(f"figures: mfr-bench plot {into}")
+
+
+def _written(merged) -> tuple[list[str], list[str]]:
+    """Write a set and its tables; lines for stderr and for stdout."""
+    from ..merge import write_set
+    from .report_commands import write_tables_of
+
+    with merged.folder.lock() as unlocked:
+        written = write_set(merged)
+    write_tables_of(merged.folder)
+    counts = f"cells: {written.cells}, new: {written.new}, merged folders: {written.folders}"
+    return [unlocked] if unlocked else [], [*written.said, f"{merged.folder.path}: {counts}"]

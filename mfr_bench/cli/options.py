@@ -190,6 +190,8 @@ MARKDOWN = click.option("--markdown", "as_markdown", is_flag=True, help="Print M
 CSV = click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per cell.")
 THRESHOLD = click.option("--threshold", metavar="PERCENT", type=Percentage(), default="2", show_default=True,
                          help="Smallest difference that matters.")
+WITHIN = click.option("--within", metavar="PERCENT", type=Percentage(), default="20", show_default=True,
+                      help="Over devices: how much longer than a device's best counts as near it.")
 WHOLE = click.option("--all", "whole", is_flag=True, help="Show every cell, those that are the same too.")
 ONLY = click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")

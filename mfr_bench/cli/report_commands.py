@@ -31,8 +31,9 @@ def write_tables_of(folder) -> list[Path]:
     from ..report import write_tables
     from ..store import derive
 
-    derive(folder)
-    return write_tables(folder)
+    cells = folder.cells()
+    derive(folder, cells)
+    return write_tables(folder, cells)
 
 
 def hand_over(results, as_json: bool, junit: str | None, summary: str | None) -> None:
@@ -105,7 +106,8 @@ def _plot_scaled(results, look) -> None:
 @click.command()
 @FOLDERS
 @click.option("--together", metavar="OUT", type=OutPath(file_okay=False),
-              help="Draw each experiment that several results have once, its devices side by side, into OUT.")
+              help="Draw each experiment that several results have once into OUT: its devices side by side, ratios and "
+                   "ranks by device, and a page on how the devices differ.")
 @click.option("--style", "look", type=OneOf(("paper", "slides")), help="Draw for a paper or for slides, into "
               "figures/paper or figures/slides. paper: 7.2in wide, labels of 8 points, as pdf, pgf and png. slides: "
               "12in, 16 points, as png, svg and pdf.")
@@ -165,10 +167,13 @@ def _print_columns(context: click.Context, parameter: click.Parameter, asked: bo
 @JUNIT
 @SUMMARY
 @JSON
+@click.option("--devices", is_flag=True, help="Print one table of each experiment over all devices instead: ranks and "
+              "ratios of its methods, and how the devices differ. Writes nothing.")
 @click.option("--latex", is_flag=True, help="Write tables/cells.tex and cells.csv too: every measured cell, for "
               "booktabs and siunitx.")
 @OUTSIDE
-def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_json: bool, latex: bool) -> None:
+def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_json: bool, devices: bool,
+          latex: bool) -> None:
     """Print the tables of all results at or below DIR.
 
     Writes them again, too, with results.csv and passes.csv, into the folders of the results, which are listed first
@@ -177,10 +182,15 @@ def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_j
     \b
     Examples: mfr-bench table results | less
               mfr-bench table results --json | jq '.[].cells[].time_ms'
+              mfr-bench table results --devices
     """
     from ..report import terminal_table, write_for_paper
 
+    hold_one_form("table", json=as_json, devices=devices)
     results = results_below(folders)
+    if devices:
+        _over_devices(results)
+        return
     _announce(results)
     if not as_json:
         say("\n".join(terminal_table(folder, width()) for folder in results).rstrip("\n"))
@@ -189,6 +199,16 @@ def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_j
         write_tables_of(folder)
         for path in write_for_paper(folder) if latex else ():
             note(path)
+
+
+def _over_devices(results) -> None:
+    """Print how methods stand over the devices of each experiment."""
+    from ..report.devices import as_text, read_experiments
+
+    found = read_experiments(results)
+    say("\n".join(as_text(experiment, width()) for experiment in found).rstrip("\n"))
+    if not found:
+        note("no method has a time with the right image in these results")
 
 
 @click.command()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from ..store import KEY_FILE, ResultFolder
@@ -26,13 +27,14 @@ class Copy:
     arrays: bytes | None
     source: Source = field(repr=False)
 
-    @property
+    @cached_property
     def digest(self) -> str:
         """Name of the content: equal copies have equal digests."""
         return hashlib.sha256(self.content).hexdigest()
 
-    @property
+    @cached_property
     def cell(self) -> Cell:
+        """The record, parsed once."""
         return parsed(self.content)
 
     @property
@@ -72,11 +74,11 @@ class Source:
 
     def copies(self) -> Iterator[Copy | str]:
         """Every record of the folder, or a line on what keeps it from being one. Nothing in the folder is changed."""
-        for name in filter(KEY_FILE.fullmatch, self.folder.names()):
+        names = self.folder.names()
+        there = frozenset(names)
+        for name in filter(KEY_FILE.fullmatch, names):
             key = name.removesuffix(".json")
-            wrong, content = self._read(key)
-            yield f"{self.folder.path}: cell {key}: {wrong}; left out" if wrong else Copy(
-                key, content, self._arrays(key), self)
+            yield self._copy(key, f"{key}.npz" in there)
 
     def contradiction(self, copy: Copy) -> str | None:
         """The contradiction of a record with its own key or its folder, or None."""
@@ -88,14 +90,15 @@ class Source:
             return "is not what its key names (method, shaders, parameters, scene, settings, device, driver, timer)"
         return None
 
-    def _read(self, key: str) -> tuple[str | None, bytes]:
-        """The fault of a record, if it has one, and its bytes."""
+    def _copy(self, key: str, with_arrays: bool) -> Copy | str:
+        """A record of the folder, or a line with its fault."""
         try:
-            content = self.folder.content(f"{key}.json")
-            cell = parsed(content)
+            arrays = self._arrays(key) if with_arrays else None
+            copy = Copy(key, self.folder.content(f"{key}.json"), arrays, self)
+            wrong = other_schema(copy.cell) or fault(copy.cell, key)
         except (OSError, ValueError) as error:
-            return f"cannot be read: {error}", b""
-        return other_schema(cell) or fault(cell, key), content
+            wrong = f"cannot be read: {error}"
+        return f"{self.folder.path}: cell {key}: {wrong}; left out" if wrong else copy
 
     def _arrays(self, key: str) -> bytes | None:
         try:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import UsageError
+from ..parallel import in_processes
 from ..store import ResultFolder
 from .copies import Copy, Source
 from .repeats import Settled, settled
@@ -14,13 +15,26 @@ from .repeats import Settled, settled
 SHOWN = 20  # contradictions of one merge that are listed; of more, the number
 
 
-@dataclass
+@dataclass(frozen=True)
 class Merged:
-    """The set of one experiment on one device: where it goes, what it is made of, each key with what becomes of it."""
+    """The set of one experiment on one device: where it goes, and the folders that it is made of."""
 
     folder: ResultFolder
-    sources: list[Source] = field(default_factory=list)
-    cells: dict[str, Settled] = field(default_factory=dict)
+    sources: tuple[Source, ...]
+
+
+@dataclass(frozen=True)
+class Decided:
+    """Each key of a set with what becomes of it, the folders that it comes from, with what was in its place already.
+
+    left_out: a line for each record that cannot be used; wrong: for each that contradicts its key, its folder or
+    another.
+    """
+
+    sources: Sequence[Source]
+    cells: Mapping[str, Settled]
+    left_out: Sequence[str]
+    wrong: Sequence[str]
 
     @property
     def packed(self) -> bool:
@@ -32,32 +46,28 @@ def merged_sets(folders: Sequence[ResultFolder], into: Path) -> tuple[list[Merge
     """The sets that these folders and what `into` has already make, and a line for each record that is left out.
 
     A set goes to INTO/<device>/<experiment>/, as under results/; if all folders hold one experiment of one device, and
-    INTO is no folder of sets, it goes to INTO itself. The order of `folders` does not matter.
+    INTO is no folder of sets, it goes to INTO itself. The order of `folders` does not matter. Every record is checked
+    here, and none is kept: what becomes of it is decided again where it is written.
 
     Raises UsageError where records contradict their keys, their folders or each other; nothing is written then.
     """
-    sources = [Source.of(folder) for folder in folders]
-    sets = _sets(sources, into)
-    left_out, wrong = [], []
-    for merged in sets:
-        _settle(merged, left_out, wrong)
-    _refuse(wrong, "nothing was merged")
+    sets = _sets([Source.of(folder) for folder in folders], into)
+    left_out: list[str] = []
+    wrong: list[str] = []
+    for skipped, mistakes in in_processes(_checked, sets):
+        left_out += skipped
+        wrong += mistakes
+    refuse(wrong, "nothing was merged")
     return sets, left_out
 
 
-def decide_again(merged: Merged) -> None:
-    """Decide a set anew, whose folder another process may have written to since. The caller has the folder's lock.
-
-    Raises UsageError where that contradicts what was to be written.
-    """
-    merged.sources = [Source.of(source.folder) for source in merged.sources if source.folder is not merged.folder]
-    merged.cells = {}
-    wrong: list[str] = []
-    _settle(merged, [], wrong)
-    _refuse(wrong, f"nothing was merged into {merged.folder.path}")
+def _checked(merged: Merged) -> tuple[Sequence[str], Sequence[str]]:
+    decided = decide(merged)
+    return decided.left_out, decided.wrong
 
 
-def _refuse(wrong: Sequence[str], end: str) -> None:
+def refuse(wrong: Sequence[str], end: str) -> None:
+    """Raise UsageError with what is wrong, if anything is, and what became of the merge."""
     if wrong:
         more = [f"and {len(wrong) - SHOWN} more"] if len(wrong) > SHOWN else []
         raise UsageError([*wrong[:SHOWN], *more, end])
@@ -72,7 +82,7 @@ def _sets(sources: Iterable[Source], into: Path) -> list[Merged]:
         raise UsageError(f"--into {into}: is the set {there.name} of {there.slug}; allowed: that set alone, or a "
                          "folder that holds sets")
     alone = len(places) == 1 and (there.manifest or not into.exists() or not any(into.iterdir()))
-    return [Merged(ResultFolder(into if alone else into / _file_name(slug) / _file_name(name)), found)
+    return [Merged(ResultFolder(into if alone else into / _file_name(slug) / _file_name(name)), tuple(found))
             for (slug, name), found in sorted(places.items())]
 
 
@@ -83,17 +93,29 @@ def _file_name(name: str) -> str:
     return name
 
 
-def _settle(merged: Merged, left_out: list[str], wrong: list[str]) -> None:
-    """Decide what becomes of every key of a set; what is already in its folder counts like any other source."""
-    target = merged.folder
+def decide(merged: Merged) -> Decided:
+    """What becomes of every key of a set; what is already in its folder counts like any other source.
+
+    The folders are opened anew and read as they are now.
+    """
+    left_out: list[str] = []
+    wrong: list[str] = []
+    target = ResultFolder(merged.folder.path)
+    sources = [Source.of(ResultFolder(source.folder.path)) for source in merged.sources]
     if target.path.is_dir() and target.manifest() and target.path.resolve() not in {
-            source.folder.path.resolve() for source in merged.sources}:
-        there, mine = Source.of(target), merged.sources[0]
+            source.folder.path.resolve() for source in sources}:
+        there, mine = Source.of(target), sources[0]
         if (there.slug, there.name) != (mine.slug, mine.name):
             wrong.append(f"{target.path}: is the set {there.name} of {there.slug}, not {mine.name} of {mine.slug}")
-        merged.sources.append(there)
+        sources.append(there)
+    cells = _settled(_copies(sources, left_out, wrong), target, wrong)
+    return Decided(sources, cells, left_out, wrong)
+
+
+def _copies(sources: Iterable[Source], left_out: list[str], wrong: list[str]) -> dict[str, dict[str, Copy]]:
+    """The sound records of all sources by key and digest."""
     found: dict[str, dict[str, Copy]] = {}
-    for source in merged.sources:
+    for source in sources:
         for copy in source.copies():
             if isinstance(copy, str):
                 left_out.append(copy)
@@ -101,9 +123,15 @@ def _settle(merged: Merged, left_out: list[str], wrong: list[str]) -> None:
                 wrong.append(f"{source.folder.path}: cell {copy.key} {contradiction}")
             else:
                 found.setdefault(copy.key, {}).setdefault(copy.digest, copy)
+    return found
+
+
+def _settled(found: Mapping[str, Mapping[str, Copy]], target: ResultFolder, wrong: list[str]) -> dict[str, Settled]:
+    cells, replicates, at = {}, target.replicates(), Source.of(target)
     for key, copies in sorted(found.items()):
-        outcome = settled(key, list(copies.values()), target)
+        outcome = settled(key, list(copies.values()), replicates.get(key, ()), at)
         if isinstance(outcome, str):
             wrong.append(outcome)
         else:
-            merged.cells[key] = outcome
+            cells[key] = outcome
+    return cells

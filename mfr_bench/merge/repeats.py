@@ -9,7 +9,6 @@ from itertools import combinations
 from typing import Any
 
 from ..stats import ratio_interval, sampled_interval
-from ..store import ResultFolder
 from ..store.record import NODE, parsed, text
 from .copies import Copy, Source
 
@@ -26,9 +25,12 @@ class Settled:
     said: str | None = None
 
 
-def settled(key: str, copies: Sequence[Copy], target: ResultFolder) -> Settled | str:
-    """One record for a key, or a line on why there can be none. Neither depends on the order of `copies`."""
-    earlier = [Copy(key, content, None, Source.of(target)) for content in target.replicates(key)]
+def settled(key: str, copies: Sequence[Copy], replicates: Sequence[bytes], target: Source) -> Settled | str:
+    """One record for a key, or a line on why there can be none. Neither depends on the order of `copies`.
+
+    replicates: the records of several devices that a merge before kept in `target`.
+    """
+    earlier = [Copy(key, content, None, target) for content in replicates]
     made = _made_of(earlier)
     parts = {copy.digest: copy for copy in (*earlier, *copies) if copy.digest not in made}
     ordered = [copy for _, copy in sorted(parts.items())]

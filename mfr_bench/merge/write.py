@@ -9,45 +9,51 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..store.pack import remove, write_pack
-from .plan import Merged, decide_again
+from .plan import Merged, decide, refuse
 
 DESIGN = ("scene", "params", "sweep", "zip", "methods", "measure")  # what makes one config of a name another
 
 
 @dataclass(frozen=True)
 class Written:
-    """The number of cells that a set has now, and of those that are new in its folder."""
+    """The number of cells that a set has now, of those that are new in its folder, and of the folders merged.
+
+    said: a line for each cell that several devices measured.
+    """
 
     cells: int
     new: int
+    folders: int
+    said: tuple[str, ...]
 
 
 def write_set(merged: Merged) -> Written:
     """Write the cells, their originals and the manifest of a set. Raises StoreError; a merge again then goes on.
 
-    The caller has the folder's lock. What others wrote there before it had counts as well: UsageError where that
-    contradicts the set.
+    The caller has the folder's lock. What the folders have by now counts: UsageError where records contradict each
+    other, as none did when the set was checked.
     """
-    if merged.folder.manifest():
-        decide_again(merged)
+    decided = decide(merged)
+    refuse(decided.wrong, f"nothing was merged into {merged.folder.path}")
     folder, files = merged.folder, {}
-    for key, cell in merged.cells.items():
+    for key, cell in decided.cells.items():
         files[f"{key}.json"] = cell.content
         files |= {f"{key}.npz": cell.arrays} if cell.arrays else {}
         for content in cell.originals:
             folder.write_replicate(key, content)
     there = {name: folder.content(name) for name in folder.names()}
     new = {name: content for name, content in files.items() if there.get(name) != content}
-    if merged.packed and (new or not folder.pack_path.exists() or folder.loose()):
+    if decided.packed and (new or not folder.pack_path.exists() or folder.loose()):
         write_pack(folder.pack_path, {**there, **files})
         remove([folder.cells_path / name for name in folder.loose() if name in {**there, **files}])
-    elif not merged.packed:
+    elif not decided.packed:
         for name, content in new.items():
             folder.write_content(name, content)
-    manifest = joined_manifest(source.manifest for source in merged.sources)
+    manifest = joined_manifest(source.manifest for source in decided.sources)
     if manifest != folder.manifest():
         folder.write_manifest(manifest)
-    return Written(len(merged.cells), sum(name.endswith(".json") and name not in there for name in new))
+    return Written(len(decided.cells), sum(name.endswith(".json") and name not in there for name in new),
+                   len(decided.sources), tuple(cell.said for cell in decided.cells.values() if cell.said))
 
 
 def joined_manifest(manifests: Iterable[Mapping[str, Any]]) -> dict[str, Any]:

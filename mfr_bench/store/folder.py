@@ -35,6 +35,7 @@ class ResultFolder:
 
     def __init__(self, path: str | os.PathLike[str]):
         self.path = Path(path)
+        self._cells = os.path.join(self.path, "cells", "")
         self._damaged: dict[Path, str] = {}
         self._pack: tuple[tuple[int, ...], Pack | None] = (), None  # with what tells it from a later one
 
@@ -125,7 +126,8 @@ class ResultFolder:
     def content(self, name: str) -> bytes:
         """A file of the cells, loose or packed. Raises FileNotFoundError, OSError, ValueError (damaged in the pack)."""
         try:
-            return (self.cells_path / name).read_bytes()
+            with open(f"{self._cells}{name}", "rb") as file:
+                return file.read()
         except (FileNotFoundError, NotADirectoryError):
             pack = self._packed()
             if pack is None:
@@ -142,9 +144,12 @@ class ResultFolder:
         if not path.exists():
             write_file(path, content, durable=True)
 
-    def replicates(self, key: str) -> list[bytes]:
-        """The records of a cell that several devices gave, where a merge kept them."""
-        return [path.read_bytes() for path in sorted(self._replicates.glob(f"{key}.*.json"))]
+    def replicates(self) -> dict[str, list[bytes]]:
+        """The records of each cell that several devices gave, where a merge kept them, by key."""
+        found: dict[str, list[bytes]] = {}
+        for path in sorted(self._replicates.glob("*.*.json")):
+            found.setdefault(path.name.partition(".")[0], []).append(path.read_bytes())
+        return found
 
     @property
     def _replicates(self) -> Path:

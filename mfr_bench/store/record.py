@@ -23,6 +23,7 @@ HISTORY = {  # of the format: a new schema is one that programs of the one befor
        "all pixels with equal depths in scenes that a device rasterizes, and none on flat quads.",
 }
 NODE = ("uuid", "pci")  # of a device: they tell one of a kind from another
+NUMBERS = frozenset((int, float))  # the types of numbers in JSON; a truth value is of another
 LARGEST = 1e18  # of a number in a cell or a manifest; what is larger overflows in sums and squares
 KEY_DIGITS = 20  # 80 bits: two of a billion cells share a key with a chance below 1e-6
 
@@ -124,22 +125,27 @@ def schema_of(content: bytes) -> int | None:
 
 def flat(value: Any) -> bool:
     """Whether it is null, a text, a truth value, a number, or a list of such."""
-    members = value if isinstance(value, list) else [value]
-    return all(v is None or isinstance(v, (str, bool)) or is_number(v) for v in members)
+    return all(map(_scalar, value)) if isinstance(value, list) else _scalar(value)
+
+
+def _scalar(value: Any) -> bool:
+    return value is None or isinstance(value, (str, bool)) or is_number(value)
 
 
 def is_number(value: Any) -> bool:
     """Whether it is a number that a measurement can give."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= LARGEST
+    return type(value) in NUMBERS and abs(value) <= LARGEST
 
 
 def is_samples(value: Any) -> bool:
     """Whether it is a list of times or counts."""
-    return _is_numbers(value) and all(v >= 0 for v in value)
+    return _is_numbers(value) and all(map((0.0).__le__, value))
 
 
 def _is_numbers(value: Any) -> bool:
-    return isinstance(value, list) and all(map(is_number, value))
+    """Whether it is a list of numbers; compared in C, since collections have millions."""
+    return (isinstance(value, list) and NUMBERS.issuperset(map(type, value))
+            and all(map(LARGEST.__ge__, value)) and all(map((-LARGEST).__le__, value)))
 
 
 def _fits(column: Column, value: Any) -> bool:
@@ -176,12 +182,14 @@ def fault(cell: Any, key: str | None = None) -> str | None:
 
 def _wrong_values(cell: Cell) -> str | None:
     """The first value of a cell that is not of its column's type, or outside its interval; None if all are right."""
-    wrong = [column for name, column in columns.VALUES.items() if not _fits(column, cell["values"].get(name))]
+    known = columns.VALUES
+    wrong = [known[name] for name, value in cell["values"].items()
+             if value is not None and name in known and not _fits(known[name], value)]
     if wrong:
         return f"values.{wrong[0].name}: not of type {wrong[0].type}, or negative"
     interval = [cell["values"].get(name) for name in ("time_ms_low", "time_ms", "time_ms_high")]
-    known = [float(value) for value in interval if value is not None]
-    return None if known == sorted(known) else "values.time_ms: outside time_ms_low to time_ms_high"
+    times = [float(value) for value in interval if value is not None]
+    return None if times == sorted(times) else "values.time_ms: outside time_ms_low to time_ms_high"
 
 
 def _wrong_parts(cell: Cell) -> str | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from ..methods import FLOOR
@@ -101,9 +101,9 @@ def _field(value: Any) -> str:
     return repr(value) if isinstance(value, float) else str(value)
 
 
-def derive(folder: ResultFolder) -> None:
-    """Write results.csv and passes.csv from the folder's cells. Raises StoreError."""
-    cells = [each for cell in folder.cells() for each in places(cell)]
+def derive(folder: ResultFolder, cells: Sequence[Cell] | None = None) -> None:
+    """Write results.csv and passes.csv from the folder's cells, which are read unless given. Raises StoreError."""
+    cells = [each for cell in (folder.cells() if cells is None else cells) for each in places(cell)]
     for name, columns, rows in (("results.csv", COLUMNS, result_rows(cells)),
                                 ("passes.csv", PASS_COLUMNS, pass_rows(cells))):
         write_file(folder.path / name, csv_text([c.name for c in columns], rows))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from mfr_bench.errors import StoreError
-from mfr_bench.report import data, figures
+from mfr_bench.report import data, figures, write_together
 
 from . import planted
 from .drawing import (
@@ -183,8 +183,9 @@ def test_devices_stand_side_by_side(tmp_path):
     devices = [planted.DEVICE, planted.DEVICE | {"slug": "h200", "renderer": "NVIDIA H200", "version": "4.6"}]
     folders = [planted.folder(tmp_path / d["slug"], [c | {"device": d} for c in two_methods()], [STACKED], device=d)
                for d in devices]
-    written = figures.write_together(folders, tmp_path / "out")
-    assert [path.name for path in written] == ["planted.png", "planted.svg"]
+    written = write_together(folders, tmp_path / "out")
+    names = [f"planted{part}.{kind}" for part in ("", "-ratios", "-ranks") for kind in ("png", "svg")]
+    assert [path.name for path in written] == [*names, "planted-devices.md"]
     joined = data.join([data.load(f) for f in folders])
     figure = figures.build(joined, STACKED | {"panels": "device"})
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["device = llvmpipe", "device = h200"]
@@ -193,7 +194,7 @@ def test_devices_stand_side_by_side(tmp_path):
 
 def test_an_experiment_of_one_folder_is_not_drawn_together(tmp_path):
     folders = [planted.folder(tmp_path / name, two_methods(), [STACKED], name=name) for name in ("a", "b")]
-    assert figures.write_together(folders, tmp_path / "out") == []
+    assert write_together(folders, tmp_path / "out") == []
 
 
 def test_figures_of_an_earlier_config_do_not_stay(tmp_path):

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -32,6 +32,7 @@ class Point:
     drawn: Interval | None = None  # what a figure shows instead of the measure that its y names
     folder: ResultFolder | None = None
     noise: float = 0.0  # of its run: how far a method measured twice is from itself, relative
+    known: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)  # see `_once`
 
     @property
     def method(self) -> str:
@@ -51,8 +52,20 @@ class Point:
         """The status in words."""
         return self.ending.sign
 
+    def _once(self, name: str, found: Callable[[], Any]) -> Any:
+        """What `found` gives, asked once for the point and its copies of other labels, which share `known`."""
+        if name not in self.known:
+            self.known[name] = found()
+        return self.known[name]
+
     def at(self, name: str) -> Any:
         """Coordinate of the point along a swept key or column; None where its method has no such parameter."""
+        where = f"at {name}"
+        if where not in self.known:
+            self.known[where] = self._at(name)
+        return self.known[where]
+
+    def _at(self, name: str) -> Any:
         if name in self.cell["point"] and "." in name and bare(name) != "alpha":
             return _hashable(self.cell["point"][name])
         name = bare(name)
@@ -69,12 +82,12 @@ class Point:
     def time_ms(self) -> Interval:
         return self.row["time_ms_low"], self.row["time_ms"], self.row["time_ms_high"]
 
-    @cached_property
+    @property
     def floor_ratio(self) -> Interval:
         """Ratio of the time to that of the floor."""
         if self.floor is None or self.row["time_ms"] is None:
             return None, None, None
-        return time_ratio(self.cell, self.floor)
+        return self._once("floor_ratio", lambda: time_ratio(self.cell, self.floor))
 
     def over(self, other: Point) -> Interval:
         """Ratio of the time to that of another point of the run."""
@@ -90,11 +103,12 @@ class Point:
         rmse = self.row["rmse"]
         return self.status == "ok" and self.row["time_ms"] is not None and rmse is not None and rmse <= EXACT_ERROR
 
-    @cached_property
+    @property
     def passes_ms(self) -> dict[str, Interval]:
         """Interval of each timed pass, in the order of the frame."""
         timed = self.cell.get("passes") or {}
-        return {name: median_interval(samples) for name, samples in timed.items() if samples}
+        return self._once("passes_ms", lambda: {name: median_interval(samples) for name, samples in timed.items()
+                                                if samples})
 
     def pass_ms(self, names: Iterable[str]) -> Interval:
         """Interval of the first of these passes that the method has."""

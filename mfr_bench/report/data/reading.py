@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,18 +14,30 @@ from .result import Result
 from .words import bare
 
 
-def load(folder: ResultFolder) -> Result:
-    """The points that the folder's config has in plan order; of several records of one point the planned one."""
+def load(folder: ResultFolder, cells: Sequence[Cell] | None = None) -> Result:
+    """The points that the folder's config has in plan order; of several records of one point the planned one.
+
+    cells: those of the folder, which are read unless given.
+    """
     manifest = folder.manifest()
-    found, config = [each for cell in folder.cells() for each in places(cell)], Config(manifest)
-    kept = [cell for cell in found if config.has(cell)]
-    cells = _current(kept, frozenset(manifest.get("cells") or ()))
-    floors, labels = Floors(cells), _labels(cells)
+    found = [each for cell in (folder.cells() if cells is None else cells) for each in places(cell)]
+    cells, left_out = belonging(manifest, found)
+    floors, labels = Floors(cells), labels_of(cells)
     parameters = frozenset(name for cell in cells for name in cell["params"])
     noise = manifest.get("noise_floor_rel") or 0.0
     points = tuple(Point(cell, row, label, floors.of(cell), parameters, folder=folder, noise=noise)
                    for cell, row, label in zip(cells, result_rows(cells), labels, strict=True))
-    return Result(folder, manifest, points, len(found) - len(kept))
+    return Result(folder, manifest, points, left_out)
+
+
+def belonging(manifest: Mapping[str, Any], found: Sequence[Cell]) -> tuple[list[Cell], int]:
+    """The cells that a manifest's config has in plan order, and how many it has not.
+
+    Of several records of one point the planned one counts.
+    """
+    config = Config(manifest)
+    kept = [cell for cell in found if config.has(cell)]
+    return _current(kept, frozenset(manifest.get("cells") or ())), len(found) - len(kept)
 
 
 def join(results: Sequence[Result]) -> Result:
@@ -36,8 +48,9 @@ def join(results: Sequence[Result]) -> Result:
     first, *others = results
     points = [p for result in results for p in result.points]
     parameters = frozenset().union(*(p.parameters for p in points))
-    labels = _labels([p.cell for p in points])
-    made = tuple(replace(p, label=label, parameters=parameters) for p, label in zip(points, labels, strict=True))
+    labels = labels_of([p.cell for p in points])
+    made = tuple(replace(p, label=label, parameters=parameters, known={})
+                 for p, label in zip(points, labels, strict=True))
     devices = [dict(r.manifest.get("device") or {}) for r in results]
     manifest = dict(first.manifest) | {
         "device": {"renderer": _together(d.get("renderer") for d in devices),
@@ -54,10 +67,12 @@ def _together(values: Iterable[Any]) -> str:
 
 def _current(cells: Sequence[Cell], planned: frozenset[str]) -> list[Cell]:
     """Without records that a planned cell of the same point replaces: other shaders, drivers, settings or defaults."""
-    taken = {_identity(cell) for cell in cells if cell["key"] in planned}
+    foreign = [cell for cell in cells if cell["key"] not in planned]
+    taken = {_identity(cell) for cell in cells if cell["key"] in planned} if foreign else set()
+    left = {id(cell) for cell in foreign if _identity(cell) in taken}
     kept: dict[str, Cell] = {}
     for cell in cells:
-        if cell["key"] in planned or _identity(cell) not in taken:
+        if id(cell) not in left:
             kept.setdefault(_identity(cell, "params"), cell)
     return list(kept.values())
 
@@ -67,7 +82,7 @@ def _identity(cell: Cell, *more: str) -> str:
     return json.dumps(of | {"device": device_name(cell)}, sort_keys=True)
 
 
-def _labels(cells: Sequence[Cell]) -> list[str]:
+def labels_of(cells: Sequence[Cell]) -> list[str]:
     """A label per cell; entries that share one are told apart by the parameters in which they differ.
 
     A parameter that only follows from the point, as one without an effect at some of them, tells nothing apart.
@@ -75,12 +90,13 @@ def _labels(cells: Sequence[Cell]) -> list[str]:
     swept = {bare(name) for cell in cells for name in cell["point"]}
     entries: dict[str, dict[str, dict]] = {}
     places: dict[str, set[str]] = {}
-    for cell in cells:
+    where = [_place(cell) for cell in cells]
+    for cell, place in zip(cells, where, strict=True):
         fixed = {"method": cell["method"]} | {n: v for n, v in cell["params"].items() if n not in swept}
         text = json.dumps(fixed, sort_keys=True)
         entries.setdefault(cell["label"], {})[text] = fixed
-        places.setdefault(_place(cell), set()).add(text)
-    shared = {cell["label"] for cell in cells if len(places[_place(cell)]) > 1}
+        places.setdefault(place, set()).add(text)
+    shared = {cell["label"] for cell, place in zip(cells, where, strict=True) if len(places[place]) > 1}
     return [_label(cell, list(entries[cell["label"]].values())) if cell["label"] in shared else cell["label"]
             for cell in cells]
 

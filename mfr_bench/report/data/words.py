@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 ALIASES = {"n": "depth_complexity", "p_d": "pixel_density", "f_p": "fragment_probability"}
@@ -11,6 +12,7 @@ SHORT = {"depth_complexity": "n", "pixel_density": "p_d", "fragment_probability"
          "memory_mb": "M_b", "hit_ratio": "R_h"}  # in headings
 
 
+@cache
 def bare(name: str) -> str:
     """'scene.pixel_density' and 'p_d' are 'pixel_density'."""
     name = name.rsplit(".", 1)[-1]

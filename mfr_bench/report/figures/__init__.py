@@ -10,7 +10,7 @@
 """
 
 from .build import build
-from .files import figure_paths, render, write_all, write_figures, write_together
+from .files import figure_paths, render, write_all, write_figures, write_panels
 from .kinds import KINDS
 
-__all__ = ["KINDS", "build", "figure_paths", "render", "write_all", "write_figures", "write_together"]
+__all__ = ["KINDS", "build", "figure_paths", "render", "write_all", "write_figures", "write_panels"]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import gc
 import io
 import json
-import multiprocessing
 import os
 import re
 import warnings
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...environment import usable_cores
+from ...parallel import in_processes
 from ...store import ResultFolder, write_file
 from .. import data, style
 from ..data import Result
@@ -40,7 +40,7 @@ def write_figures(folder: ResultFolder, processes: int = 1) -> list[Path]:
     """
     result, target = data.load(folder), folder.path / "figures"
     written = _draw_all(result, target, processes)
-    _remove_others(target, {path.stem for path in written}, _file_name(result))
+    _remove_others(target, {path.stem for path in written}, file_name(result.name))
     return written
 
 
@@ -64,8 +64,7 @@ def write_all(folders: Sequence[ResultFolder],
         return
     from matplotlib.backends import backend_agg, backend_svg  # noqa: F401  loaded once, for all
 
-    with multiprocessing.get_context("fork").Pool(count) as pool:
-        yield from pool.imap(_written, folders)
+    yield from in_processes(_written, folders, count)
 
 
 def _written(folder: ResultFolder) -> tuple[list[Path], list[str]]:
@@ -73,17 +72,30 @@ def _written(folder: ResultFolder) -> tuple[list[Path], list[str]]:
     return paths, folder.damaged
 
 
-def write_together(folders: Sequence[ResultFolder], target: Path) -> list[Path]:
-    """Write the figures of each experiment that several folders hold, a panel or a series for each device.
+MOST_PANELS = 24  # devices that have a panel; of more, some from the fastest to the slowest
 
-    Raises StoreError.
+
+def write_panels(folders: Sequence[ResultFolder], target: Path) -> list[Path]:
+    """Write the figures of one experiment in several folders, a panel or a series for each device. Raises StoreError.
+
+    The folders stand from that of the fastest device to that of the slowest. Of more than MOST_PANELS, those at even
+    steps are drawn, and the figures say so.
     """
-    found: dict[str, list[Result]] = {}
-    for folder in folders:
-        result = data.load(folder)
-        found.setdefault(result.name, []).append(result)
-    return [path for results in found.values() if len(results) > 1
-            for path in _draw_all(_by_device(data.join(results)), target, 1)]
+    chosen = evenly(folders, MOST_PANELS)
+    result = data.join([data.load(folder) for folder in chosen])
+    if len(chosen) < len(folders):
+        said = f"{len(chosen)} of {len(folders)} devices, evenly spaced from the fastest to the slowest."
+        source = dict(result.manifest.get("source") or {})
+        source["readings"] = [said, *(source.get("readings") or ())]
+        result = replace(result, manifest={**result.manifest, "source": source})
+    return _draw_all(_by_device(result), target, 1)
+
+
+def evenly(order: Sequence[Any], most: int) -> list[Any]:
+    """At most so many of a sequence, at even steps, its ends among them."""
+    if len(order) <= most:
+        return list(order)
+    return [order[round(i * (len(order) - 1) / (most - 1))] for i in range(most)]
 
 
 def figure_paths(result: Result) -> list[Path]:
@@ -93,13 +105,13 @@ def figure_paths(result: Result) -> list[Path]:
 
 def _stems(result: Result, target: Path) -> list[Path]:
     """The files of the result's figures without their endings: numbered where there are several."""
-    name, several = _file_name(result), len(result.figures) > 1
+    name, several = file_name(result.name), len(result.figures) > 1
     return [target / (f"{name}-{i}" if several else name) for i in range(1, len(result.figures) + 1)]
 
 
-def _file_name(result: Result) -> str:
-    """The experiment's name as that of a file."""
-    return re.sub(r"[^\w.-]+", "-", result.name).strip("-.") or "figure"
+def file_name(experiment: str) -> str:
+    """An experiment's name as that of a file."""
+    return re.sub(r"[^\w.-]+", "-", experiment).strip("-.") or "figure"
 
 
 def _by_device(result: Result) -> Result:

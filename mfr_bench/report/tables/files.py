@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...store import ResultFolder, csv_text, write_file
+from ...store import Cell, ResultFolder, csv_text, write_file
 from .. import data
 from ..data import Point, Result
 from .pages import markdown
@@ -15,9 +16,12 @@ CSV_COLUMNS = ("status", "exact", "max_abs_error", "rmse", "psnr_db", "flip", "h
                "memory_mib", "memory_model_mib", "reason")
 
 
-def write_tables(folder: ResultFolder) -> list[Path]:
-    """Write tables/results.md, summary.csv (a row per cell) and pass_times.csv. Raises StoreError."""
-    result = data.load(folder)
+def write_tables(folder: ResultFolder, cells: Sequence[Cell] | None = None) -> list[Path]:
+    """Write tables/results.md, summary.csv (a row per cell) and pass_times.csv. Raises StoreError.
+
+    cells: those of the folder, which are read unless given.
+    """
+    result = data.load(folder, cells)
     target = folder.path / "tables"
     contents = {"results.md": markdown(result).encode(), "summary.csv": _summary_csv(result),
                 "pass_times.csv": _passes_csv(result)}
