@@ -2,6 +2,8 @@
 
 An effect is an entry of EFFECTS, a file of shaders/effects/ with begin, add and end, and a module here of the same name
 whose `model` computes the same in float64. Importing this package loads no numpy.
+
+In multisampled scenes `coverage` takes the place of an effect: it does something with the samples of a pixel.
 """
 
 from __future__ import annotations
@@ -42,16 +44,28 @@ EFFECTS: Mapping[str, Effect] = {
                   "objects", ordered=True, keys=("operation",)),
     "coplanar": Effect("where fragments share a depth: their share of the pixel's fragments, and the largest group"),
 }
+MSAA = (1, 2, 4, 8)  # samples of a pixel
+COVERAGES: Mapping[str, str] = {
+    "samples": "each sample composites the fragments that cover it, and a pixel is the mean of its samples",
+    "alpha": "a fragment's opacity is multiplied by the share of the samples that it covers",
+    "ignored": "a fragment counts as if it covered its whole pixel",
+}
+COVERAGE = "coverage"  # the module and the GLSL file that resolve the samples of a pixel
 
 
 @dataclass(frozen=True)
 class Settings:
-    """An effect by name, and the values of the keys that effects read."""
+    """An effect by name, and the values of the keys that effects read.
+
+    msaa: samples of a pixel. coverage: a key of COVERAGES, what is made of the samples that fragments cover.
+    """
 
     name: str = TRANSPARENCY
     layer: int = 1
     absorption: float = 4.0
     operation: str = OPERATIONS[0]
+    msaa: int = MSAA[0]
+    coverage: str = next(iter(COVERAGES))
 
     @classmethod
     def of(cls, scene: Mapping[str, Any]) -> Settings:
@@ -62,18 +76,25 @@ class Settings:
     def defines(self) -> dict[str, int | float]:
         """The values, and the numbers of all effects, by the names that they have in GLSL."""
         return {**DEFINES, "EFFECT_LAYER": self.layer, "EFFECT_ABSORPTION": self.absorption,
-                "EFFECT_OPERATION": OPERATIONS.index(self.operation)}
+                "EFFECT_OPERATION": OPERATIONS.index(self.operation), "MSAA": self.msaa,
+                **{f"COVERAGE_{name}".upper(): int(name == self.coverage) for name in COVERAGES}}
 
     @property
     def keys(self) -> dict[str, Any]:
         """The keys of a config that make a scene have this effect, where they differ from their defaults."""
-        found = {"effect": self.name} | {key: getattr(self, key) for key in self.effect.keys}
+        read = (*self.effect.keys, "msaa", "coverage")
+        found = {"effect": self.name} | {key: getattr(self, key) for key in read}
         return {f"scene.{key}": value for key, value in found.items() if value != DEFAULTS[key]}
 
     @property
     def blended(self) -> bool:
-        """Whether the fragments of a pixel are blended, and nothing else is done with them."""
-        return self.name == TRANSPARENCY
+        """Whether the fragments of a pixel of one sample are blended, and nothing else is done with them."""
+        return self.name == TRANSPARENCY and self.msaa == 1
+
+    @property
+    def module(self) -> str:
+        """The name of the module here with the model, and of the GLSL file."""
+        return COVERAGE if self.msaa > 1 else self.name
 
     @property
     def effect(self) -> Effect:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from ..methods.spec import (
     ELEMENT_WORDS,
@@ -19,6 +20,7 @@ from ..methods.spec import (
     Fitted,
     Pass,
     Planned,
+    SceneStats,
     Target,
     Variant,
 )
@@ -56,16 +58,52 @@ FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
 
 WINDOW_DEPTH = "gl_FragCoord.z"
 # The float whose bits are those of 1 and of 2^-24, less those of the depth: from 2^-24 to 1, it grows from the eye.
-MIRRORED_DEPTH = "#define MIRRORED_DEPTH uintBitsToFloat(0x3F800000u + 0x33800000u - floatBitsToUint(gl_FragCoord.z))"
+MIRRORED_DEPTH = "uintBitsToFloat(0x3F800000u + 0x33800000u - floatBitsToUint({}))"
+# The middle of a pixel may lie outside a triangle that covers some of its samples, and its depth beyond the range.
+SAMPLED_DEPTH = "clamp(gl_FragCoord.z, {}, 1.0)"
+LEAST_DEPTHS = {True: "1.17549435e-38", False: "5.9604645e-8"}  # 2^-126, and 2^-24 where depths fall from the eye
 # Files, each with the one that is put behind it where the scene asks for that: see `behind` of `expand`.
 PAYLOAD_FILE, SHADING_FILE = "common/payload.glsl", "scene/shading.glsl"
 ACCUMULATE_FILE, EFFECT_FILE = "common/accumulate.glsl", "effects/apply.glsl"
+COVERAGE_FILE = "scene/coverage.glsl"
+FRAGMENT_FILE, ONE_SAMPLE_FILE = "scene/fragment.glsl", "scene/one_sample.glsl"
+COLOUR_FILE, SHADE_FILE = "common/colour.glsl", "scene/shade.glsl"
 _INTEGER = {"r32ui": "u"}  # the letter before GLSL's type for texels that are whole numbers
 # Fragment and payload as GLSL types, by the words of the payload. A struct of three words has no padding in std430.
 TYPES: Mapping[int, tuple[str, ...]] = {
     1: ("#define FRAGMENT uvec2", "#define PAYLOAD uint"),
     2: ("struct Fragment { uint x; uint y; uint z; };", "#define FRAGMENT Fragment", "#define PAYLOAD uvec2"),
 }
+
+
+@dataclass(frozen=True)
+class Macro:
+    """A macro without arguments."""
+
+    name: str
+    text: str
+
+    @property
+    def definition(self) -> str:
+        """The line that defines it."""
+        return f"#define {self.name} {self.text}"
+
+
+def _depth_macro(stats: SceneStats) -> Macro | None:
+    """The macro that a fragment shader reads in the place of its window depth; None: it reads that."""
+    if stats.one_sample and stats.forward:
+        return None
+    depth = WINDOW_DEPTH if stats.one_sample else SAMPLED_DEPTH.format(LEAST_DEPTHS[stats.forward])
+    return Macro("SAMPLED_DEPTH", depth) if stats.forward else Macro("MIRRORED_DEPTH", MIRRORED_DEPTH.format(depth))
+
+
+def _behind(fitted: Fitted, step: Pass) -> dict[str, str]:
+    """Files, each with the one that stands behind it in the fragment shader of a pass over the geometry."""
+    found = {PAYLOAD_FILE: SHADING_FILE} if fitted.stats.shading else {}
+    if not fitted.stats.one_sample:
+        found[found.get(PAYLOAD_FILE, PAYLOAD_FILE)] = COVERAGE_FILE
+        found |= {COLOUR_FILE: SHADE_FILE} if step.into else {FRAGMENT_FILE: ONE_SAMPLE_FILE}
+    return found
 
 
 def define_values(fitted: Fitted, step: Pass) -> dict[str, int]:
@@ -192,13 +230,13 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     is_vertex = entry.endswith(".vert")
     counted = (counted or mapped is not None) and not is_vertex
     of_fragments = step.kind == "geometry" and not is_vertex
-    behind = {PAYLOAD_FILE: SHADING_FILE} if fitted.stats.shading and of_fragments else {}
+    behind = _behind(fitted, step) if of_fragments else {}
     if not fitted.stats.blended and step.hands_on and not is_vertex:
-        slots["effect"] = f"effects/{fitted.stats.effect.name}.glsl"
+        slots["effect"] = f"effects/{fitted.stats.effect.module}.glsl"
         behind[ACCUMULATE_FILE] = EFFECT_FILE
     body, files = expand(entry, slots, counted, behind)
-    mirrored = not fitted.stats.forward and of_fragments
-    body = body.replace(WINDOW_DEPTH, "MIRRORED_DEPTH") if mirrored else body
+    depth = _depth_macro(fitted.stats) if of_fragments else None
+    body = body.replace(WINDOW_DEPTH, depth.name) if depth else body
     macro = _clear_macro(variant, step)
     words = set(re.findall(r"[A-Za-z_]\w*", code_of(body)))
     words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()
@@ -208,7 +246,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     prelude += [f"#define BOUND {_bound(fitted, step)}"] if "BOUND" in words else []
     prelude += ["#define K chosen_k"] if "K" in words and isinstance(variant.method.capacity, Decided) else []
     prelude += TYPES[variant.payload_words]
-    prelude += [MIRRORED_DEPTH] if mirrored else []
+    prelude += [depth.definition] if depth else []
     prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "
                    + " ".join(f"uint {name};" for name in _frame_fields(variant, step)) + " };")
     if words.intersection(BOX_FIELDS):

@@ -32,6 +32,10 @@ COUNT = _capture("count", clear("found"), Pass("count", "geometry", "probe/captu
 STORE = _capture("store", clear("found"),
                  Pass("store", "geometry", "probe/capture_store.frag", reads=("first",), writes=("found", "nodes")),
                  buffers=(FOUND, Buffer("first", "P"), Buffer("nodes", "2*F", type="uvec2")))
+STORE_MASKS = _capture(
+    "store-masks", clear("found"),
+    Pass("store", "geometry", "probe/capture_masks.frag", reads=("first",), writes=("found", "nodes", "masks")),
+    buffers=(*STORE.buffers, Buffer("masks", "F")))
 
 
 def capture(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> Fragments:
@@ -43,12 +47,15 @@ def capture(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> Fragme
     stats = _uncounted(scene_buffer.scene)
     counts = count(device, scene_buffer, canvas)
     depth, primitive = (np.empty(int(counts.sum()), dtype=np.uint32) for _ in range(2))
-    room = min(CHUNK_BYTES, device.limits.max_block_bytes) // NODE_BYTES
+    masks = None if stats.one_sample else np.empty(len(depth), dtype=np.uint8)
+    room = min(CHUNK_BYTES, device.max_block_bytes) // NODE_BYTES
     for pixels, part in in_chunks(counts.ravel(), room):
         if part.stop > part.start:
-            nodes = _stored(device, stats, scene_buffer, canvas, counts.ravel(), pixels)
+            nodes, found = _stored(device, stats, scene_buffer, canvas, counts.ravel(), pixels)
             depth[part], primitive[part] = nodes[:, 0], nodes[:, 1]
-    return Fragments.of(scene_buffer.scene, counts, depth, primitive)
+            if masks is not None:
+                masks[part] = found
+    return Fragments.of(scene_buffer.scene, counts, depth, primitive, masks)
 
 
 def _uncounted(scene: Geometry) -> SceneStats:
@@ -68,12 +75,17 @@ def count(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> np.ndarr
 
 
 def _stored(device: Device, stats: SceneStats, scene_buffer: SceneBuffer, canvas: Canvas, counts: np.ndarray,
-            pixels: slice) -> np.ndarray:
-    """uint32 (fragments, 2): depth bits and primitive, pixel by pixel in the range."""
+            pixels: slice) -> tuple[np.ndarray, np.ndarray | None]:
+    """The fragments of a range of pixels, pixel by pixel.
+
+    First uint32 (fragments, 2), depth bits and primitive; then uint32 (fragments,), coverage masks, or None where the
+    scene is rasterized into one sample a pixel.
+    """
     here = counts[pixels]
     first = np.full(len(counts), EMPTY, dtype=np.uint32)
     first[pixels] = np.cumsum(here) - here
-    frame = Frame(device, Fitted(STORE.variant({}), replace(stats, F=int(here.sum()))), scene_buffer, canvas)
+    store = STORE if stats.one_sample else STORE_MASKS
+    frame = Frame(device, Fitted(store.variant({}), replace(stats, F=int(here.sum()))), scene_buffer, canvas)
     try:
         frame.fill("first", first)
         frame.draw()
@@ -81,6 +93,6 @@ def _stored(device: Device, stats: SceneStats, scene_buffer: SceneBuffer, canvas
         if lost or (found != here).any():
             raise DeviceError(f"capture: {int(found.sum())} fragments where {int(here.sum())} were counted, "
                               f"{lost} without room; the device draws one scene in two ways")
-        return frame.words("nodes").reshape(-1, 2)
+        return frame.words("nodes").reshape(-1, 2), None if stats.one_sample else frame.words("masks")
     finally:
         frame.release()

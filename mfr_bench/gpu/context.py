@@ -13,7 +13,7 @@ import moderngl
 from ..environment import draws_in_software, processor
 from ..errors import DeviceError, ShaderError
 from ..glsl import FEATURE_EXTENSIONS, StageSource
-from ..methods.spec import LISTED, SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS
+from ..methods.spec import LISTED, MSAA_FEATURES, SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS
 from ..plan import Limits
 from .egl import EglDevice, uuid_text
 from .rawgl import RawGL
@@ -81,7 +81,7 @@ class Device:
         samples = {f for f, count in SAMPLE_FEATURES.items() if count in self._sample_counts}
         routing = {SAMPLE_STENCIL} if "samples_4" in samples else set()
         points = {TILE_POINTS} if self.ctx.info["GL_POINT_SIZE_RANGE"][1] >= LISTED else set()
-        return frozenset(shading | samples | routing | points)
+        return frozenset(shading | samples | routing | points | self._rasterized_samples)
 
     @cached_property
     def failed_trials(self) -> dict[str, str]:
@@ -103,6 +103,13 @@ class Device:
         """The device rasterizes on a grid of 2^-subpixel_bits pixels."""
         return int(self.ctx.info["GL_SUBPIXEL_BITS"])
 
+    @property
+    def _rasterized_samples(self) -> set[str]:
+        """Features of rasterizing scenes into so many samples, with an image of as many or without attachments."""
+        most = int(self.ctx.info["GL_MAX_FRAMEBUFFER_SAMPLES"])
+        offered = self.gl.sample_counts("rgba32f")
+        return {feature for count, feature in MSAA_FEATURES.items() if count in offered and count <= most}
+
     @cached_property
     def _sample_counts(self) -> frozenset[int]:
         """Samples that both kinds of target used for stencil routing can have."""
@@ -112,13 +119,19 @@ class Device:
 
     @property
     def missing_features(self) -> frozenset[str]:
-        return frozenset({*FEATURE_EXTENSIONS, *SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS}) - self.features
+        return frozenset({*FEATURE_EXTENSIONS, *SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS,
+                          *MSAA_FEATURES.values()}) - self.features
+
+    @property
+    def max_block_bytes(self) -> int:
+        """Bytes of the largest storage block. Trials may ask for it, unlike for the limits, which depend on them."""
+        return int(self.ctx.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])
 
     @cached_property
     def limits(self) -> Limits:
         info = self.ctx.info
         return Limits(features=self.features, failed_trials=self.failed_trials,
-                      max_block_bytes=int(info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]),
+                      max_block_bytes=self.max_block_bytes,
                       max_texture_size=int(info["GL_MAX_TEXTURE_SIZE"]),
                       max_local_array=SOFTWARE_LOCAL_ARRAY if self.kind == "cpu" else None)
 

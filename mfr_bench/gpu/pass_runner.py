@@ -29,7 +29,7 @@ from .context import Device
 from .plan import PassPlan
 from .rawgl import RawGL
 from .scene_buffer import SceneBuffer
-from .targets import Canvas, Framebuffer, Texture
+from .targets import BareFramebuffer, Canvas, Framebuffer, Texture
 from .uniforms import Uniforms
 
 
@@ -77,6 +77,7 @@ class PassRunner:
             self.vao = frame.device.ctx.vertex_array(self.program, self._content())
         self._groups: dict[tuple[int, int], int] = {}  # work groups, by width and height of what they go over
         self.instances = frame.fitted.value(step.instances)
+        self.samples = frame.stats.samples if step.kind == "geometry" else 1  # of a pixel, to rasterize into
         self.flushes = step.by_tile and frame.device.flushes_points  # a trial, which must not come while a pass draws
         self.writes_depth = step.state.depth_write and any(self._texture(r, 0).is_depth for r in step.into)
 
@@ -117,10 +118,12 @@ class PassRunner:
         self.program["clips_from_zero"] = bool(self.gl.glClipControl)
         return bool(self.gl.glClipControl)
 
-    def _framebuffer(self, iteration: int) -> Framebuffer:
-        """The pass's own, or for a pass that only writes buffers the canvas, masked."""
-        if not self.step.into or self.step.into == (IMAGE,):
-            return self.frame.canvas.framebuffer
+    def _framebuffer(self, iteration: int) -> Framebuffer | BareFramebuffer:
+        """The pass's own, or for a pass that only writes buffers the canvas, masked, or one without attachments."""
+        if not self.step.into:
+            return self.frame.canvas.framebuffer if self.samples == 1 else self.frame.canvas.bare(self.samples)
+        if self.step.into == (IMAGE,):
+            return self.frame.canvas.drawn_in(self.samples)
         parity = iteration % 2
         if parity not in self.framebuffers:
             self.framebuffers[parity] = Framebuffer(self.gl, [self._texture(r, iteration) for r in self.step.into])
@@ -134,7 +137,8 @@ class PassRunner:
         framebuffer = self._framebuffer(iteration)
         framebuffer.use(colour=bool(self.step.into), depth=self.writes_depth)
         for ref, values in self.step.clears.items():
-            self._clear(framebuffer, self._texture(ref, iteration), values)
+            sampled = self.samples > 1  # what is drawn into then has a texture of its own, of which the image is made
+            self._clear(framebuffer, framebuffer.textures[0] if sampled else self._texture(ref, iteration), values)
         if self.step.kind == "clear":
             self._zero(iteration)
             return
@@ -145,6 +149,8 @@ class PassRunner:
             self._draw_screen()
         elif len(self.frame.scene_buffer.scene):
             self._within(self._band, lambda: self.frame.scene_buffer.draw(self.vao))
+        if self.samples > 1 and self.step.into:
+            self.frame.canvas.resolve(self.samples)
 
     def _clear(self, framebuffer: Framebuffer, texture: Texture, values: tuple[float, ...]) -> None:
         beside = self.step.region and self.step.kind == "clear"

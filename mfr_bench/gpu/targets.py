@@ -127,14 +127,64 @@ class Framebuffer:
         self.gl.delete("Framebuffers", self.name)
 
 
+class BareFramebuffer:
+    """Takes draws that write to buffers alone: it has samples and no attachments."""
+
+    def __init__(self, gl: RawGL, size: tuple[int, int], samples: int):
+        self.gl, self.size = gl, size
+        self.name = gl.generate("Framebuffers")
+        gl.glBindFramebuffer(rawgl.FRAMEBUFFER, self.name)
+        for parameter, value in ((rawgl.DEFAULT_WIDTH, size[0]), (rawgl.DEFAULT_HEIGHT, size[1]),
+                                 (rawgl.DEFAULT_SAMPLES, samples), (rawgl.DEFAULT_FIXED_PLACES, True)):
+            gl.glFramebufferParameteri(rawgl.FRAMEBUFFER, parameter, value)
+
+    def use(self, colour: bool, depth: bool) -> None:
+        """Make this the draw target. There is nothing to write to."""
+        self.gl.glBindFramebuffer(rawgl.FRAMEBUFFER, self.name)
+        self.gl.glViewport(0, 0, *self.size)
+
+    def release(self) -> None:
+        self.gl.delete("Framebuffers", self.name)
+
+
 class Canvas:
-    """The image that every method of one viewport size resolves into: RGBA32F, premultiplied."""
+    """The image that every method of one viewport size resolves into: RGBA32F, premultiplied.
+
+    `drawn_in(samples)` is the framebuffer of draws into the image that are rasterized into samples, `bare(samples)` of
+    draws that write to buffers alone. Both are made when they are first asked for.
+    """
 
     def __init__(self, device: Device, size: tuple[int, int]):
+        self._gl, self._size = device.gl, size
         self.texture = Texture(device.gl, "rgba32f", size)
         self.framebuffer = Framebuffer(device.gl, [self.texture])
+        self._sampled: dict[int, Framebuffer] = {}
+        self._bare: dict[int, BareFramebuffer] = {}
+
+    def drawn_in(self, samples: int) -> Framebuffer:
+        """The framebuffer whose draws become the image: with 1 sample directly, else by `resolve`."""
+        if samples == 1:
+            return self.framebuffer
+        if samples not in self._sampled:
+            self._sampled[samples] = Framebuffer(self._gl, [Texture(self._gl, "rgba32f", self._size, samples)])
+        return self._sampled[samples]
+
+    def bare(self, samples: int) -> BareFramebuffer:
+        """The framebuffer without attachments."""
+        if samples not in self._bare:
+            self._bare[samples] = BareFramebuffer(self._gl, self._size, samples)
+        return self._bare[samples]
+
+    def resolve(self, samples: int) -> None:
+        """Make the image the mean of the samples of what was drawn."""
+        gl, box = self._gl, (0, 0, *self._size)
+        gl.glBindFramebuffer(rawgl.READ_FRAMEBUFFER, self.drawn_in(samples).name)
+        gl.glBindFramebuffer(rawgl.DRAW_FRAMEBUFFER, self.framebuffer.name)
+        gl.glBlitFramebuffer(*box, *box, rawgl.COLOR_BUFFER_BIT, rawgl.NEAREST)
 
     def release(self) -> None:
         """Free the device memory."""
-        self.framebuffer.release()
-        self.texture.release()
+        for made in (self.framebuffer, *self._sampled.values(), *self._bare.values()):
+            made.release()
+        for texture in (self.texture, *(texture for made in self._sampled.values() for texture in made.textures)):
+            texture.release()

@@ -25,6 +25,7 @@ from ..methods.spec import (
     INVERTED_ALPHA,
     LISTED,
     MAX,
+    MSAA_FEATURES,
     OVER,
     REVEAL,
     SAMPLE_STENCIL,
@@ -43,7 +44,7 @@ from ..oracle.composite import composite
 from ..oracle.quality import conformance
 from ..oracle.ties import Answer
 from ..scene import generate
-from . import rawgl
+from . import rawgl, samples
 from .context import Device
 from .frame import Frame
 from .probes import COUNTED, LOCKED, ROUTED, ROUTED_SCENE, ProbeBench, probe_method
@@ -344,6 +345,8 @@ TRIALS = (
     Trial("64-bit atomics", operations64, "shader_atomic_int64"),
     Trial("interlock", interlock, "fragment_shader_interlock"),
     Trial("points after a dispatch", listed_points, TILE_POINTS),
+    *(Trial(f"coverage masks of {count} samples", partial(samples.tried, samples=count), feature)
+      for count, feature in MSAA_FEATURES.items()),
     Trial("stencil of each sample", partial(routed, multisampling="off"), SAMPLE_STENCIL),
     Trial("triangles", triangles,
           spoils="meshes have the fragments that this device makes of them, and methods are checked against these"),

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
+from ..effects import PLAIN
+from ..effects.coverage import samples_of
 from ..methods.spec import Promise, SceneStats
 from ..oracle import twochannel
 from ..oracle.composite import Fragments, fragment_counts, scene_stats, stats_of
@@ -59,6 +62,25 @@ class Truth:
         if self._fragments:
             return answer_of_fragments(self._fragments, promise.layers, promise.criterion, payload)
         return answer_of_quads(self.scene, promise.layers, promise.criterion, payload)
+
+    def reference(self) -> np.ndarray:
+        """float64 (H, W, 4): the image that errors of quality are against, of all fragments.
+
+        Of a multisampled scene it is that of its samples, whatever else is made of coverage.
+        """
+        effect = self.scene.effect
+        if effect.msaa == 1:
+            return self.answer(Promise()).image
+        fragments = self._fragments or listed(self.scene)
+        return answer_of_effect(fragments, replace(effect, coverage=PLAIN.coverage)).image
+
+    @cached_property
+    def edge_pixels(self) -> int:
+        """Pixels of a multisampled scene with a fragment that covers only some of their samples."""
+        samples = self.scene.effect.msaa
+        fragments = self._fragments or listed(self.scene)
+        partly = ~samples_of(fragments.payloads(), samples).all(axis=1)
+        return len(np.unique(fragments.of_pixels()[partly]))
 
     def image(self, promise: Promise) -> np.ndarray:
         """float64 (H, W, 4), premultiplied: the promised fragments, those of one depth in order of submission."""

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..effects.coverage import covered
 from ..effects.rays import by_rank
 from ..methods.spec import SceneStats
 from ..scene.geometry import Geometry
@@ -163,7 +164,8 @@ class Fragments:
     """Every fragment of a scene, pixel by pixel, in a pixel from the nearest to the furthest.
 
     counts: int64 (H, W). depth: uint32 (F,), bits of the window depth. primitive: uint32 (F,). coincident: bool (H, W),
-    pixels in which two fragments have one depth.
+    pixels in which two fragments have one depth. masks: uint8 (F,), a bit for each sample that a fragment covers, or
+    None where the payloads of the primitives are those of their fragments.
     """
 
     scene: Geometry
@@ -171,17 +173,31 @@ class Fragments:
     depth: np.ndarray
     primitive: np.ndarray
     coincident: np.ndarray
+    masks: np.ndarray | None = None
 
     @classmethod
-    def of(cls, scene: Geometry, counts: np.ndarray, depth: np.ndarray, primitive: np.ndarray) -> Fragments:
+    def of(cls, scene: Geometry, counts: np.ndarray, depth: np.ndarray, primitive: np.ndarray,
+           masks: np.ndarray | None = None) -> Fragments:
         """Sort fragments that come pixel by pixel, in any order within a pixel; those of one depth as submitted.
 
-        `depth` and `primitive` are sorted in place.
+        `depth`, `primitive` and `masks` are sorted in place.
         """
         flat, found = counts.ravel(), np.zeros(counts.size, dtype=bool)
         for pixels, part in in_chunks(flat):
-            depth[part], primitive[part], found[pixels] = _in_order(flat[pixels], depth[part], primitive[part])
-        return cls(scene, counts, depth, primitive, found.reshape(counts.shape))
+            order, found[pixels] = _in_order(flat[pixels], depth[part], primitive[part])
+            for values in (depth, primitive, masks):
+                if values is not None:
+                    values[part] = values[part][order]
+        return cls(scene, counts, depth, primitive, found.reshape(counts.shape), masks)
+
+    def payloads(self, part: slice = slice(None)) -> np.ndarray:
+        """uint8 (n, 4): the payloads of a range of the fragments."""
+        masks = None if self.masks is None else self.masks[part]
+        return covered(self.scene.rgba[self.primitive[part]], masks)
+
+    def of_pixels(self) -> np.ndarray:
+        """int64 (F,): the pixel of each fragment, row by row from the bottom."""
+        return np.repeat(np.arange(self.counts.size), self.counts.ravel())
 
     def composite(self, layers: int | None = None, criterion: str = "nearest",
                   payload: np.ndarray | None = None) -> np.ndarray:
@@ -197,18 +213,18 @@ class Fragments:
         return image.reshape(*self.counts.shape, 4)
 
 
-def _in_order(counts: np.ndarray, depth: np.ndarray, primitive: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Depths and primitives, those of each pixel sorted by depth, then by primitive; which pixels are coincident."""
+def _in_order(counts: np.ndarray, depth: np.ndarray, primitive: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The order of the fragments, those of each pixel by depth, then by primitive; and which pixels are coincident."""
     pixel = np.repeat(np.arange(counts.size, dtype=np.uint64), counts)
     place = pixel << np.uint64(32) | depth
     order = np.argsort(place)
-    place, primitive = place[order], primitive[order]
+    place = place[order]
     equal = np.flatnonzero(place[1:] == place[:-1])
     runs = np.union1d(equal, equal + 1)
-    primitive[runs] = primitive[runs][np.lexsort((primitive[runs], place[runs]))]
+    order[runs] = order[runs][np.lexsort((primitive[order[runs]], place[runs]))]
     coincident = np.zeros(counts.size, dtype=bool)
     coincident[pixel[equal].astype(np.int64)] = True
-    return place.astype(np.uint32), primitive, coincident
+    return order, coincident
 
 
 def taken(counts: np.ndarray, alpha: np.ndarray, layers: int, criterion: str) -> np.ndarray:

@@ -9,6 +9,7 @@ import numpy as np
 from ..effects import Settings
 from ..effects.rays import Rays
 from .composite import Fragments, in_chunks, taken
+from .samples import open_pixels
 from .ties import ANY, Answer
 
 
@@ -18,27 +19,33 @@ def answer_of_effect(fragments: Fragments, settings: Settings, layers: int | Non
 
     Equal depths leave a pixel open where the effect, or the choice of fragments, tells those of one depth apart.
     """
-    flat, rgba, image = fragments.counts.ravel(), fragments.scene.rgba, np.empty((fragments.counts.size, 4))
-    model = import_module(f"..effects.{settings.name}", __package__).model
+    flat, image = fragments.counts.ravel(), np.empty((fragments.counts.size, 4))
+    model = import_module(f"..effects.{settings.module}", __package__).model
     for pixels, part in in_chunks(flat):
-        counts, primitive, depth = flat[pixels], fragments.primitive[part], fragments.depth[part]
+        counts, payloads, depth = flat[pixels], fragments.payloads(part), fragments.depth[part]
         if layers is not None:
-            chosen = taken(counts, rgba[primitive, 3], layers, criterion)
-            primitive, depth, counts = primitive[chosen], depth[chosen], np.minimum(counts, layers)
-        image[pixels] = model(Rays(counts, depth.view(np.float32).astype(np.float64), rgba[primitive]), settings)
+            chosen = taken(counts, payloads[:, 3], layers, criterion)
+            payloads, depth, counts = payloads[chosen], depth[chosen], np.minimum(counts, layers)
+        image[pixels] = model(Rays(counts, depth.view(np.float32).astype(np.float64), payloads), settings)
     image = image.reshape(*fragments.counts.shape, 4)
-    if not settings.effect.ordered and layers is None:
-        return Answer.only(image)
-    unlike = _unlike_at_one_depth(fragments)
+    unlike = _open_pixels(fragments, settings, layers, criterion)
     if not unlike.any():
         return Answer.only(image)
     return Answer(image, *(np.where(unlike[..., None], bound, image) for bound in (-ANY, ANY)))
 
 
+def _open_pixels(fragments: Fragments, settings: Settings, layers: int | None, criterion: str) -> np.ndarray:
+    """bool (H, W): pixels that equal depths leave open."""
+    if settings.msaa > 1:
+        return open_pixels(fragments, settings, layers, criterion)
+    if settings.effect.ordered or layers is not None:
+        return _unlike_at_one_depth(fragments)
+    return np.zeros(fragments.counts.shape, dtype=bool)
+
+
 def _unlike_at_one_depth(fragments: Fragments) -> np.ndarray:
     """bool (H, W): pixels with two fragments of one depth whose payloads differ."""
-    counts = fragments.counts.ravel()
-    pixel = np.repeat(np.arange(counts.size), counts)
+    counts, pixel = fragments.counts.ravel(), fragments.of_pixels()
     rgba = fragments.scene.rgba[fragments.primitive]
     beside = (pixel[1:] == pixel[:-1]) & (fragments.depth[1:] == fragments.depth[:-1])
     found = np.zeros(counts.size, dtype=bool)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ..environment import MIB
-from ..methods.spec import SCENE_FACTS, Fitted, Method, Param, SceneStats, Variant
+from ..methods.spec import MSAA_FEATURES, SCENE_FACTS, Fitted, Method, Param, SceneStats, Variant
 from ..scene.kinds import kind_of
 from .cells import Cell
 from .expected import expected_stats
@@ -30,9 +30,10 @@ class Limits:
         return f"{feature}, which fails {self.failed_trials[feature]}" if feature in self.failed_trials else feature
 
 
-def _missing(variant: Variant, limits: Limits) -> list[str]:
-    """The features that the variant needs and the device lacks, in words; for a number, how large it may be there."""
-    found = [limits.lacks(f) for f in variant.method.needs if f not in limits.features]
+def _missing(variant: Variant, stats: SceneStats, limits: Limits) -> list[str]:
+    """The features that variant and scene need and the device lacks, in words; for a number, how large it may be."""
+    wanted = (*variant.method.needs, *([] if stats.one_sample else [MSAA_FEATURES[stats.samples]]))
+    found = [limits.lacks(f) for f in wanted if f not in limits.features]
     for param in variant.acting:
         feature = param.need(variant.params)
         if feature and feature not in limits.features:
@@ -56,7 +57,7 @@ def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: 
     fitted = Fitted(variant, stats)
     if lacks := kind_of(cell.scene).lacks(cell.scene):
         return "unsupported", f"needs {lacks}"
-    missing = _missing(variant, limits) if limits else []
+    missing = _missing(variant, stats, limits) if limits else []
     missing += [SCENE_FACTS[f] for f in variant.asks if not getattr(stats, f)]
     if missing:
         return "unsupported", f"needs {', '.join(missing)}"

@@ -172,6 +172,8 @@ class CellWork:
         }
         if self.variant.two_channel:
             found |= twochannel.errors(self.scene.scene_buffer.scene.rgba)
+        if self.fitted.stats.effect.msaa > 1:
+            found["edge_pixels"] = self.scene.truth.edge_pixels
         return found | fragment_shares(self.frame, self.variant, self.scene.shown)
 
     def _details(self) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from ..oracle import quality
 from ..oracle.ties import Answer
 from .bench import Bench, Phases
 from .jobs import Job
-from .scene_work import ALL, SceneWork
+from .scene_work import SceneWork
 
 
 class Images:
@@ -86,7 +86,7 @@ class Images:
             with self._phases.checking():
                 made = {"image": np.rint(255 * np.clip(image, 0, 1)),
                         "error": quality.pixel_errors(image, self._scene.promised(self._variant)),
-                        "loss": quality.pixel_errors(image, Answer.only(self._scene.answer(ALL).image))}
+                        "loss": quality.pixel_errors(image, Answer.only(self._scene.reference))}
             found |= {name: made[name] for name in made if name in wanted}
         return found
 

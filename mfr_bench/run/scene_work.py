@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..effects import PLAIN
 from ..gpu.context import Device
 from ..gpu.scene_buffer import SceneBuffer
 from ..gpu.targets import Canvas
@@ -33,6 +34,7 @@ class SceneWork:
     def __init__(self, device: Device, config, split: Split):
         self.split = split
         self._device, self._answers, self._compared, self._truths = device, {}, {}, {}
+        self._references: dict[int, np.ndarray] = {}
         with split.work("scene"):
             frames = ANIMATION_FRAMES if config.animate else 1
             self.scenes = [generate(config, frame) for frame in range(frames)]
@@ -106,8 +108,19 @@ class SceneWork:
         """The comparison of an image with that of all fragments, which equal images share."""
         which = what, id(self.scene_buffer.scene), hashlib.sha256(image).digest()
         if which not in self._compared:
-            self._compared[which] = compared(self.answer(ALL).image)
+            self._compared[which] = compared(self.reference)
         return self._compared[which]
+
+    @property
+    def reference(self) -> np.ndarray:
+        """The image of all fragments of the scene on the device now, that errors of quality are against."""
+        if self.scene_buffer.scene.effect.coverage == PLAIN.coverage:
+            return self.answer(ALL).image
+        which = id(self.scene_buffer.scene)
+        if which not in self._references:
+            with self.split.work("oracle"):
+                self._references[which] = self.truth.reference()
+        return self._references[which]
 
     def release(self) -> None:
         for name in ("scene_buffer", "canvas"):

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..effects import Settings
+from ..effects import Settings, coverage
 from ..effects.word import OBJECTS, packed
 from ..errors import UsageError
 from .geometry import Geometry
@@ -18,12 +18,19 @@ DARKEST = 0.3  # of the light on a face, seen from its edge
 
 def with_effect(made: Geometry, settings: Settings) -> Geometry:
     """The scene with the effect, and with payloads that have what it needs. Raises UsageError where they cannot."""
+    if settings.msaa > 1:
+        return in_samples(made, settings)
     if settings.effect.needs == "nothing":
         return replace(made, effect=settings)
     objects, front = _parts_of(made, settings)
     if settings.effect.needs == "objects" and objects.max(initial=0) >= OBJECTS:
         raise UsageError(f"scene.effect: {settings.name} of {objects.max() + 1} objects; allowed: at most {OBJECTS}")
     return replace(made, effect=settings, rgba=packed(_coloured(made, objects, settings), objects, front))
+
+
+def in_samples(made: Geometry, settings: Settings) -> Geometry:
+    """The scene in several samples a pixel, with payloads that have room for coverage masks."""
+    return replace(made, effect=settings, rgba=coverage.packed(made.rgba))
 
 
 def _parts_of(made: Geometry, settings: Settings) -> tuple[np.ndarray, np.ndarray]:

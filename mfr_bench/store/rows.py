@@ -8,6 +8,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from ..effects import PLAIN
 from ..methods import FLOOR
 from ..stats import median_interval
 from .columns import COLUMNS, PASS_COLUMNS
@@ -59,7 +60,7 @@ def result_rows(cells: Iterable[Cell]) -> list[Row]:
 def _result_row(cell: Cell, floor: Cell | None) -> Row:
     width, height = cell["scene"]["size"]
     joined = {"width": width, "height": height, "k": cell["params"].get("k", cell["values"].get("chosen_k")),
-              "device": device_name(cell), "package": package_name(cell),
+              "msaa": cell["scene"].get("msaa", PLAIN.msaa), "device": device_name(cell), "package": package_name(cell),
               "floor_ms": floor["values"]["time_ms"] if floor else None}
     origins = {"cell": cell, "scene": cell["scene"], "values": cell["values"], "joined": joined}
     return {c.name: origins[c.origin].get(c.name) for c in COLUMNS}

@@ -1,6 +1,7 @@
 """Declarations say what they have to, and shaders look as they have to; no GL."""
 
 from dataclasses import replace
+from itertools import product
 
 import pytest
 
@@ -92,9 +93,9 @@ def test_every_shader_is_used():
             for step in variant.passes:
                 for stage in stages(Fitted(variant, SIZES), step) if step.kind != "clear" else ():
                     used |= set(stage.files)
-    special = [replace(SIZES, shading=1), *(replace(SIZES, effect=Settings(name)) for name in EFFECTS)]
-    for sizes in special:
-        variant = catalog()["ab-array"].variant({})
+    special = [replace(SIZES, shading=1), *(replace(SIZES, effect=Settings(name)) for name in EFFECTS),
+               replace(SIZES, effect=Settings(msaa=4))]
+    for variant, sizes in product((catalog()["ab-array"].variant({}), catalog()["floor"].variant({})), special):
         for step in variant.passes:
             for stage in stages(Fitted(variant, sizes), step) if step.kind != "clear" else ():
                 used |= set(stage.files)

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 
 from mfr_bench.config import Scene
+from mfr_bench.effects import Settings
 from mfr_bench.glsl import stages
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Fitted
@@ -15,6 +16,8 @@ from mfr_bench.plan import expected_stats
 from .cases import every_method, variants
 
 SIZES = expected_stats(Scene(size=(64, 48), depth_complexity=40, pixel_density=0.5))
+IN_SAMPLES = replace(SIZES, geometry="reversed", shading=1, effect=Settings(msaa=8))
+OF_ONE_SAMPLE = {"blended", "one_sample", "unmasked"}  # facts that a scene in samples has not
 GEOMETRIES = ("quad", "strip", "triangle", "reversed")
 
 
@@ -26,6 +29,11 @@ def texts(method):
             for geometry in GEOMETRIES:
                 for stage in stages(Fitted(variant, replace(SIZES, geometry=geometry)), step):
                     found[stage.text] = stage.entry.rpartition(".")[2]
+    plain = method.variant({})
+    if not OF_ONE_SAMPLE.intersection(plain.asks):
+        for step in (s for s in plain.passes if s.kind != "clear"):
+            for stage in stages(Fitted(plain, IN_SAMPLES), step):
+                found[stage.text] = stage.entry.rpartition(".")[2]
     return found
 
 

@@ -180,9 +180,14 @@ class Variant(_Stepped):
     def asks(self) -> tuple[str, ...]:
         """Facts of a scene without which these parameters do not work."""
         chosen = {p.asked(self.params[p.name]): None for p in self.acting if p.asked(self.params[p.name])}
-        tests = any(step.kind == "geometry" and step.state.depth_test for step in self.passes)
-        blends = self.method.guarantee != "none" and not self.hands_on
-        return tuple(chosen | ({"forward": None} if tests else {}) | ({"blended": None} if blends else {}))
+        promises = self.method.guarantee != "none"
+        facts = {
+            "forward": any(step.kind == "geometry" and step.state.depth_test for step in self.passes),
+            "blended": promises and not self.hands_on,
+            "one_sample": promises and any(step.kind == "geometry" and step.into for step in self.passes),
+            "unmasked": promises and self.method.loses_ties,
+        }
+        return tuple(chosen | dict.fromkeys(name for name, asked in facts.items() if asked))
 
     @property
     def hands_on(self) -> bool:

@@ -6,10 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from ...effects import MSAA
 from .params import When
 
 EMPTY = 0xFFFFFFFF  # no fragment, no next node: above the bits of every depth in [0, 1]
 SAMPLE_FEATURES: Mapping[str, int] = {f"samples_{count}": count for count in (4, 8, 16, 32)}  # of multisample targets
+MSAA_FEATURES: Mapping[int, str] = {count: f"msaa_{count}" for count in MSAA if count > 1}  # of rasterizing a scene
 SAMPLE_STENCIL = "sample_stencil"  # the feature of testing each sample's stencil with multisampling off
 # FRAGMENT is a depth with its payload, PAYLOAD a payload; formulas count them with the plain payload of one word.
 ELEMENT_WORDS: Mapping[str, int] = {"uint": 1, "uvec2": 2, "uint64_t": 2, "int64_t": 2, "vec4": 4, "FRAGMENT": 2,

@@ -37,7 +37,22 @@ class SceneStats:
     @property
     def flat(self) -> bool:
         """Whether each primitive has one depth, and meets no pixel but at its edges."""
-        return self.geometry == "quad"
+        return self.geometry in ("quad", "masked")
+
+    @property
+    def samples(self) -> int:
+        """Samples of a pixel that the geometry is rasterized into."""
+        return 1 if self.geometry == "masked" else self.effect.msaa
+
+    @property
+    def one_sample(self) -> bool:
+        """Whether the geometry is rasterized into one sample a pixel."""
+        return self.samples == 1
+
+    @property
+    def unmasked(self) -> bool:
+        """Whether fragments cover whole pixels, and have no masks."""
+        return self.effect.msaa == 1
 
     @property
     def forward(self) -> bool:
@@ -46,7 +61,7 @@ class SceneStats:
 
     @property
     def blended(self) -> bool:
-        """Whether the fragments of a pixel are blended, and nothing else is done with them."""
+        """Whether the fragments of a pixel of one sample are blended, and nothing else is done with them."""
         return self.effect.blended
 
     @property
@@ -69,6 +84,9 @@ class SceneStats:
 # Facts of SceneStats that a parameter may ask of a scene, in words.
 SCENE_FACTS: Mapping[str, str] = {
     "flat": "flat primitives that meet no pixel but at its edges",
-    "blended": "the effect transparency, since its image is not made of the fragments one by one, nearest first",
+    "blended": "the effect transparency and one sample a pixel, since its image is not made of the fragments one by "
+               "one, nearest first",
+    "one_sample": "one sample a pixel, since a pass over the geometry draws into targets of one",
+    "unmasked": "one sample a pixel, since it keeps one of the fragments of one depth, which two sides of an edge have",
     "forward": "depths that grow from the eye, since a pass tests against a depth buffer",
 }

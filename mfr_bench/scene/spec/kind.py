@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
 
-from ...effects import EFFECTS, OPERATIONS, PLAIN, Settings
+from ...effects import COVERAGES, EFFECTS, MSAA, OPERATIONS, PLAIN, Settings
 from .values import Allowed, Alpha, Colours, Seed, Share, Size, Text
 
 SCENE = __package__.rpartition(".")[0]  # the package of the generators
@@ -45,6 +45,8 @@ class CommonKeys:
 
     effect: what is done with the fragments of a pixel. layer: which of them `layers` shows, from the nearest; 0 for
     all. absorption: of light by `translucency`, along the whole depth range. operation: what `csg` makes of objects.
+
+    msaa: samples of a pixel. coverage: what is made of the samples that fragments cover.
     """
 
     kind: str
@@ -68,11 +70,14 @@ class CommonKeys:
     absorption: Annotated[float, Interval(gt=0, le=MAX_ABSORPTION),
                           Allowed(f"a number above 0, up to {MAX_ABSORPTION}")] = late(PLAIN.absorption)
     operation: Literal[OPERATIONS] = late(PLAIN.operation)
+    msaa: Literal[MSAA] = late(PLAIN.msaa)
+    coverage: Literal[tuple(COVERAGES)] = late(PLAIN.coverage)
 
     @property
     def settings(self) -> Settings:
         """The effect with the values that it reads."""
-        return Settings(self.effect, **{key: getattr(self, key) for key in EFFECTS[self.effect].keys})
+        return Settings(self.effect, **{key: getattr(self, key) for key in EFFECTS[self.effect].keys},
+                        msaa=self.msaa, coverage=self.coverage)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -167,7 +172,7 @@ class Kind:
 
     def faults(self, scene: CommonKeys) -> list[Fault]:
         """The faults of values that are each allowed."""
-        rules = (*self.rules, self._unknown_word, self._no_use, self._no_effect)
+        rules = (*self.rules, self._unknown_word, self._no_use, self._no_effect, self._no_samples)
         first = [fault for rule in rules if (fault := rule(scene))]
         if self.measured:
             return first  # nothing is counted before the scene is made
@@ -213,6 +218,15 @@ class Kind:
         readers = " | ".join(name for name, effect in EFFECTS.items() if unused[0] in effect.keys)
         what = f"{unused[0]} has no use with effect {scene.effect}; allowed: with effect {readers}"
         return (f"scene.{unused[0]}", "scene.effect"), what
+
+    def _no_samples(self, scene: CommonKeys) -> Fault | None:
+        """Nothing but blending is done in several samples, and one sample has nothing to resolve."""
+        if scene.msaa > 1 and scene.effect != PLAIN.name:
+            return ("scene.msaa", "scene.effect"), f"msaa {scene.msaa} with effect {scene.effect}; allowed: one of them"
+        if scene.msaa == 1 and scene.coverage != PLAIN.coverage:
+            what = f"coverage {scene.coverage} has no use with one sample a pixel; allowed: with msaa 2 | 4 | 8"
+            return ("scene.coverage", "scene.msaa"), what
+        return None
 
     def _too_many(self, scene: CommonKeys) -> Fault | None:
         count = self.primitives(scene)
