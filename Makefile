@@ -39,7 +39,7 @@ drivers:  ## test every driver that a CPU runs, in fresh roots; needs root (ARGS
 setup: $(PYTHON_READY) $(DRIVER_READY)  ## make .venv (PYTHON=/path/to/python3) and see to an OpenGL driver
 
 lock:  ## renew requirements.lock (needs uv; ARGS=--upgrade for the newest versions)
-	uv pip compile --quiet --universal --generate-hashes --python-version 3.10 --extra mesh --extra cluster --extra test --extra build \
+	uv pip compile --quiet --universal --generate-hashes --python-version 3.10 --extra mesh --extra cluster --extra parquet --extra test --extra build \
 		--custom-compile-command "make lock" --output-file requirements.lock $(ARGS) pyproject.toml
 
 clean:  ## remove .venv, builds and caches, but no results

@@ -33,15 +33,48 @@ class Results:
 def load(*folders: Path) -> Results:
     """The results at or below folders, in the order of their paths. Raises UsageError where there are none.
 
+    A folder that 'mfr-bench table --parquet' wrote is read as it is: nothing below it counts.
+
     What was not measured is missing (`<NA>` or NaN), never 0. Times are in ms, memory in bytes, as `.attrs` says.
     """
+    from pathlib import Path as Folder
+
+    from .parquet import FIRST
+
+    places = [Folder(os.fspath(folder)) for folder in folders]
+    parts = [_load_parquet(place) for place in places if (place / FIRST).is_file()]
+    measured = [place for place in places if not (place / FIRST).is_file()]
+    if measured or not parts:
+        parts.append(_load_results(measured))
+    return parts[0] if len(parts) == 1 else _joined(parts)
+
+
+def _load_parquet(folder) -> Results:
+    from .parquet import read_parquet
+
+    frames, manifests = read_parquet(folder)
+    return Results(**frames, manifests=manifests)
+
+
+def _joined(parts: Sequence[Results]) -> Results:
+    import pandas as pd
+
+    frames = {}
+    for name in ("cells", "passes", "samples"):
+        found = [getattr(part, name) for part in parts]
+        frames[name] = pd.concat(found, ignore_index=True)
+        frames[name].attrs = found[0].attrs
+    return Results(**frames, manifests={key: value for part in parts for key, value in part.manifests.items()})
+
+
+def _load_results(folders) -> Results:
     from .report import data
     from .store import ResultFolder, find_results
     from .store.columns import COLUMNS, PASS_COLUMNS
     from .store.rows import pass_rows
 
     cells, passes, samples, manifests = [], [], [], {}
-    for path in find_results([os.fspath(folder) for folder in folders]):
+    for path in find_results(folders):
         result = data.load(ResultFolder(path))
         manifests[result.name] = dict(result.manifest)
         for point in result.points:

@@ -18,10 +18,10 @@ PACKAGE = Path(mfr_bench.__file__).parent
 # results knows nothing of configs; configs are checked against what each kind of figure declares of itself.
 LAYERS = (
     "errors", "resources", "hashing", "stats", "environment", "parallel", "markdown", "effects", "store.status",
-    "store.columns", "methods.spec", "methods.shared", "methods", "store", "report", "api", "scene", "config",
-    "report.experiments", "plan", "report.settings", "oracle", "glsl", "race", "contract.variants", "outside", "gpu",
-    "measure", "contract", "claims", "compare", "merge", "bundle", "page", "decide", "run", "versus", "cluster", "cli",
-    "__main__",
+    "store.columns", "methods.spec", "methods.shared", "methods", "store", "report", "parquet", "api", "scene",
+    "config", "report.experiments", "plan", "report.settings", "oracle", "glsl", "race", "contract.variants",
+    "outside", "gpu", "measure", "contract", "claims", "compare", "merge", "bundle", "page", "decide", "run",
+    "versus", "cluster", "cli", "__main__",
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "methods", "config", "plan", "scene", "oracle",
               "glsl", "race", "outside", "store", "report", "claims", "compare", "merge", "bundle", "page")

@@ -171,9 +171,11 @@ def _print_columns(context: click.Context, parameter: click.Parameter, asked: bo
               "ratios of its methods, and how the devices differ. Writes nothing.")
 @click.option("--latex", is_flag=True, help="Write tables/cells.tex and cells.csv too: every measured cell, for "
               "booktabs and siunitx.")
+@click.option("--parquet", metavar="OUT", type=OutPath(file_okay=False), help="Write cells, passes and samples of all "
+              "results to OUT as Parquet files instead, with units in their metadata; needs mfr-bench[parquet].")
 @OUTSIDE
 def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_json: bool, devices: bool,
-          latex: bool) -> None:
+          latex: bool, parquet: str | None) -> None:
     """Print the tables of all results at or below DIR.
 
     Writes them again, too, with results.csv and passes.csv, into the folders of the results, which are listed first
@@ -183,10 +185,14 @@ def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_j
     Examples: mfr-bench table results | less
               mfr-bench table results --json | jq '.[].cells[].time_ms'
               mfr-bench table results --devices
+              mfr-bench table results --parquet analysis
     """
     from ..report import terminal_table, write_for_paper
 
-    hold_one_form("table", json=as_json, devices=devices)
+    hold_one_form("table", json=as_json, devices=devices, parquet=bool(parquet))
+    if parquet:
+        _as_parquet(folders, Path(parquet))
+        return
     results = results_below(folders)
     if devices:
         _over_devices(results)
@@ -199,6 +205,17 @@ def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_j
         write_tables_of(folder)
         for path in write_for_paper(folder) if latex else ():
             note(path)
+
+
+def _as_parquet(folders: tuple[str, ...], out: Path) -> None:
+    """Write everything that the API loads of these folders to one folder of Parquet files."""
+    from ..api import load
+    from ..parquet import write_parquet
+
+    found = load(*folders)
+    frames = {"cells": found.cells, "passes": found.passes, "samples": found.samples}
+    for path in write_parquet(frames, found.manifests, out):
+        say(path)
 
 
 def _over_devices(results) -> None:
