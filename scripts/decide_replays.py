@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures how often `decide` finds the fastest method, by replays over recordings of whole races.
 
-scripts/decide_replays.py record DIR [--scenes 50] [--methods 12] [--frames 200]
+scripts/decide_replays.py record DIR [--scenes 50] [--methods 16] [--frames 200]
 scripts/decide_replays.py replay DIR [--replays 100]
 
 `record` writes a config for each of many unlike scenes and measures every candidate for as many frames, in turns and
@@ -12,20 +12,25 @@ rounds drawn anew in another order each time, and compares who wins with who is 
 from __future__ import annotations
 
 import argparse
+import os
 import random
-import subprocess
 import sys
 from pathlib import Path
 from statistics import median
+from tempfile import TemporaryDirectory
 
+import numpy as np
 import yaml
 
-from mfr_bench.decide.candidates import candidates, within_time
+from mfr_bench.config import load
+from mfr_bench.decide.candidates import candidates
+from mfr_bench.decide.experiment import config_of
 from mfr_bench.decide.question import EXACT_ERROR, Question
 from mfr_bench.measure.elimination import Elimination
 from mfr_bench.methods import catalog
-from mfr_bench.report.data import is_floor, load
-from mfr_bench.store import ResultFolder, find_results
+from mfr_bench.methods.spec import Fitted, Promise
+from mfr_bench.plan import Cell, expand, judge
+from mfr_bench.run.eliminating import WARM_UP
 
 GOOD = 1.02  # times the fastest method's time, up to which a winner counts as found
 KINDS = ("block", "tiles", "random", "mixed", "slanted", "hairball", "needles", "temple")
@@ -43,41 +48,90 @@ def scene(rng: random.Random, kind: str) -> dict:
     return {"kind": "quads"} | made | density | slanted
 
 
-def config(number: int, rng: random.Random, methods: int, frames: int) -> dict:
-    """A config that races nothing: every candidate of the question draws all frames."""
+def config(number: int, rng: random.Random, methods: int) -> dict:
+    """A config of a scene and some of the candidates of its question, drawn at random."""
     made = scene(rng, KINDS[number % len(KINDS)])
     error = EXACT_ERROR if number % 3 else 1 / 255
     question = Question(tuple(made["size"]), made["depth_complexity"], made.get("pixel_density", 1.0), None, error)
-    found, _ = within_time(*candidates(catalog(), question), 1e6)
-    chosen = rng.sample(found, min(methods, len(found)))
-    return {"name": f"scene-{number:02}", "title": f"Recording {number}", "scene": made,
-            "methods": [{"id": c.method, "label": c.label, **c.params} for c in chosen],
-            "measure": {"min_samples": frames, "max_samples": frames, "time_limit_s": 3600, "max_error": error}}
+    found, _ = candidates(catalog(), question)
+    return config_of(question, made, rng.sample(found, min(methods, len(found))), 1.0)
 
 
-def record(folder: Path, scenes: int, methods: int, frames: int) -> int:
-    """Write the configs, unless they are there, and measure what is missing."""
-    configs = folder / "configs"
-    configs.mkdir(parents=True, exist_ok=True)
+def record(folder: Path, scenes: int, methods: int, frames: int) -> None:
+    """Measure the scenes that the folder lacks, each into a file of its own, scene-NN.npz."""
+    from mfr_bench.gpu.device import open_device
+
+    folder.mkdir(parents=True, exist_ok=True)
+    device = open_device("auto")
     rng = random.Random(scenes)  # noqa: S311 - scenes, not secrets
     for number in range(scenes):
-        path, made = configs / f"scene-{number:02}.yaml", config(number, rng, methods, frames)
-        if not path.exists():
-            path.write_text(yaml.safe_dump(made, sort_keys=False))
-    return subprocess.run([sys.executable, "-m", "mfr_bench", "run", str(configs), "--out", str(folder / "results"),
-                           "--quiet"], stdout=subprocess.DEVNULL, check=False).returncode
+        made, path = config(number, rng, methods), folder / f"scene-{number:02}.npz"
+        if path.exists():
+            continue
+        names, times_ms = rounds(device, made, frames, random.Random(number))  # noqa: S311 - as above
+        with path.with_suffix(".part").open("wb") as file:
+            np.savez_compressed(file, methods=np.array(names), times_us=np.rint(1e3 * times_ms).astype(np.uint32))
+        path.with_suffix(".part").rename(path)
+        print(f"{path.name}: {len(names)} of {methods} candidates, load {os.getloadavg()[0]:.1f}", flush=True)
+
+
+def rounds(device, made: dict, frames: int, rng: random.Random) -> tuple[list[str], np.ndarray]:
+    """The names of the candidates that keep the error, and their frame times in ms: (candidates, frames).
+
+    Every round draws one frame of each, in random order, as the races of `decide` do.
+    """
+    from mfr_bench.gpu.single import shown
+    from mfr_bench.gpu.timers import WallTimer, undisturbed_ms
+    from mfr_bench.scene import generate
+
+    cells = cells_of(made)
+    timer = WallTimer(device)
+    with shown(device, generate(cells[0].scene)) as on:
+        racing = {cell.label: frame for cell in cells if (frame := fitting(device, on, cell))}
+        times_ms: dict[str, list[float]] = {name: [] for name in racing}
+        for number in range(WARM_UP + frames):
+            for name in rng.sample(list(racing), len(racing)):
+                time_ms = undisturbed_ms(timer, racing[name].draw)
+                if number >= WARM_UP:
+                    times_ms[name].append(time_ms)
+        for frame in racing.values():
+            frame.release()
+    return list(times_ms), np.array(list(times_ms.values()))
+
+
+def cells_of(made: dict) -> list[Cell]:
+    """The cells of a config, without the floor."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "scene.yaml")
+        path.write_text(yaml.safe_dump(made))
+        experiment, = load(str(path), catalog())
+    return [cell for cell in expand(experiment, catalog()) if catalog()[cell.method].guarantee != "none"]
+
+
+def fitting(device, on, cell: Cell):
+    """The frame of a cell; None where the device cannot draw it, or its image is further off than allowed."""
+    from mfr_bench.gpu.frame import Frame
+    from mfr_bench.oracle.quality import quality
+
+    if judge(cell, catalog(), on.stats, device.limits):
+        return None
+    frame = Frame(device, Fitted(catalog()[cell.method].variant(cell.params), on.stats), on.scene_buffer, on.canvas)
+    frame.draw_fitting()
+    if quality(frame.image(), on.truth.image(Promise()), False)["max_error_all"] <= cell.measure.max_error:
+        return frame
+    frame.release()
+    return None
 
 
 def recorded(folder: Path) -> dict[str, dict[str, list[float]]]:
     """The frame times in ms of the cells that keep the error, by scene and cell; scenes with two such cells or more."""
     found = {}
-    for path in find_results([folder / "results"]):
-        result = load(ResultFolder(path))
-        bound = result.manifest["measure"]["max_error"]
-        cells = {p.label: p.cell["samples_ms"] for p in result.points if not is_floor(p) and p.status == "ok"
-                 and p.cell.get("samples_ms") and p.row["max_error_all"] <= bound}
+    for path in sorted(folder.glob("scene-*.npz")):
+        with np.load(path) as file:
+            cells = {str(name): (times / 1e3).tolist() for name, times in zip(file["methods"], file["times_us"],
+                                                                                   strict=True)}
         if len(cells) > 1:
-            found[result.name] = cells
+            found[path.stem] = cells
     return found
 
 
@@ -115,12 +169,13 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("record", "replay"))
     parser.add_argument("folder", type=Path)
-    for name, default in (("scenes", 50), ("methods", 12), ("frames", 200), ("replays", 100)):
+    for name, default in (("scenes", 50), ("methods", 16), ("frames", 200), ("replays", 100)):
         parser.add_argument(f"--{name}", type=int, default=default)
     given = parser.parse_args()
     if given.what == "record":
-        return record(given.folder, given.scenes, given.methods, given.frames)
-    replays(given.folder, given.replays)
+        record(given.folder, given.scenes, given.methods, given.frames)
+    else:
+        replays(given.folder, given.replays)
     return 0
 
 

@@ -74,8 +74,27 @@ def _about(entry: Entry) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
+class Together:
+    """Several cells judged as one, by the mean of their ratios."""
+
+    name: str
+    verdict: str
+    reason: str
+    ratio: Interval
+
+    def record(self) -> dict[str, Any]:
+        """The verdict as JSON knows it."""
+        low, ratio, high = self.ratio
+        return {"name": self.name, "verdict": self.verdict, "reason": self.reason or None, "ratio": ratio,
+                "ratio_low": low, "ratio_high": high}
+
+
+@dataclass(frozen=True)
 class Comparison:
-    """All that is said of two sets of results. `common`: ratio of all methods together, least and most of any scene."""
+    """All that is said of two sets of results. `common`: ratio of all methods together, least and most of any scene.
+
+    together: verdicts on several cells as one, where both sides took turns.
+    """
 
     before: Side
     after: Side
@@ -86,6 +105,7 @@ class Comparison:
     missing_before: tuple[Entry, ...]
     missing_after: tuple[Entry, ...]
     common: tuple[float, float] | None
+    together: tuple[Together, ...] = ()
 
     @property
     def counts(self) -> Mapping[str, int]:
@@ -105,7 +125,7 @@ class Comparison:
 
     @property
     def regressed(self) -> bool:
-        return any(v.regressed for v in self.verdicts)
+        return any(v.regressed for v in self.verdicts) or any(t.verdict == SLOWER for t in self.together)
 
     def records(self) -> list[dict[str, Any]]:
         """Every cell of either side as JSON knows it; a MISSING one has the time of the side that has it."""

@@ -21,6 +21,7 @@ COLUMNS = ("experiment", "name", "method", "params", "scene", "verdict", "reason
 NOTE = ("after / before, with the interval that holds it for all cells at once; what all methods of a scene have in "
         "common is taken out")
 ABSOLUTE_NOTE = "after / before, with the interval that holds it for all cells at once"
+TOGETHER_NOTE = "the mean of the ratios of several cells: a change that they share shows where that of one does not"
 NAME_WIDTH = 36
 MOST_LISTED = 10
 
@@ -34,7 +35,8 @@ def as_json(found: Comparison) -> str:
         "doubtful": found.doubtful, "environment": found.environment,
         "missing_before": [f"{e.experiment}: {e.name}" for e in found.missing_before],
         "missing_after": [f"{e.experiment}: {e.name}" for e in found.missing_after],
-        "untold": found.untold, "cells": found.records()}, indent=2, ensure_ascii=False)
+        "untold": found.untold, "together": [each.record() for each in found.together],
+        "cells": found.records()}, indent=2, ensure_ascii=False)
 
 
 def as_csv(found: Comparison) -> str:
@@ -67,7 +69,8 @@ def as_markdown(found: Comparison, whole: bool = False) -> str:
 def as_cases(found: Comparison) -> list[Case]:
     """Each cell as a test case: slower or worse is a failure, missing an error, unclear skipped."""
     return [Case(record["experiment"], record["name"], *_outcome(record), (record["after_ms"] or 0.0) / 1e3)
-            for record in found.records()]
+            for record in found.records()] + [
+                Case("together", each.name, *_outcome(each.record() | {"changes": []}), 0.0) for each in found.together]
 
 
 def _outcome(record: Mapping[str, Any]) -> tuple[Outcome, str]:
@@ -103,6 +106,10 @@ def _grids(found: Comparison, whole: bool) -> list[Grid]:
         if rows:
             grids.append(Grid(experiment, ABSOLUTE_NOTE if found.absolute else NOTE,
                               ("cell", "verdict", "before, ms", "after, ms", "ratio"), rows, left=2))
+    several = tuple((each.name, each.verdict, _interval(each.ratio)) for each in found.together
+                    if whole or each.verdict != SAME)
+    if several:
+        grids.append(Grid("Together", TOGETHER_NOTE, ("cells", "verdict", "ratio"), several, left=2))
     return grids
 
 
@@ -143,6 +150,9 @@ def _end(found: Comparison) -> str:
     counts = ", ".join(f"{found.counts.get(name, 0)} {name}" for name in VERDICTS)
     worse = sum(any(c.worse for c in v.changes) for v in found.verdicts)
     parts = [f"{len(found.records())} cells: {counts}"]
+    slower = [each.name for each in found.together if each.verdict == SLOWER]
+    if slower:
+        parts.append(f"{SLOWER} together: {', '.join(slower)}")
     if worse:
         parts.append(f"{worse} worse in image, memory or status")
     if found.moved and not found.absolute:

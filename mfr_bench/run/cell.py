@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..gpu.frame import Frame
-from ..gpu.timers import repeats_for
+from ..gpu.timers import repeats_for, undisturbed_ms
 from ..gpu.work import work_of
 from ..measure.sampling import Sampler
 from ..methods.spec import Fitted
@@ -100,12 +100,12 @@ class CellWork:
                 self.sampler.warmup_ms.append(self._sample(warm=False))
 
     def round(self) -> float:
-        """The time of one frame, in ms, taken as a sample."""
+        """The time of one frame that no other process held up, in ms, taken as a sample."""
         self._phases.begin("sampling")
         self.bench.stop_if_asked()
         self.frame.show(self.scene.show(len(self.sampler.samples_ms)))
         with self.bench.split.work("measure"):
-            time_ms = self._sample(warm=True)
+            time_ms = undisturbed_ms(self.bench.timer, self.frame.draw, self.repeats)
         self.sampler.take(time_ms)
         return time_ms
 

@@ -13,8 +13,9 @@ from pathlib import Path
 from statistics import NormalDist, fmean, median, stdev
 from typing import Any
 
+import numpy as np
+
 from ..compare.judge import (
-    ERROR_RATE,
     FASTER,
     SAME,
     SAME_RATE,
@@ -24,26 +25,31 @@ from ..compare.judge import (
     Change,
     Comparison,
     Judged,
+    Together,
     compared,
 )
 from ..compare.sides import Side, load_side
-from ..stats import median_interval, sampled_interval
+from ..stats import sampled_interval
 from ..store import ResultFolder, key
 from ..store.rows import derive
 from .lockstep import Half, Measured, log_ratios
 
+ERROR_RATE = 0.01  # of a whole comparison: the chance of any false alarm, were the noise as it is estimated
 HALF_NORMAL = 0.6745  # median of the absolute value of a normal variable
-MEDIAN_EFFICIENCY = 1.2533  # standard error of a median over that of a mean, of normal samples
+CENTRE_EFFICIENCY = 1.0233  # standard error of `centre` over that of a mean, of normal samples
 LEAST = 5e-4  # deviation of a cell's ratio, logarithm: no two processes are more alike
-CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
 class Ratio:
-    """The logarithm of a cell's ratio, after / before: of each round, and its standard error within the rounds."""
+    """The logarithm of a cell's ratio, after / before: of each round, and its standard error within the rounds.
+
+    cells: how many of them it is the mean of.
+    """
 
     rounds: tuple[float, ...]
     within: float
+    cells: int = 1
 
     @property
     def moved(self) -> float:
@@ -51,34 +57,51 @@ class Ratio:
 
 
 def ratio_of(before: Half, after: Half) -> Ratio | None:
-    """The ratio of a cell that has pairs in some round: of each the mean of what its visits say."""
-    rounds = [[found for b, a in zip(before_ms, after_ms, strict=True) if (found := log_ratios(b, a))]
+    """The ratio of a cell that has pairs in some round: of each the centre of the pairs of all its visits."""
+    rounds = [[found for b, a in zip(before_ms, after_ms, strict=True) for found in log_ratios(b, a)]
               for before_ms, after_ms in zip(before.rounds_ms, after.rounds_ms, strict=True)]
-    rounds = [visits for visits in rounds if visits]
+    rounds = [ratios for ratios in rounds if ratios]
     if not rounds:
         return None
-    errors = [math.sqrt(sum(_error(visit)**2 for visit in visits)) / len(visits) for visits in rounds]
-    return Ratio(tuple(fmean(map(median, visits)) for visits in rounds),
-                 math.sqrt(sum(e**2 for e in errors)) / len(errors))
+    return Ratio(tuple(map(centre, rounds)), math.sqrt(sum(_error(ratios)**2 for ratios in rounds)) / len(rounds))
+
+
+def centre(ratios: Sequence[float]) -> float:
+    """The median of the means of all two of them (Hodges & Lehmann 1963).
+
+    As robust against a few that are far out as a median needs to be here, and nearly as precise as a mean.
+    """
+    values = np.asarray(ratios)
+    return float(np.median((values[:, None] + values)[np.triu_indices(len(values))]) / 2)
 
 
 def _error(ratios: Sequence[float]) -> float:
-    """Standard error of the median of a visit's pairs."""
-    low, _, high = median_interval(ratios, CONFIDENCE)
-    if low is not None and high is not None:
-        return (high - low) / 2 / NormalDist().inv_cdf((1 + CONFIDENCE) / 2)
-    return MEDIAN_EFFICIENCY * stdev(ratios) / math.sqrt(len(ratios)) if len(ratios) > 1 else math.inf
+    """Standard error of the centre of a round's pairs."""
+    middle = median(ratios)
+    spread = median(abs(r - middle) for r in ratios) / HALF_NORMAL
+    return CENTRE_EFFICIENCY * spread / math.sqrt(len(ratios) - 1) if len(ratios) > 1 else math.inf
+
+
+def together(ratios: Sequence[Ratio]) -> Ratio | None:
+    """The mean of several cells' ratios, round by round; None where fewer than two have all rounds."""
+    most = max((len(r.rounds) for r in ratios), default=0)
+    whole = [r for r in ratios if len(r.rounds) == most]
+    if len(whole) < 2:
+        return None
+    within = math.sqrt(sum(r.within**2 for r in whole)) / len(whole)
+    return Ratio(tuple(map(fmean, zip(*(r.rounds for r in whole), strict=True))), within, len(whole))
 
 
 class Judge:
     """The verdicts on times, of all cells together: how far rounds of one cell are apart is pooled over them.
 
-    That scatter has the noise within the rounds in it, so that the larger of both counts, not their sum.
+    That scatter has the noise within the rounds in it, so that the larger of both counts, not their sum. `groups`: how
+    many sets of cells are judged besides, which share the error rate with them.
     """
 
-    def __init__(self, ratios: Mapping[Any, Ratio], threshold: float):
+    def __init__(self, ratios: Mapping[Any, Ratio], threshold: float, groups: int = 0):
         self._limit = math.log1p(threshold)
-        self._critical = NormalDist().inv_cdf(1 - ERROR_RATE / 2 / max(1, len(ratios)))
+        self._critical = NormalDist().inv_cdf(1 - ERROR_RATE / 2 / max(1, len(ratios) + groups))
         self.between = between(list(ratios.values()))
 
     def decided(self, ratio: Ratio | None) -> Judged:
@@ -86,7 +109,9 @@ class Judge:
         if ratio is None:
             return UNCLEAR, "a side has no sample of a time above 0", (None, None, None), None
         moved = ratio.moved
-        deviation = max(LEAST, ratio.within, self.between / math.sqrt(len(ratio.rounds)))
+        deviation = max(LEAST, ratio.within, self.between / math.sqrt(len(ratio.rounds) * ratio.cells))
+        if ratio.cells > 1 and len(ratio.rounds) > 1:  # what the cells of a round have in common
+            deviation = max(deviation, stdev(ratio.rounds) / math.sqrt(len(ratio.rounds)))
         reach = self._critical * deviation
         interval = math.exp(moved - reach), math.exp(moved), math.exp(moved + reach)
         return *self._verdict(ratio, deviation, reach), interval, math.exp(moved)
@@ -113,13 +138,23 @@ def judged(measured: Measured, names: tuple[str, str], folder: Path, threshold: 
     before, after = measured.halves
     ratios = {mine: found for mine, half in after.items()
               if mine in before and (found := ratio_of(before[mine], half)) is not None}
-    judge = Judge(ratios, threshold)
+    groups = _groups(ratios, {mine: half.told["method"] for mine, half in after.items()})
+    judge = Judge(ratios, threshold, len(groups))
     sides = [_written(measured, half, folder / which, name, judge.between)
              for half, which, name in zip(measured.halves, ("before", "after"), names, strict=True)]
     by_key = {_key(mine, half): mine for mine, half in after.items()}
     found = compared(*sides, threshold, math.expm1(judge.between), True,
                      lambda _, entry: judge.decided(ratios.get(by_key[entry.point.cell["key"]])))
-    return replace(found, verdicts=tuple(map(_with_settings, found.verdicts)))
+    return replace(found, verdicts=tuple(map(_with_settings, found.verdicts)),
+                   together=tuple(Together(name, *judge.decided(ratio)[:3]) for name, ratio in groups.items()))
+
+
+def _groups(ratios: Mapping[str, Ratio], methods: Mapping[str, str]) -> dict[str, Ratio]:
+    """The cells of each method that has several, and all cells: a change of several shows where that of none does."""
+    names = dict.fromkeys(methods[mine] for mine in ratios)
+    wanted = {f"all cells of {name}": [r for mine, r in ratios.items() if methods[mine] == name] for name in names}
+    wanted |= {"all cells": list(ratios.values())} if len(names) > 1 else {}
+    return {name: found for name, members in wanted.items() if (found := together(members))}
 
 
 def _with_settings(verdict: CellVerdict) -> CellVerdict:

@@ -22,11 +22,11 @@ from ..stats import goals, median_interval
 from .link import OPENING_S, Link, SideError
 from .tree import Tree
 
-BATCH_MS = 3.0  # of one batch, about: long against the clock's tick, short against a scheduler's slice
+BATCH_MS = 2.0  # of one batch, about: long against the clock's tick, short against a scheduler's slice
 MOST_FRAMES = 200  # in a batch
 PRECISE = 0.004  # half-width of a cell's ratio within a round, at which more pairs would change nothing
-LEAST_PAIRS, MOST_PAIRS = 10, 300  # of a visit
-VISITS = 4  # to each cell in a round: a load that lasts some seconds is in one of them
+LEAST_PAIRS, MOST_PAIRS = 4, 300  # of a visit
+VISITS = 6  # to each cell in a round: a load that lasts some seconds is in one of them
 CELL_S = 120.0  # for one cell to be prepared, or to draw a batch
 WARM_UP = 2  # batches of one frame
 
@@ -42,8 +42,8 @@ class Ask:
     only: tuple[str, ...] | None = None
     overrides: tuple[str, ...] = ()
     device: str = "auto"
-    rounds: int = 3
-    seconds: float = 1.5
+    rounds: int = 6
+    seconds: float = 1.0
 
 
 @dataclass
@@ -115,14 +115,23 @@ def _round(links: Sequence[Link], opened: Sequence[Mapping[str, Any]], found: Me
     for key in shared:
         for side in found.halves:
             side[key].rounds_ms.append([])
+    cpus = sorted(set(opened[0]["cpus"]).intersection(opened[1]["cpus"]))
     for visit in range(VISITS):
         for key in shared:
             if asked():
                 raise KeyboardInterrupt
             halves = tuple(side[key] for side in found.halves)
             if all(half.status == "ok" for half in halves):
+                _stay(links, halves, shuffle.choice(cpus) if cpus else None)
                 _cell(links, [place[key] for place in places], halves, ask, shuffle, check=not number and not visit)
         progress(number * VISITS + visit + 1, ask.rounds * VISITS)
+
+
+def _stay(links: Sequence[Link], halves: Sequence[Half], cpu: int | None) -> None:
+    """Bring both processes to one processor: two of them may be unequal for as long as a round takes."""
+    for link, half in zip(links, halves, strict=True):
+        if cpu is not None:
+            _asked(link, half, "stay", cpu=cpu)
 
 
 def _cell(links: Sequence[Link], at: Sequence[int], halves: Sequence[Half], ask: Ask, shuffle: random.Random,
@@ -152,8 +161,13 @@ def _asked(link: Link, half: Half, do: str, **more: Any) -> Mapping[str, Any] | 
 
 
 def _pairs(links: Sequence[Link], halves: Sequence[Half], ask: Ask, shuffle: random.Random) -> None:
-    """Draw batches in pairs, either tree first at random, until the ratio is precise or the time is up."""
-    frames = _frames(links, halves)
+    """Draw batches in pairs until the ratio is precise or the time is up.
+
+    Either tree comes first in turns, A B B A: what the first of two loses to the second hits both alike. Which begins
+    is drawn at random.
+    """
+    order = shuffle.sample((0, 1), 2)
+    frames = _frames(links, halves, order)
     if not frames:
         return
     times: tuple[list[float], list[float]] = ([], [])
@@ -163,11 +177,12 @@ def _pairs(links: Sequence[Link], halves: Sequence[Half], ask: Ask, shuffle: ran
     looks = set(goals(LEAST_PAIRS, MOST_PAIRS))
     while True:
         pair: list[float | None] = [None, None]
-        for side in shuffle.sample((0, 1), 2):
+        for side in order:
             answer = _asked(links[side], halves[side], "batch", frames=frames)
             pair[side] = answer and answer["ms"]
         if None in pair:
             return
+        order.reverse()
         for mine, ms in zip(times, pair, strict=True):
             mine.append(ms)
         count = len(times[0])
@@ -187,13 +202,17 @@ def precise(ratios: Sequence[float]) -> bool:
     return low is not None and high is not None and (high - low) / 2 <= PRECISE
 
 
-def _frames(links: Sequence[Link], halves: Sequence[Half]) -> int:
-    """Frames in a batch; 0 where a side fails."""
-    times = []
-    for link, half in zip(links, halves, strict=True):
-        told = [_asked(link, half, "batch", frames=1) for _ in range(WARM_UP)]
-        if None in told:
+def _frames(links: Sequence[Link], halves: Sequence[Half], order: Sequence[int]) -> int:
+    """Frames in a batch; 0 where a side fails.
+
+    The side that comes first in the pairs is warmed up first as well: if it were the last to draw before them, its
+    caches would be warm.
+    """
+    times: list[list[float]] = [[], []]
+    for side in WARM_UP * list(order):
+        answer = _asked(links[side], halves[side], "batch", frames=1)
+        if answer is None:
             return 0
-        times.append(min(answer["ms"] for answer in told))
-    longest = max(median(times), 1e-3)
+        times[side].append(answer["ms"])
+    longest = max(median(map(min, times)), 1e-3)
     return max(1, min(MOST_FRAMES, round(BATCH_MS / longest)))

@@ -1,7 +1,7 @@
 """The process of one source tree, run by its path: answers the parent's lines of JSON with the tree's own code.
 
 Nothing but long-lived names of the package is used here, since the tree may be an older one: what it lacks is told.
-The requests are open, prepare, batch and release. Each is answered by one line; `error` holds what went wrong.
+The requests are open, stay, prepare, batch and release. Each is answered by one line; `error` holds what went wrong.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import json
 import os
 import sys
 import time
+from contextlib import suppress
 
 UNFIT = (ImportError, AttributeError, TypeError)  # what a tree raises that lacks a name used here
 CPU = "cpu"  # the name of the clock that counts processor time
@@ -40,8 +41,19 @@ class Side:
         timer = CPU if self.on_cpu else timer or calibrate(self.device).timer
         self.timer = (GpuTimer if timer == "gpu" else WallTimer)(self.device)
         self.timer_name = timer
-        return {"timer": timer, "device": dict(self.device.info), "title": experiment.title,
+        return {"timer": timer, "device": dict(self.device.info), "title": experiment.title, "cpus": self._cpus(),
                 "cells": [self._told(cell) for cell in self.cells]}
+
+    def _cpus(self) -> list[int]:
+        """The processors that this process may use, where the driver draws on them and the system lets one choose."""
+        return sorted(os.sched_getaffinity(0)) if self.on_cpu and hasattr(os, "sched_getaffinity") else []
+
+    def stay(self, cpu: int) -> dict:
+        """Keep all threads on one processor from now on: the other tree's process is on the same one."""
+        for task in os.listdir("/proc/self/task"):
+            with suppress(ProcessLookupError):
+                os.sched_setaffinity(int(task), (cpu,))
+        return {}
 
     def _told(self, cell) -> dict:
         return {"experiment": cell.experiment, "label": cell.label, "method": cell.method, "params": dict(cell.params),

@@ -4,7 +4,7 @@ from itertools import count
 
 import pytest
 
-from mfr_bench.gpu.timers import MOST_REPEATS, GpuTimer, repeats_for, tick
+from mfr_bench.gpu.timers import MOST_REPEATS, TRIES, GpuTimer, repeats_for, tick, undisturbed_ms
 
 
 class Gl:
@@ -62,3 +62,33 @@ def test_the_resolution_is_the_smallest_step_of_the_clock():
     (1e-9, 0.001, MOST_REPEATS), (0.1, None, 1)])
 def test_a_sample_is_at_least_200_ticks_long(frame_ms, resolution_ms, repeats):
     assert repeats_for(frame_ms, resolution_ms) == repeats
+
+
+class Clocks:
+    """A wall clock and a processor clock, in ms, that a frame moves on by what is planted for it, the last for ever."""
+
+    name = "wall"
+
+    def __init__(self, frames, kind="cpu"):
+        self.device = type("Device", (), {"info": {"kind": kind}})
+        self.frames, self.drawn, self.processor_ms = frames, 0, 0.0
+
+    def frame_ms(self, draw, repeats=1):
+        wall_ms, processor_ms = self.frames[min(self.drawn, len(self.frames) - 1)]
+        self.drawn += 1
+        self.processor_ms += processor_ms
+        return wall_ms / repeats
+
+
+@pytest.mark.parametrize(("frames", "kind", "time_ms", "drawn"), [
+    ([(2.0, 2.0)], "cpu", 2.0, 1),  # nothing held it up
+    ([(2.0, 3.5)], "cpu", 2.0, 1),  # two threads at work
+    ([(9.0, 2.0), (7.0, 2.1), (2.1, 2.05)], "cpu", 2.1, 3),  # the third is the first that nothing held up
+    ([(9.0, 2.0), (4.0, 2.0), (9.0, 2.0)], "cpu", 4.0, TRIES),  # the one that was held up least
+    ([(9.0, 0.1), (2.0, 0.1)], "gpu", 9.0, 1),  # the processor waits for a GPU
+])
+def test_a_frame_that_other_processes_held_up_is_drawn_again(monkeypatch, frames, kind, time_ms, drawn):
+    clocks = Clocks(frames, kind)
+    monkeypatch.setattr("mfr_bench.gpu.timers.time.process_time", lambda: clocks.processor_ms / 1e3)
+    assert undisturbed_ms(clocks, None) == time_ms
+    assert clocks.drawn == drawn

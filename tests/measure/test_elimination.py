@@ -5,7 +5,8 @@ import random
 
 import pytest
 
-from mfr_bench.measure.elimination import CHANCE, HYPOTHESES, Elimination, evidence
+from mfr_bench.measure.elimination import CHANCE, HYPOTHESES, LEAST_ROUNDS, Elimination, evidence
+from mfr_bench.stats import sampled_interval
 
 MEDIANS = {f"m{i}": 1.0 * 1.15**i for i in range(12)} | {"slow": 8.0, "slowest": 100.0}
 
@@ -86,8 +87,21 @@ def test_rounds_without_a_method_that_is_left_are_refused():
         Elimination(["a", "a"])
 
 
-def test_one_method_is_decided_at_once():
-    assert Elimination(["a"]).decided
+def test_one_method_draws_as_many_rounds_as_its_interval_needs():
+    """Without a rival there is nothing to decide, but its time is told with an interval."""
+    found = Elimination(["a"])
+    for _ in range(LEAST_ROUNDS):
+        assert not found.decided
+        found.add({"a": 1.0})
+    assert found.decided
+    assert None not in sampled_interval([times["a"] for times in found.rounds])
+
+
+def test_it_ends_once_no_method_is_two_percent_better_than_the_leader():
+    """The second is slower by more than 2 %, but not by enough to leave: that it is no better ends the rounds."""
+    plays = [played("lognormal", seed, {"a": 1.0, "b": 1.05}, most=5000)[0] for seed in range(20)]
+    assert all(found.decided for found in plays) and any(len(found.left) == 2 for found in plays)
+    assert sum(found.leader == "a" for found in plays) >= 19
 
 
 def test_frames_that_stall_often_are_no_reason_to_leave_early():
