@@ -124,7 +124,7 @@ def test_ctrl_c_ends_it_at_the_next_cell_and_leaves_nothing_behind(repository):
         first = process.stderr.readline()
         process.send_signal(signal.SIGINT)
         said = process.stderr.read()
-    assert first.startswith("1 of 200 visits") and process.returncode == 130
+    assert first.startswith("1 of 300 visits") and process.returncode == 130
     assert said.splitlines()[-1] == "interrupted" and len(said.splitlines()) < 10
     listed = subprocess.run(["git", "worktree", "list"], cwd=repository, capture_output=True, text=True, check=True)
     assert len(listed.stdout.splitlines()) == 1
