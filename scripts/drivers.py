@@ -91,8 +91,9 @@ CHECKS = {
 class Matrix:
     """The roots, logs and outcomes below one folder."""
 
-    def __init__(self, folder: Path):
+    def __init__(self, folder: Path, patience: float = 1.0):
         self.folder = folder
+        self.patience = patience
         self.sources = _sources()
         self.stamp = _stamp(self.sources)
         self._ready: dict[str, bool] = {}  # whether a root is set up, once that was tried
@@ -193,8 +194,8 @@ class Matrix:
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("w") as log:
             try:
-                return subprocess.run(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, timeout=limit_s,
-                                      check=False).returncode
+                return subprocess.run(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, check=False,
+                                      timeout=limit_s * self.patience).returncode
             except subprocess.TimeoutExpired:
                 return 124
             except FileNotFoundError as error:
@@ -273,12 +274,14 @@ def main() -> None:
     parser.add_argument("--check", help=f"of {', '.join(CHECKS)}; all but features, a part of "
                         "contract, by default")
     parser.add_argument("--dir", type=Path, default=SOURCES / ".drivers", help="default: %(default)s")
+    parser.add_argument("--patience", type=float, default=1.0, metavar="FACTOR", help="multiplies every check's time "
+                        "limit, for a machine that has other work (default: %(default)s)")
     parser.add_argument("--again", action="store_true", help="run checks that ended before, too")
     parser.add_argument("--table", action="store_true", help="print the table and run nothing")
     given = parser.parse_args()
     roots, drivers = chosen(given.root, ROOTS, "--root"), chosen(given.driver, DRIVERS, "--driver")
     checks = chosen(given.check or ",".join(c for c in CHECKS if c != "features"), CHECKS, "--check")
-    matrix = Matrix(given.dir.resolve())
+    matrix = Matrix(given.dir.resolve(), given.patience)
     if not given.table:
         if lacking := missing():
             say(lacking)

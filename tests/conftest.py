@@ -1,6 +1,7 @@
 """One OpenGL device for the whole session (GL has one current context per thread), and how properties are tried."""
 
 import os
+import signal
 
 import pytest
 from hypothesis import settings
@@ -8,6 +9,14 @@ from hypothesis import settings
 # A busy machine is no failure; on a server the same examples are tried each time.
 settings.register_profile("mfr-bench", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("mfr-bench")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _signals_of_a_terminal():
+    """Commands under test obey Ctrl-C and a lost connection, though pytest runs in the background or under nohup."""
+    for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
+        if signal.getsignal(number) == signal.SIG_IGN:
+            signal.signal(number, handler)
 
 
 @pytest.fixture(scope="session")

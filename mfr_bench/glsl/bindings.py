@@ -16,6 +16,7 @@ FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold
 FRAME_BINDING = 0
 OPAQUE_UNIT = 15  # of the scene's opaque depth: GL guarantees sixteen texture units to a fragment shader
 COLOURS_BINDING = 1  # of the uniform block `Colours`: the base colours of a payload of two channels, as light
+COLOURS_BYTES = 32  # two vec4
 # Fields after these, for methods that plan their frames: the rectangle that bounds the geometry, whose first pixel
 # would have the index region_first if the rectangle began at the origin.
 REGION_FIELDS = ("region_first", "region_columns", "region_pixels")

@@ -28,12 +28,12 @@ MOST_ERRORS = 16  # that GL remembers; a lost context has one without end
 class Trials:
     """The way to find out what the driver gets wrong. Trials draw on it, so they are given by whoever opens it.
 
-    failed: of each offered feature that a trial finds wrong, the trial and what it found. points_need_a_flush: whether
-    points that a dispatch has listed are right only behind a flush.
+    failed: of each offered feature that a trial finds wrong, the trial and what it found. dispatches_need_a_flush: whether
+    draws are right after a dispatch only behind a flush.
     """
 
     failed: Callable[[Device], dict[str, str]]
-    points_need_a_flush: Callable[[Device], bool]
+    dispatches_need_a_flush: Callable[[Device], bool]
 
 
 @dataclass
@@ -94,9 +94,9 @@ class Device:
         return self.offered - self.failed_trials.keys()
 
     @cached_property
-    def flushes_points(self) -> bool:
-        """Whether points that a dispatch has listed are right only behind a flush, by a trial."""
-        return self.trials.points_need_a_flush(self)
+    def flushes_dispatches(self) -> bool:
+        """Whether draws are right after a dispatch only behind a flush, by trials."""
+        return self.trials.dispatches_need_a_flush(self)
 
     @property
     def subpixel_bits(self) -> int:

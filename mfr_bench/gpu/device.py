@@ -27,7 +27,7 @@ def _create(index: int) -> Device:
         libgl=find_library("GL") or "libGL.so.1", libegl=library())
     ctx = moderngl.create_context(require=GL_MINIMUM, context=backend)
     ctx.enable(moderngl.PROGRAM_POINT_SIZE)
-    device = Device(ctx, RawGL(backend.load), backend, Trials(trials.failed, trials.points_need_a_flush))
+    device = Device(ctx, RawGL(backend.load), backend, Trials(trials.failed, trials.dispatches_need_a_flush))
     device.gl.spend_first_timers()
     return device
 

@@ -78,7 +78,8 @@ class PassRunner:
         self._groups: dict[tuple[int, int], int] = {}  # work groups, by width and height of what they go over
         self.instances = frame.fitted.value(step.instances)
         self.samples = frame.stats.samples if step.kind == "geometry" else 1  # of a pixel, to rasterize into
-        self.flushes = step.by_tile and frame.device.flushes_points  # a trial, which must not come while a pass draws
+        # Found by trials, which must not come while a pass draws.
+        self.flushes = step.kind == "compute" and frame.device.flushes_dispatches
         self.writes_depth = step.state.depth_write and any(self._texture(r, 0).is_depth for r in step.into)
 
     def _texture(self, ref: str, iteration: int) -> Texture:
@@ -179,8 +180,6 @@ class PassRunner:
     def _commands(self, name: str):
         """A buffer of indirect commands, once what shaders have written there and to the list is in place."""
         self.gl.glMemoryBarrier(rawgl.BARRIERS["indirect"])
-        if self.flushes:
-            self.gl.glFlush()
         return self.frame.allocation.named(name)
 
     def _draw_screen(self) -> None:
@@ -225,7 +224,10 @@ class PassRunner:
             self.program[name] = self.frame.allocation.buffer(ref, iteration).size // element_bytes
 
     def _dispatch(self, iteration: int) -> None:
-        """Images are published at once: what comes next may be a draw, a fetch or a read-back."""
+        """Images are published at once: what comes next may be a draw, a fetch or a read-back.
+
+        A flush follows where the driver needs one before the next draw.
+        """
         for unit, ref in enumerate(self.step.into):
             self._texture(ref, iteration).bind_image(unit)
         if self.step.into:
@@ -236,6 +238,8 @@ class PassRunner:
             self.program.run(self._group_count())
         if self.step.into:
             self.gl.glMemoryBarrier(rawgl.BARRIERS["image"])
+        if self.flushes:
+            self.gl.glFlush()
 
     def _group_count(self) -> int:
         """Work groups of a dispatch over the viewport, or over the region as if it were one."""

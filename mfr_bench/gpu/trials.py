@@ -87,6 +87,15 @@ OPERATIONS64 = {stage: probe_method(
              Buffer("before", f"6*{INVOCATIONS}", type="uvec2")), params=(ATOMIC64,),
 ) for stage, (kind, ending) in STAGES.items()}
 
+# A draw that stores, a dispatch, and a draw that stores nothing and shows what it sees in the block `Frame`. The vertex
+# shaders read the block as well: otherwise zink takes the dispatch's block, which is the same here.
+AFTER_DISPATCH = probe_method(
+    "uniform blocks after a dispatch",
+    Pass("store", "geometry", "probe/before_dispatch.frag", writes=("drawn",)),
+    Pass("dispatch", "compute", "probe/dispatch.comp", writes=("dispatched",), groups="1"),
+    Pass("show", "geometry", "probe/after_dispatch.frag", into=(IMAGE,)),
+    buffers=(Buffer("drawn", "P"), Buffer("dispatched", "1")))
+
 Outcome = tuple[bool, str]
 
 
@@ -291,33 +300,36 @@ def routed(device: Device, multisampling: str) -> Outcome:
     return wrong == 0, f"{bench.stats.P - wrong} of {bench.stats.P} pixels with every fragment in a sample of its own"
 
 
+def uniform_blocks(device: Device) -> Outcome:
+    """Whether a draw after a dispatch reads its uniform block, not a buffer of the dispatch."""
+    with _drawn(device, SCENE, AFTER_DISPATCH) as frame:
+        image = frame.image()
+    width, height = SCENE.size
+    wrong = int((image[..., :3] != (width, height, width * height)).any(axis=-1).sum())
+    return wrong == 0, (f"{width * height - wrong} of {width * height} pixels see the block after a dispatch"
+                        f"{_flushed(device)}")
+
+
 def listed_points(device: Device) -> Outcome:
-    """Whether points that a dispatch has listed show what an earlier pass stored, behind a flush where one helps."""
-    if device.flushes_points:
-        passed, detail = _listed_points(device, flush=True)
-        return passed, f"{detail}, behind a flush; without it they are wrong"
-    return _listed_points(device, flush=False)
-
-
-def points_need_a_flush(device: Device) -> bool:
-    """Whether the same points are wrong without a flush between the dispatch and the draw."""
-    return not _listed_points(device, flush=False)[0]
-
-
-def _listed_points(device: Device, flush: bool) -> Outcome:
-    """A k+-buffer whose k is more than a pixel has, resolved by tiles: a short shader does not show the fault."""
-    former = device.__dict__.get("flushes_points")
-    device.flushes_points = flush
-    try:
-        scene = generate(TILES_SCENE)
-        with _drawn(device, TILES_SCENE, kplus.METHODS[0], **TILED) as frame:
-            wrong = conformance(frame.image(), Answer.only(composite(scene)))["wrong_pixels"]
-    finally:
-        del device.flushes_points
-        if former is not None:
-            device.flushes_points = former
+    """Whether points that a dispatch has listed show what an earlier pass stored: a k+-buffer, resolved by tiles."""
+    scene = generate(TILES_SCENE)
+    with _drawn(device, TILES_SCENE, kplus.METHODS[0], **TILED) as frame:
+        wrong = conformance(frame.image(), Answer.only(composite(scene)))["wrong_pixels"]
     pixels = scene.viewport[0] * scene.viewport[1]
-    return wrong == 0, f"{pixels - wrong} of {pixels} pixels right that points show after a dispatch"
+    return wrong == 0, f"{pixels - wrong} of {pixels} pixels right that points show after a dispatch{_flushed(device)}"
+
+
+def _flushed(device: Device) -> str:
+    return ", behind a flush, which this driver needs there" if device.flushes_dispatches else ""
+
+
+def dispatches_need_a_flush(device: Device) -> bool:
+    """Whether a draw after a dispatch is wrong without a flush between them."""
+    device.flushes_dispatches = False  # while this is found out
+    try:
+        return not all(trial(device)[0] for trial in (uniform_blocks, listed_points))
+    finally:
+        del device.flushes_dispatches
 
 
 @contextmanager
@@ -344,6 +356,7 @@ TRIALS = (
     Trial("block length", block_length, avoided=True),
     Trial("64-bit atomics", operations64, "shader_atomic_int64"),
     Trial("interlock", interlock, "fragment_shader_interlock"),
+    Trial("uniform blocks after a dispatch", uniform_blocks),
     Trial("points after a dispatch", listed_points, TILE_POINTS),
     *(Trial(f"coverage masks of {count} samples", partial(samples.tried, samples=count), feature)
       for count, feature in MSAA_FEATURES.items()),

@@ -8,10 +8,12 @@ from mfr_bench.config.model import Measure
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu import trials
 from mfr_bench.gpu.pass_runner import PassRunner
+from mfr_bench.gpu.single import shown
 from mfr_bench.gpu.trials import TRIALS, Trial, failed
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import TILE_POINTS
 from mfr_bench.plan import Cell, Limits, expected_stats, judge
+from mfr_bench.scene import generate
 
 BY_NAME = {trial.name: trial for trial in TRIALS}
 
@@ -41,6 +43,7 @@ def outcome(device, name):
     ("queries", "common/count.frag", "void main() {", "void main() { if (gl_FragCoord.x < 1.0) discard;", "samples"),
     ("block length", "probe/block_length.frag", "seen[p] = uint(second.length())", "seen[p] = 4u", "480 of 480"),
     ("interlock", "probe/locked_count.frag", "+ 1u", "+ 2u", "plain increments"),
+    ("uniform blocks after a dispatch", "probe/after_dispatch.frag", "float(height)", "float(height + 1u)", "0 of 480"),
     ("points after a dispatch", "common/list_tiles.comp", "if (tile_has_fragments(tile)) list(tile)", "",
      "pixels right"),
     ("triangles", "scene/triangle.vert", "gl_Position = in_corner;", "gl_Position = in_corner + vec4(0.004, 0, 0, 0);",
@@ -53,27 +56,41 @@ def test_a_fault_is_seen(device, plant, name, path, right, wrong, said):
     trial = BY_NAME[name]
     if trial.feature and trial.feature not in device.offered:
         pytest.skip(f"this device lacks {trial.feature}")
-    if name == "points after a dispatch":
-        device.__dict__.pop("flushes_points", None)
     passed, detail = trial.outcome(device)
-    device.__dict__.pop("flushes_points", None)
     assert not passed
     assert said in detail
 
 
-def test_a_driver_that_needs_a_flush_gets_one(device, monkeypatch):
-    """Points drawn without a flush are spoilt here, as zink spoils them."""
-    flushed, flush = [], device.gl.glFlush
-    draw = PassRunner._draw_tiles
-    device.__dict__.pop("flushes_points", None)
-    monkeypatch.setattr(device.gl, "glFlush", lambda: (flushed.append(True), flush()))
-    monkeypatch.setattr(PassRunner, "_draw_tiles",
-                        lambda self: draw(self) if self.frame.device.flushes_points else None)
-    passed, detail = trials.listed_points(device)
-    assert passed and flushed
+@pytest.fixture
+def untried(device):
+    """The device, of which it is not known whether it needs a flush after dispatches, before and after the test."""
+    device.__dict__.pop("flushes_dispatches", None)
+    yield device
+    device.__dict__.pop("flushes_dispatches", None)
+
+
+@pytest.mark.parametrize("trial", [trials.uniform_blocks, trials.listed_points])
+def test_a_driver_that_needs_a_flush_gets_one(untried, monkeypatch, trial):
+    """What is drawn between a dispatch and a flush is spoilt here, as zink spoils it."""
+    dispatch, draw, flush, finish = PassRunner._dispatch, PassRunner._within, untried.gl.glFlush, untried.finish
+    spoilt = []
+    monkeypatch.setattr(PassRunner, "_dispatch", lambda self, at: (spoilt.append(True), dispatch(self, at)))
+    monkeypatch.setattr(PassRunner, "_within", lambda self, *what: None if spoilt else draw(self, *what))
+    monkeypatch.setattr(untried.gl, "glFlush", lambda: (spoilt.clear(), flush()))
+    monkeypatch.setattr(untried, "finish", lambda: (spoilt.clear(), finish()))
+    passed, detail = trial(untried)
+    assert passed and untried.flushes_dispatches
     assert "behind a flush" in detail
-    assert device.flushes_points
-    del device.flushes_points
+
+
+def test_a_dispatch_of_any_method_is_flushed_where_the_driver_needs_it(untried, monkeypatch):
+    """Not only before points: on zink any draw after a dispatch may read wrong uniform blocks."""
+    untried.flushes_dispatches = True
+    flushed = []
+    monkeypatch.setattr(untried.gl, "glFlush", lambda: flushed.append(True))
+    with shown(untried, generate(SceneConfig(size=(16, 16), depth_complexity=3))) as on:
+        on.render(catalog()["ab-sb"].variant({"resolve": "compute"}))
+    assert flushed
 
 
 def test_a_feature_that_fails_its_trial_is_missing_with_the_trials_name(monkeypatch):
@@ -89,4 +106,5 @@ def test_a_feature_that_fails_its_trial_is_missing_with_the_trials_name(monkeypa
 
 
 def test_every_trial_says_what_a_failure_costs():
-    assert {trial.name for trial in TRIALS if trial.costs is None} == {"atomic operations", "blending", "queries"}
+    assert {trial.name for trial in TRIALS if trial.costs is None} == {"atomic operations", "blending", "queries",
+                                                                           "uniform blocks after a dispatch"}

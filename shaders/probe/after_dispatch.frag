@@ -1,0 +1,5 @@
+// Trial of uniform blocks: shows what a draw after a dispatch sees in the block `Frame`.
+// Buffers: none.
+void main() {
+    out_image = vec4(float(width), float(height), float(pixels), 1.0);
+}
