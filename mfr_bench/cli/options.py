@@ -270,7 +270,8 @@ def method(method_id: str, where: str):
 def first_experiment(config: str, profile: str | None, overrides: tuple[str, ...], method_id: str | None = None):
     """The one experiment that a command for a single scene or image means, with the method added if it is not listed.
 
-    So the parameters of any method may be set, whichever methods the config lists.
+    So the parameters of any method may be set, whichever methods the config lists: those that refuse a value are left
+    out.
     """
     from ..config import load
     from ..errors import UsageError
@@ -282,12 +283,26 @@ def first_experiment(config: str, profile: str | None, overrides: tuple[str, ...
     experiment, = experiments
     if method_id is None or not overrides:
         return experiment
-    if method_id not in {entry.id for entry in experiment.methods}:
-        overrides = (_with_method(experiment.methods, method_id), *overrides)
-    return load(config, catalog(), profile, overrides)[0]
+    entries = [e for e in experiment.methods if e.id == method_id or _accepts(catalog()[e.id], overrides)]
+    return load(config, catalog(), profile, ("figures=[]", _listing(entries, method_id), *overrides))[0]
 
 
-def _with_method(entries, method_id: str) -> str:
-    """The override that lists these entries and the method."""
+def _accepts(other, overrides: tuple[str, ...]) -> bool:
+    """Whether a method that is not asked for takes every value that is set for a parameter of it."""
+    from ..config.layers import override_layer
+
+    values = {s.key.removeprefix("params."): s.value.data for s in override_layer(overrides)[0]}
+    for param in other.params:
+        try:
+            param.parse(values.get(param.name, param.default))
+        except ValueError:
+            return False
+    return True
+
+
+def _listing(entries, method_id: str) -> str:
+    """The override that lists these entries, and the method if none is of it."""
     listed = [{"id": entry.id, "label": entry.label, **entry.params} for entry in entries]
-    return f"methods={json.dumps([*listed, {'id': method_id, 'label': method_id}])}"
+    if method_id not in {entry.id for entry in entries}:
+        listed.append({"id": method_id, "label": method_id})
+    return f"methods={json.dumps(listed)}"

@@ -28,8 +28,8 @@ MOST_ERRORS = 16  # that GL remembers; a lost context has one without end
 class Trials:
     """The way to find out what the driver gets wrong. Trials draw on it, so they are given by whoever opens it.
 
-    failed: of each offered feature that a trial finds wrong, the trial and what it found. dispatches_need_a_flush: whether
-    draws are right after a dispatch only behind a flush.
+    failed: of each offered feature that a trial finds wrong, the trial and what it found.
+    dispatches_need_a_flush: whether draws are right after a dispatch only behind a flush.
     """
 
     failed: Callable[[Device], dict[str, str]]

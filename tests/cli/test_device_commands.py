@@ -323,6 +323,13 @@ def test_any_parameter_of_any_method_may_be_set_whatever_the_config_lists(here, 
         assert variant.params == each.complete({param.name: value})
 
 
+def test_a_value_that_another_listed_method_refuses_may_be_set(mfr):
+    """`touched: tiles` of the config `smoke`, where peeling has no such way; its figures name the labels of others."""
+    assert "TILE" in mfr("shader", "kplus-array", "--set", "touched=tiles").out
+    refused = mfr("shader", "kplus-array", "--set", "touched=tile")
+    assert (refused.status, refused.err.count("\n")) == (2, 1)
+
+
 def test_a_parameter_that_the_method_lacks_is_one_line(mfr, here):
     (here / "other.yaml").write_text("name: other\nscene: {size: [8, 8], depth_complexity: 4}\nmethods: [ab-array]\n")
     ended = mfr("render", "other.yaml", "--method", "kplus-array", "--set", "kk=5", "--out", "o.png")
