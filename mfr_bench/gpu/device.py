@@ -14,6 +14,7 @@ from . import trials
 from .context import Device, Trials
 from .egl import EglDevice, egl_devices, library
 from .rawgl import RawGL
+from .visible import Visible, visible
 
 GL_MINIMUM = 430
 INSTALL = "sudo apt-get install -y libegl1 libgl1 libgl1-mesa-dri"
@@ -89,13 +90,16 @@ def open_device(want: str = "auto") -> Device:
     """Open a headless OpenGL device.
 
     `want` is `gpu`, `cpu` (a software driver), `auto` (a GPU where there is one), or in this order the index, UUID or
-    PCI address of an EGL device, or a part of its renderer's name. A device that cannot be opened hides no other.
+    PCI address of an EGL device, or a part of its renderer's name. A device that cannot be opened hides no other. Of
+    `gpu` and `auto` the GPU is one of those that CUDA_VISIBLE_DEVICES or Slurm give this process, if they give any.
     Raises DeviceError with what to install where there is no driver, and UnknownDeviceError with what there is where
     none matches.
     """
     entries = _entries()
     exact = [e for e in entries if want.lower() in (str(e.index), e.uuid, e.pci)]
+    given = visible() if want in ("auto", "gpu") else None
     tried: list[Listed] = []
+    unsure: list[Listed] = []  # GPUs of which nothing tells whether they are given
     spare: EglDevice | None = None  # a software driver, where a GPU is better
     for entry in exact or entries:
         try:
@@ -108,12 +112,34 @@ def open_device(want: str = "auto") -> Device:
         if want.lower() in (device.info["uuid"], device.info["pci"]) or exact:
             return device
         if seen.matches(want) and (want != "auto" or device.kind == "gpu"):
-            return device
-        spare = spare or (entry if want == "auto" else None)
+            admitted = given is None or given.admits(device.info["uuid"], device.info["pci"], entry.cuda)
+            if admitted:
+                return device
+            unsure += [seen] if admitted is None else []
+        elif want == "auto":
+            spare = spare or entry
         device.release()
-    if spare:
-        return _opened(spare)
-    raise _none_matches(want, tried)
+    if given and len(unsure) > 1:
+        raise _cannot_tell(given, unsure)
+    if unsure or spare:
+        return _opened(next(e for e in entries if e.index == unsure[0].index) if unsure else spare)
+    raise _none_given(given, tried) if given else _none_matches(want, tried)
+
+
+def _cannot_tell(given: Visible, unsure: Sequence[Listed]) -> DeviceError:
+    there = "; ".join(f"{each.index} {each.info['renderer']}" for each in unsure)
+    return UnknownDeviceError(
+        f"{given.said}: which of EGL's devices that is, the driver does not tell (UUID, PCI address, "
+        f"EGL_NV_device_cuda); allowed: --device with an index of: {there}; see mfr-bench doctor")
+
+
+def _none_given(given: Visible, tried: Sequence[Listed]) -> DeviceError:
+    if given.parts:
+        return DeviceError(f"{given.said}: a part of a GPU (MIG), which has no OpenGL; allowed: a whole GPU")
+    there = "; ".join(f"{each.index} {each.info['renderer']}" for each in tried if not each.trouble)
+    return UnknownDeviceError(
+        f"{given.said}: gives this process no GPU of those that EGL can open ({there or 'none'}); allowed: another "
+        "value, --device cpu, or --device with an index, UUID or PCI address")
 
 
 def _none_matches(want: str, tried: Sequence[Listed]) -> DeviceError:

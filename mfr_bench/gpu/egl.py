@@ -13,6 +13,7 @@ from typing import Any
 
 MOST_DEVICES = 64
 DEVICE_UUID, DRM_DEVICE_FILE, DRM_RENDER_NODE = 0x335C, 0x3233, 0x3377
+EXTENSIONS, CUDA_DEVICE, CUDA_EXTENSION = 0x3055, 0x323A, "EGL_NV_device_cuda"
 UUID_BYTES = 16
 PCI = re.compile(r"[0-9a-f]{4}:[0-9a-f]{2}:[0-9a-f]{2}\.[0-7]")
 LIBRARY = "libEGL.so.1"
@@ -20,12 +21,16 @@ LIBRARY = "libEGL.so.1"
 
 @dataclass(frozen=True)
 class EglDevice:
-    """One entry of EGL's list; None where the driver does not tell. `uuid` is as Vulkan and CUDA write it."""
+    """One entry of EGL's list; None where the driver does not tell. `uuid` is as Vulkan and CUDA write it.
+
+    cuda: its number among CUDA's devices.
+    """
 
     index: int
     uuid: str | None = None
     pci: str | None = None  # domain:bus:device.function
     node: str | None = None  # the device file that a user needs permission for
+    cuda: int | None = None
 
 
 def library() -> str:
@@ -61,7 +66,17 @@ def _described(egl: ctypes.CDLL, index: int, handle: int) -> EglDevice:
     text = _function(egl, "eglQueryDeviceStringEXT", ctypes.c_void_p, ctypes.c_int, result=ctypes.c_char_p)
     files = [found.decode() for name in (DRM_RENDER_NODE, DRM_DEVICE_FILE) if text and (found := text(handle, name))]
     return EglDevice(index, _uuid(egl, handle), next(filter(None, map(pci_address, files)), None),
-                     files[0] if files else None)
+                     files[0] if files else None, _cuda(egl, handle, text))
+
+
+def _cuda(egl: ctypes.CDLL, handle: int, text: Callable | None) -> int | None:
+    """The CUDA number of a device, where EGL_NV_device_cuda tells it."""
+    if not text or CUDA_EXTENSION not in (text(handle, EXTENSIONS) or b"").decode().split():
+        return None
+    attribute = _function(egl, "eglQueryDeviceAttribEXT", ctypes.c_void_p, ctypes.c_int,
+                          ctypes.POINTER(ctypes.c_ssize_t))
+    number = ctypes.c_ssize_t()
+    return int(number.value) if attribute and attribute(handle, CUDA_DEVICE, ctypes.byref(number)) else None
 
 
 def _uuid(egl: ctypes.CDLL, handle: int) -> str | None:

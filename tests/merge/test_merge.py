@@ -11,6 +11,8 @@ import pytest
 
 from mfr_bench.errors import UsageError
 from mfr_bench.merge import merged_sets, write_set
+from mfr_bench.report.data import load
+from mfr_bench.report.tables.pages import _sections
 from mfr_bench.store import ResultFolder
 from mfr_bench.store.record import cell_key
 
@@ -167,6 +169,10 @@ def test_samples_of_devices_that_differ_are_kept_apart(tmp_path):
     assert "differ by more than 5%" in write_set(sets[0]).said[0]
     merged = ResultFolder(tmp_path / "all")
     (found,) = merged.cells()
+    (grid,) = [g for g in _sections(load(merged), passes=False) if g.title == "Equal devices"]
+    assert [row[:3] for row in grid.rows] == [("uuid-1", "1", "1"), ("uuid-2", "1", "1")]
+    ratios = sorted(float(row[3]) for row in grid.rows)
+    assert ratios == pytest.approx([0.8, 1.2], abs=0.02)
     assert found["values"]["samples"] == 41 and len(merged.replicates()[found["key"]]) == 2
 
 

@@ -4,6 +4,7 @@
     fields   what a field says of a point
     blocks   tables of measures, methods by the values of an axis
     places   whose place among the methods changes along an axis
+    nodes    equal devices of one folder, and how far apart they are
     checks   tables of images, of what breaks, of the paper's numbers
     pages    all tables as text, and as results.md
     files    the files in tables/

@@ -11,6 +11,7 @@ from ..data import Point, Result
 from .blocks import blocks_of
 from .checks import breaking_grids, image_grid, printed_grid
 from .grid import Grid
+from .nodes import nodes_grid
 from .places import places_grids
 
 WIDTH = 120  # columns of a terminal
@@ -59,7 +60,7 @@ def _wrapped(lines: Iterable[str], width: int) -> list[str]:
 
 def _sections(result: Result, passes: bool) -> list[Grid]:
     blocks = blocks_of(result)
-    grids = [*breaking_grids(result), image_grid(result)]
+    grids = [*breaking_grids(result), image_grid(result), nodes_grid(result)]
     grids += [grid for block in blocks for grid in block.measure_grids()]
     grids += places_grids(result, blocks)
     grids += [block.pass_grid() for block in blocks] if passes else []

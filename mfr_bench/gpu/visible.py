@@ -1,0 +1,91 @@
+"""The GPUs that a scheduler or a user has given to this process: CUDA_VISIBLE_DEVICES, and Slurm's GRES.
+
+EGL numbers devices otherwise than CUDA and Slurm do, and lists those of others too. They are matched by UUID, by PCI
+address, or by the CUDA number that EGL_NV_device_cuda tells; where a driver tells none of these, nothing is guessed.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+CUDA, SLURM = "CUDA_VISIBLE_DEVICES", ("SLURM_STEP_GPUS", "SLURM_JOB_GPUS")
+NONE = ("", "-1", "nodevfiles")  # of CUDA_VISIBLE_DEVICES: no GPU
+NVIDIA = Path("/proc/driver/nvidia/gpus")  # a folder for each GPU, by its PCI address
+MINOR = re.compile(r"^Device Minor:\s*(\d+)", re.MULTILINE)
+UUID = re.compile(r"(?:gpu-)?([0-9a-f][0-9a-f-]*)")
+RANGE = re.compile(r"(\d+)(?:-(\d+))?")
+
+
+@dataclass(frozen=True)
+class Visible:
+    """What is given: UUIDs or their beginnings, PCI addresses, CUDA numbers. `said`: the variable with its value.
+
+    nothing: no GPU is. parts: a part of a GPU (MIG) is, which has no OpenGL of its own.
+    """
+
+    said: str
+    uuids: tuple[str, ...] = ()
+    pcis: tuple[str, ...] = ()
+    numbers: tuple[int, ...] = ()
+    nothing: bool = False
+    parts: bool = False
+
+    def admits(self, uuid: str | None, pci: str | None, number: int | None) -> bool | None:
+        """Whether a GPU is one of those; None where what is known of it does not tell.
+
+        uuid, pci, number: as EGL or GL have them; the last is the CUDA number.
+        """
+        if self.nothing or self.parts:
+            return False
+        known = [uuid.startswith(self.uuids) for _ in self.uuids[:1] if uuid]
+        known += [pci in self.pcis for _ in self.pcis[:1] if pci]
+        known += [number in self.numbers for _ in self.numbers[:1] if number is not None and not known]
+        return any(known) if known else None
+
+
+def visible(environ: Mapping[str, str] | None = None, nvidia: Path = NVIDIA) -> Visible | None:
+    """What the environment gives this process; None where it says nothing."""
+    found = os.environ if environ is None else environ
+    given = found.get(CUDA)
+    names = [] if given is None else [name.strip().lower() for name in given.split(",")]
+    said = f"{CUDA}={given}"
+    if given is not None and names[0] in NONE:
+        return Visible(said, nothing=True)
+    if any(name.startswith("mig-") for name in names):
+        return Visible(said, parts=True)
+    if names and not all(name.isdecimal() for name in names):
+        return Visible(said, uuids=tuple(match[1] for match in map(UUID.fullmatch, names) if match))
+    addresses = _addresses(nvidia)
+    for variable in SLURM:  # numbers of device files, whatever a job sees of them
+        if minors := _numbers(found.get(variable, "")):
+            pcis = tuple(addresses[minor] for minor in minors if minor in addresses)
+            return Visible(f"{variable}={found[variable]}", pcis=pcis, numbers=tuple(map(int, names)))
+    if not names:
+        return None
+    numbers = tuple(map(int, names))
+    ordered = sorted(addresses.values())
+    by_bus = found.get("CUDA_DEVICE_ORDER") == "PCI_BUS_ID"
+    return Visible(said, pcis=tuple(ordered[n] for n in numbers if by_bus and n < len(ordered)), numbers=numbers)
+
+
+def _numbers(text: str) -> list[int]:
+    """The numbers of '0,2-3'; none where it is no such list."""
+    found = [RANGE.fullmatch(part.strip()) for part in text.split(",")]
+    return [n for match in found for n in range(int(match[1]), int(match[2] or match[1]) + 1)] if all(found) else []
+
+
+def _addresses(nvidia: Path) -> dict[int, str]:
+    """PCI addresses of NVIDIA's GPUs by the number of the device file, /dev/nvidia<N>."""
+    found = {}
+    for path in sorted(nvidia.glob("*/information")):
+        try:
+            minor = MINOR.search(path.read_text(errors="replace"))
+        except OSError:
+            continue
+        if minor:
+            found[int(minor[1])] = path.parent.name.lower()
+    return found
