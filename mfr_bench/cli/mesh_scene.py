@@ -33,10 +33,13 @@ def overrides_of(mesh: str | None, fragments: str | None) -> list[str]:
 
 def fragment_overrides(file: str) -> list[str]:
     """Settings KEY=VALUE for recorded fragments, as they were submitted. Raises UsageError for a bad file."""
-    from ..scene.recording import viewport_of
+    from ..scene.recording import samples_of, viewport_of
 
     path = Path(file).absolute()
     scene = {"kind": "fragments", "file": str(path), "size": viewport_of(path), "order": "file"}
+    if (msaa := samples_of(path)) > 1:
+        scene["msaa"] = msaa
+        note(f"{path.name}: its coverage masks leave {msaa} samples a pixel; --set scene.msaa=1 leaves them out")
     return [f"name=fragments-{_name_of(path)}", f"title={json.dumps(f'Methods on {path.name}')}",
             f"scene={json.dumps(scene)}"]
 

@@ -29,7 +29,8 @@ def scene(config: str, out: str | None, fragments: str | None, profile: str | No
     pixels and window depth, rgba and object.
 
     With --fragments: viewport; and per fragment, in submission order, pixel, depth and rgba; of meshes object and
-    front as well. A config of kind fragments draws the file. Only slanted primitives and meshes need a device.
+    front as well; with scene.msaa above 1 coverage, the mask of the samples that it covers. A config of kind fragments
+    draws the file. Only slanted primitives and meshes need a device.
 
     \b
     Examples: mfr-bench scene smoke --set scene.layout=tiles --out scene.npz
@@ -50,11 +51,13 @@ def scene(config: str, out: str | None, fragments: str | None, profile: str | No
     if device != "auto":
         _require(device)
     scene_of_cell = expand(first_experiment(config, profile, overrides), catalog())[0].scene
+    in_samples = {"msaa": scene_of_cell.msaa}
     made = generate(replace(scene_of_cell, **DEFAULTS))  # colours stand as they are, whatever an effect puts there
     if out:
         _write_primitives(made, out)
     if fragments:
-        _write_fragments(made, fragments, device)
+        drawn = generate(replace(scene_of_cell, **DEFAULTS | in_samples)) if scene_of_cell.msaa > 1 else made
+        _write_fragments(made, drawn, fragments, device)
 
 
 def _require(device: str) -> None:
@@ -80,18 +83,23 @@ def _write_primitives(made, out: str) -> None:
     say(f"{out}: {len(made)} {made.geometry}s for {made.viewport[0]} x {made.viewport[1]} pixels")
 
 
-def _write_fragments(made, out: str, device: str) -> None:
+def _write_fragments(made, drawn, out: str, device: str) -> None:
+    """Write the fragments of `drawn`, the scene in as many samples as it has, with the colours of `made`."""
     from ..oracle.listed import recorded_quads
     from ..scene.quads import Quads
     from ..store import write_file
 
-    found = recorded_quads(made) if isinstance(made, Quads) else _captured(made, device)
+    msaa = drawn.effect.msaa
+    if isinstance(drawn, Quads):
+        found = recorded_quads(replace(drawn, rgba=made.rgba), msaa)
+    else:
+        found = _captured(made, drawn, device)
     write_file(Path(out), found.packed())
     say(f"{out}: {len(found)} fragments for {made.viewport[0]} x {made.viewport[1]} pixels")
 
 
-def _captured(made, device: str):
-    """The fragments that a device makes of the primitives."""
+def _captured(made, drawn, device: str):
+    """The fragments that a device makes of the primitives of `drawn`, with the colours of `made`."""
     from ..gpu.capture import capture
     from ..gpu.device import open_device
     from ..gpu.single import shown
@@ -99,5 +107,5 @@ def _captured(made, device: str):
 
     with Interruption(device_here=True):
         opened = open_device(device)
-        with shown(opened, made) as on:
-            return recorded(capture(opened, on.scene_buffer, on.canvas))
+        with shown(opened, drawn) as on:
+            return recorded(capture(opened, on.scene_buffer, on.canvas), made)

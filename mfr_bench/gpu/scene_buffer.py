@@ -48,9 +48,10 @@ class Layout:
 
 COLOUR = Attribute("in_rgba", "4f1", "4x", ("rgba", "u1", 4))
 TRIANGLE = Layout(TRIANGLES, 3, True, (Attribute("in_corner", "4f", "16x", ("corner", "<f4", 4)), COLOUR))
+QUAD = Layout(TRIANGLE_STRIP, 4, False, (Attribute("in_rect", "4i", "16x", ("rect", "<i4", 4)),
+                                         Attribute("in_depth", "1f", "4x", ("depth", "<f4")), COLOUR))
 LAYOUTS: Mapping[str, Layout] = {
-    "quad": Layout(TRIANGLE_STRIP, 4, False, (Attribute("in_rect", "4i", "16x", ("rect", "<i4", 4)),
-                                              Attribute("in_depth", "1f", "4x", ("depth", "<f4")), COLOUR)),
+    "quad": QUAD, "masked": QUAD,
     "strip": Layout(TRIANGLE_STRIP, 4, False, (*(Attribute(f"in_corner{i}", "4f", "16x", (f"corner{i}", "<f4", 4))
                                                  for i in range(4)), COLOUR)),
     "triangle": TRIANGLE, "reversed": TRIANGLE,
@@ -171,7 +172,7 @@ def _packed(scene: Geometry) -> bytes:
 
 def _fields(scene: Geometry) -> dict[str, np.ndarray]:
     """The fields of the records by name."""
-    if scene.geometry == "quad":
+    if LAYOUTS[scene.geometry] is QUAD:
         return {"rect": scene.rect, "depth": scene.depth, "rgba": scene.rgba}
     if LAYOUTS[scene.geometry].per_vertex:
         return {"corner": scene.position.reshape(-1, 4), "rgba": np.repeat(scene.rgba, 3, axis=0)}

@@ -43,26 +43,35 @@ def listed(scene: Quads) -> Fragments:
     return Fragments.of(scene, counts, (scene.depth[primitive] + np.float32(0)).view(np.uint32), primitive)
 
 
-def recorded(fragments: Fragments) -> Recording:
-    """The fragments in the order of submission, those of one primitive row by row."""
-    pixel = np.repeat(np.arange(fragments.counts.size), fragments.counts.ravel())
+def recorded(fragments: Fragments, scene: Geometry | None = None) -> Recording:
+    """The fragments in the order of submission, those of one primitive row by row.
+
+    scene: the same primitives with the colours that are recorded; None: those that the fragments are of.
+    """
+    pixel = fragments.of_pixels()
     order = np.lexsort((pixel, fragments.primitive))
     depth, primitive = fragments.depth[order].view(np.float32), fragments.primitive[order]
-    return _recording(fragments.scene, pixel[order], depth, primitive)
+    masks = None if fragments.masks is None else fragments.masks[order]
+    return _recording(scene or fragments.scene, pixel[order], depth, primitive, masks)
 
 
-def recorded_quads(scene: Quads) -> Recording:
-    """The fragments of flat quads in the order of submission, without a device."""
+def recorded_quads(scene: Quads, msaa: int = 1) -> Recording:
+    """The fragments of flat quads in the order of submission, without a device, in so many samples a pixel."""
     pixel, quad = fragments_of(scene)
-    return _recording(scene, pixel, scene.depth[quad], quad)
+    masks = None
+    if msaa > 1:
+        whole = np.full(len(scene), (1 << msaa) - 1, dtype=np.uint8)
+        masks = getattr(scene, "coverage", whole)[quad]
+    return _recording(scene, pixel, scene.depth[quad], quad, masks)
 
 
-def _recording(scene: Geometry, pixel: np.ndarray, depth: np.ndarray, primitive: np.ndarray) -> Recording:
-    """The fragments of these pixels, which are counted row by row, depths and primitives."""
+def _recording(scene: Geometry, pixel: np.ndarray, depth: np.ndarray, primitive: np.ndarray,
+               masks: np.ndarray | None) -> Recording:
+    """The fragments of these pixels, which are counted row by row, depths, primitives and coverage masks."""
     objects, front = getattr(scene, "object", None), getattr(scene, "front", None)
     if isinstance(scene, Triangles):
         front = facing(scene.position.astype(np.float64)) >= 0
     row, column = np.divmod(pixel, scene.viewport[0])
     return Recording(scene.viewport, np.stack([column, row], axis=-1).astype(np.int32), depth + np.float32(0),
                      scene.rgba[primitive], None if objects is None else objects[primitive],
-                     None if front is None else front[primitive])
+                     None if front is None else front[primitive], masks)

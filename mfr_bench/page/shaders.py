@@ -16,7 +16,7 @@ from ..methods import catalog
 from ..methods.spec import Variant
 from ..report.data import Point
 
-GEOMETRIES = ("quad", "strip", "triangle", "reversed")  # by which a cell's hash may have been taken
+GEOMETRIES = ("quad", "strip", "triangle", "reversed", "masked")  # by which a cell's hash may have been taken
 
 
 @dataclass(frozen=True)

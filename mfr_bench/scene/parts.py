@@ -11,6 +11,7 @@ from ..effects.word import OBJECTS, packed
 from ..errors import UsageError
 from .geometry import Geometry
 from .meshes.view import facing
+from .pieces import MaskedPieces
 from .triangles import Triangles
 
 DARKEST = 0.3  # of the light on a face, seen from its edge
@@ -29,8 +30,9 @@ def with_effect(made: Geometry, settings: Settings) -> Geometry:
 
 
 def in_samples(made: Geometry, settings: Settings) -> Geometry:
-    """The scene in several samples a pixel, with payloads that have room for coverage masks."""
-    return replace(made, effect=settings, rgba=coverage.packed(made.rgba))
+    """The scene in several samples a pixel, with payloads that have room for coverage masks, or have them already."""
+    masks = made.coverage if isinstance(made, MaskedPieces) else coverage.ALL_SAMPLES
+    return replace(made, effect=settings, rgba=coverage.packed(made.rgba, masks))
 
 
 def _parts_of(made: Geometry, settings: Settings) -> tuple[np.ndarray, np.ndarray]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,3 +20,15 @@ class Pieces(Quads):
 
     object: np.ndarray | None = None
     front: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class MaskedPieces(Pieces):
+    """Small quads that cover those samples of their pixels that their masks say, whatever a device rasterizes.
+
+    coverage: uint8 (n,), a bit for each sample.
+    """
+
+    geometry: ClassVar[str] = "masked"
+
+    coverage: np.ndarray = field(kw_only=True)

@@ -11,15 +11,17 @@ from pathlib import Path
 
 import numpy as np
 
+from ..effects import MSAA
 from ..errors import UsageError
 from . import files, npz
 from .flat import submission
 from .parameters import Scene
-from .pieces import Pieces
+from .pieces import MaskedPieces, Pieces
 from .spec.values import MAX_SIDE
 
 WANTED = "an .npz of recorded fragments (docs/recording.md)"
 AGAIN = f"{WANTED}; record it again"
+NO_MASKS = "no array coverage, which msaa above 1 needs; allowed: msaa 1, or a recording with coverage masks"
 MEMORY_PER_BYTE = 8  # bytes of memory that a scene and its oracle take for each byte of the arrays
 MEMORY_MB = 4096.0  # most memory for recorded fragments
 
@@ -30,6 +32,7 @@ class Recording:
 
     viewport: width and height in pixels. pixel: int32 (F, 2), x y from the lower left. depth: float32 (F,), window
     space, 0 nearest. rgba: uint8 (F, 4), straight alpha. object: int32 (F,) or None. front: bool (F,) or None.
+    coverage: uint8 (F,) or None, a bit for each sample of the pixel that a fragment covers.
     """
 
     viewport: tuple[int, int]
@@ -38,6 +41,7 @@ class Recording:
     rgba: np.ndarray
     object: np.ndarray | None = None
     front: np.ndarray | None = None
+    coverage: np.ndarray | None = None
 
     def __len__(self) -> int:
         return len(self.depth)
@@ -50,7 +54,7 @@ class Recording:
 
     def packed(self) -> bytes:
         """The recording as an .npz."""
-        optional = {name: values for name in ("object", "front") if (values := getattr(self, name)) is not None}
+        optional = {name: values for name in OPTIONAL if (values := getattr(self, name)) is not None}
         data = io.BytesIO()
         np.savez_compressed(data, viewport=np.array(self.viewport, np.int32), pixel=self.pixel, depth=self.depth,
                             rgba=self.rgba, **optional)
@@ -97,7 +101,10 @@ NEEDED: Mapping[str, Stored] = {
     "depth": Stored(("float32",), None, _no_depth, "a number from 0 to 1"),
     "rgba": Stored(("uint8",), 4),
 }
-OPTIONAL: Mapping[str, Stored] = {"object": Stored(WHOLE), "front": Stored(("bool",))}
+OPTIONAL: Mapping[str, Stored] = {
+    "object": Stored(WHOLE), "front": Stored(("bool",)),
+    "coverage": Stored(("uint8",), None, lambda masks, _viewport: masks == 0, "a bit for each sample, one at least"),
+}
 
 
 def fragments(config: Scene, _frame: int = 0) -> Pieces:
@@ -106,8 +113,22 @@ def fragments(config: Scene, _frame: int = 0) -> Pieces:
     order = _order(config, made.depth)
     pixel = made.pixel[order]
     object_, front = (None if values is None else values[order] for values in (made.object, made.front))
-    return Pieces(made.viewport, np.hstack([pixel, pixel + 1]), made.depth[order], made.rgba[order], 1.0, config.seed,
-                  object=object_, front=front)
+    quads = made.viewport, np.hstack([pixel, pixel + 1]), made.depth[order], made.rgba[order], 1.0, config.seed
+    if config.msaa == 1:
+        return Pieces(*quads, object=object_, front=front)
+    return MaskedPieces(*quads, object=object_, front=front, coverage=_masks(config, made)[order])
+
+
+def _masks(config: Scene, made: Recording) -> np.ndarray:
+    """uint8 (F,): the coverage masks. Raises UsageError where they have samples that a pixel has not."""
+    if made.coverage is None:
+        raise UsageError(f"{config.file_path}: {NO_MASKS}")
+    beyond = made.coverage >> config.msaa > 0 if config.msaa < MSAA[-1] else np.zeros(len(made), dtype=bool)
+    if beyond.any():
+        at = int(np.argmax(beyond))
+        raise UsageError(f"{config.file_path}: coverage of fragment {at} is {made.coverage[at]}; allowed with msaa "
+                         f"{config.msaa}: 1 to {(1 << config.msaa) - 1}")
+    return made.coverage
 
 
 def _order(config: Scene, depth: np.ndarray) -> np.ndarray:
@@ -126,6 +147,21 @@ def viewport_of(path: Path) -> tuple[int, int]:
     files.stamp(path, WANTED)
     with npz.opened(path, AGAIN) as found:
         return _viewport(path, found)
+
+
+def has_masks(path: Path) -> bool:
+    """Whether a recording has coverage masks, without reading them."""
+    with npz.opened(path, AGAIN) as found:
+        return "coverage" in found
+
+
+def samples_of(path: Path) -> int:
+    """The fewest samples a pixel that the coverage masks of a recording leave; 1 where it has none."""
+    masks = recording_of(path).coverage
+    if masks is None:
+        return 1
+    most = int(masks.max(initial=1))
+    return next(count for count in MSAA[1:] if most < 1 << count)
 
 
 def digest(path: Path) -> str:
@@ -159,7 +195,8 @@ def _recording(path: Path, _stamped: tuple[int, int]) -> Recording:
         if fault:
             raise UsageError(f"{path}: {name} {fault}")
     return Recording(viewport, arrays["pixel"].astype(np.int32), _told_apart(arrays["depth"]), arrays["rgba"],
-                     arrays["object"].astype(np.int32) if "object" in arrays else None, arrays.get("front"))
+                     arrays["object"].astype(np.int32) if "object" in arrays else None, arrays.get("front"),
+                     arrays.get("coverage"))
 
 
 def _viewport(path: Path, found: Mapping[str, np.ndarray]) -> tuple[int, int]:

@@ -1,5 +1,6 @@
 """`methods`, `doctor`, `scene`, `render`, `shader`: what they print and write."""
 
+import csv
 import json
 import subprocess
 from pathlib import Path
@@ -158,6 +159,26 @@ def test_fragments_of_a_scene_are_a_scene(mfr, odd, here, config):
 
 OBJECT = ("name: object\nscene: {kind: needles, size: [48, 40], depth_complexity: 12}\n"
           "methods: [ab-array, kplus-array]\n")
+
+
+@pytest.mark.parametrize("config", ["odd", "object.yaml"])
+def test_fragments_in_samples_have_masks_and_colours_as_they_are(mfr, odd, here, device, config):
+    """Flat quads cover whole pixels, slanted primitives what the device says. A run takes the samples of the file."""
+    if "msaa_4" not in device.features:
+        pytest.skip("this device does not rasterize into 4 samples a pixel")
+    (here / "object.yaml").write_text(OBJECT)
+    ended = mfr("scene", odd if config == "odd" else config, "--set", "scene.msaa=4", "--fragments", "f.npz")
+    assert ended.status == 0, ended.err
+    with np.load(here / "f.npz") as found:
+        assert found["coverage"].dtype == np.uint8 and found["coverage"].max() == 15
+        assert (found["coverage"] == 15).all() == (config == "odd")
+        colours = first_scene(odd if config == "odd" else config).rgba
+        assert set(map(tuple, found["rgba"])) <= set(map(tuple, colours))
+    ended = mfr("run", "--fragments", "f.npz", "--only", "ab-array", "--set", "measure.time_limit_s=0.1",
+                "--out", "o")
+    assert ended.status == 0 and "4 samples a pixel" in ended.err
+    with (here / "o" / "results.csv").open(newline="") as rows:
+        assert {row["msaa"] for row in csv.DictReader(rows)} == {"4"}
 
 
 def test_slanted_primitives_are_corners(mfr, here):

@@ -18,7 +18,7 @@ from .cases import every_method, variants
 SIZES = expected_stats(Scene(size=(64, 48), depth_complexity=40, pixel_density=0.5))
 IN_SAMPLES = replace(SIZES, geometry="reversed", shading=1, effect=Settings(msaa=8))
 OF_ONE_SAMPLE = {"blended", "one_sample", "unmasked"}  # facts that a scene in samples has not
-GEOMETRIES = ("quad", "strip", "triangle", "reversed")
+GEOMETRIES = ("quad", "strip", "triangle", "reversed", "masked")
 
 
 def texts(method):

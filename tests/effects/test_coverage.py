@@ -169,7 +169,7 @@ def test_a_device_with_these_samples_passes_the_trial(device):
         assert tried(device, count)[0], tried(device, count)[1]
 
 
-@pytest.mark.parametrize(("method", "fact"), [("peel-f2b", "blended"), ("wboit", "blended"), ("zbuffer", "one_sample"),
+@pytest.mark.parametrize(("method", "fact"), [("peel-f2b", "blended"), ("wboit", "blended"), ("zbuffer", "blended"),
                                               ("kb-sr", "one_sample"), ("kb-mdt32", "unmasked"),
                                               ("ab-ll-bucket", "blended")])
 def test_what_cannot_is_unsupported_and_says_why(method, fact):

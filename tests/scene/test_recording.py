@@ -11,6 +11,7 @@ from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.errors import UsageError
 from mfr_bench.gpu.capture import capture
 from mfr_bench.gpu.single import shown
+from mfr_bench.gpu.targets import BareFramebuffer
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Promise
 from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
@@ -18,7 +19,7 @@ from mfr_bench.oracle.listed import counts_of, listed, recorded, recorded_quads
 from mfr_bench.plan import expand, expected_stats
 from mfr_bench.resources import configs_dir
 from mfr_bench.scene import generate
-from mfr_bench.scene.recording import Recording, recording_of
+from mfr_bench.scene.recording import Recording, recording_of, samples_of
 
 FLAT = [SceneConfig(size=(97, 71), depth_complexity=9, layout="mixed", mean_depth=5, seed=4),
         SceneConfig(size=(97, 71), depth_complexity=9, layout="tiles", pixel_density=0.5, fragment_probability=0.4),
@@ -198,18 +199,22 @@ def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
-def test_the_shader_of_the_page_records_a_file_that_is_drawn(device, scene_of, tmp_path):
-    """Two draw calls of two triangles each, of which the second shows its back: 16 + 16 fragments."""
+@pytest.mark.parametrize("samples", [1, 4])
+def test_the_shader_of_the_page_records_a_file_that_is_drawn(samples, device, scene_of, tmp_path):
+    """Two draw calls of two triangles each, of which the second shows its back: 16 fragments, 4 twice in samples."""
+    if samples > 1 and f"msaa_{samples}" not in device.features:
+        pytest.skip(f"this device does not rasterize into {samples} samples a pixel")
+    each = 16 if samples == 1 else 20
     shader, = blocks("glsl")
     script, = blocks("python")
     held = {}
     exec(compile(script, str(PAGE), "exec"), held)  # noqa: S102 - the page's own code
     ctx = device.ctx
     program = ctx.program(vertex_shader=VERTICES, fragment_shader=shader)
-    count, nodes = ctx.buffer(reserve=4), ctx.buffer(reserve=20 * 64)
+    count, nodes = ctx.buffer(reserve=4), ctx.buffer(reserve=24 * 64)
     count.write(bytes(4))
-    target = ctx.framebuffer([ctx.renderbuffer((4, 4))])
-    target.use()
+    target = BareFramebuffer(device.gl, (4, 4), samples)
+    target.use(colour=False, depth=False)
     ctx.disable(moderngl.CULL_FACE)
     corners = np.float32([[-1, -1], [1, -1], [-1, 1], [1, 1]])
     program["capacity"] = 64
@@ -224,15 +229,16 @@ def test_the_shader_of_the_page_records_a_file_that_is_drawn(device, scene_of, t
     ctx.memory_barrier()
     found = int(np.frombuffer(count.read(), np.uint32)[0])
     path = tmp_path / "page.npz"
-    held["write_fragments"](path, (4, 4), found, nodes.read())
+    held["write_fragments"](path, (4, 4), found, nodes.read(), samples)
     read = recording_of(path)
-    assert found == len(read) == 32
-    assert read.object.tolist() == [0] * 16 + [1] * 16
-    assert read.front.tolist() == [True] * 16 + [False] * 16
-    assert set(map(float, read.depth[:16])) == {0.75} and set(map(float, read.depth[16:])) == {0.25}
-    with shown(device, generate(scene_of(path, size=(4, 4)))) as on:
+    assert found == len(read) == 2 * each
+    assert read.object.tolist() == [0] * each + [1] * each
+    assert read.front.tolist() == [True] * each + [False] * each
+    assert set(map(float, read.depth[:each])) == {0.75} and set(map(float, read.depth[each:])) == {0.25}
+    assert samples_of(path) == samples
+    with shown(device, generate(scene_of(path, f"order: file, msaa: {samples}", size=(4, 4)))) as on:
         image = on.render(catalog()["ab-array"].variant({}))
-    a, b = 64 / 255, 128 / 255
+    a, b = (64 / 255, 128 / 255) if samples == 1 else (16 / 63, 32 / 63)
     np.testing.assert_allclose(image[0, 0], [(1 - a) * b, a, 0, 1 - (1 - a) * (1 - b)], atol=1e-6)
     for held_object in (count, nodes, target):
         held_object.release()

@@ -184,8 +184,8 @@ class Variant(_Stepped):
         facts = {
             "forward": any(step.kind == "geometry" and step.state.depth_test for step in self.passes),
             "blended": promises and not self.hands_on,
-            "one_sample": promises and any(step.kind == "geometry" and step.into for step in self.passes),
-            "unmasked": promises and self.method.loses_ties,
+            "one_sample": self.hands_on and any(step.kind == "geometry" and step.into for step in self.passes),
+            "unmasked": self.hands_on and self.method.loses_ties,
         }
         return tuple(chosen | dict.fromkeys(name for name, asked in facts.items() if asked))
 

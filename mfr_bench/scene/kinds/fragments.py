@@ -27,6 +27,14 @@ def _file_agrees(scene: CommonKeys) -> Fault | None:
     return None if viewport == tuple(scene.size) else (("scene.size", "scene.file"), what)
 
 
+def _has_masks(scene: CommonKeys) -> Fault | None:
+    """The file has coverage masks if pixels have several samples."""
+    if scene.msaa == 1 or not scene.file or _file_agrees(scene):
+        return None
+    found = KIND.module.has_masks(scene.file_path)
+    return None if found else (("scene.msaa", "scene.file"), f"{scene.file} has {KIND.module.NO_MASKS}")
+
+
 class Fragments(Kind):
     """Recorded fragments."""
 
@@ -39,7 +47,7 @@ class Fragments(Kind):
     has_objects = True
     orders = ("random", "front_to_back", "back_to_front", "file")
     unused = UNUSED
-    rules = (_has_a_file, _file_agrees)
+    rules = (_has_a_file, _file_agrees, _has_masks)
     rows = (Described("`fragments`", "fragments recorded elsewhere, each a quad of one pixel", "measured", "measured",
                       "what one renders"),)
     key_words = """\
@@ -48,7 +56,12 @@ class Fragments(Kind):
 - `order`: `file` as recorded, `random`, or by depth either way.
 - Depths, colours and opacities are those of the file. Pixels in which two fragments share a depth are left out of the
   errors, and counted in `tied_pixels`.
+- `msaa` above 1 takes the coverage masks of the file ([msaa.md](msaa.md)); on any device, since nothing is rasterized
+  into samples. With `msaa: 1` a fragment covers its pixel, whatever its mask.
 """
+
+    def geometry_of(self, scene: CommonKeys) -> str:
+        return "masked" if scene.msaa > 1 else self.geometry
 
     def primitives(self, scene: CommonKeys) -> int:
         return sum(count * pixels for count, pixels in enumerate(self.expected_counts(scene)))
