@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from ctypes.util import find_library
 from dataclasses import dataclass
 
@@ -123,7 +123,9 @@ def open_device(want: str = "auto") -> Device:
         raise _cannot_tell(given, unsure)
     if unsure or spare:
         return _opened(next(e for e in entries if e.index == unsure[0].index) if unsure else spare)
-    raise _none_given(given, tried) if given else _none_matches(want, tried)
+    if given:
+        raise _none_given(given, tried)
+    raise _none_matches(want, list_devices() if exact else tried, {e.index for e in exact})
 
 
 def _cannot_tell(given: Visible, unsure: Sequence[Listed]) -> DeviceError:
@@ -142,11 +144,13 @@ def _none_given(given: Visible, tried: Sequence[Listed]) -> DeviceError:
         "value, --device cpu, or --device with an index, UUID or PCI address")
 
 
-def _none_matches(want: str, tried: Sequence[Listed]) -> DeviceError:
-    usable = [f"{t.index} {t.info['renderer']}" for t in tried if not t.trouble]
+def _none_matches(want: str, found: Sequence[Listed], named: Collection[int] = ()) -> DeviceError:
+    """The error where no device can be opened that matches. `named`: the indices of those that `want` names."""
+    usable = [f"{t.index} {t.info['renderer']}" for t in found if not t.trouble]
     if usable:
+        why = "; ".join(f"it cannot be used: {t.trouble}" for t in found if t.trouble and t.index in named)
         return UnknownDeviceError(
-            f"--device {want}: no such device; allowed: auto, gpu, cpu, or an index, UUID, PCI address or part of "
-            f"the name of one of: {'; '.join(usable)}; see mfr-bench doctor")
-    trouble = "; ".join(f"EGL device {t.index}: {t.trouble}" for t in tried) or "no EGL device"
+            f"--device {want}: {why or 'no such device'}; allowed: auto, gpu, cpu, or an index, UUID, PCI address or "
+            f"part of the name of one of: {'; '.join(usable)}; see mfr-bench doctor")
+    trouble = "; ".join(f"EGL device {t.index}: {t.trouble}" for t in found) or "no EGL device"
     return DeviceError(f"no OpenGL {GL_MINIMUM / 100:.1f} device: {trouble}; install a driver: {INSTALL}")

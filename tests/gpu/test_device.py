@@ -106,11 +106,18 @@ def test_a_software_driver_is_taken_where_no_gpu_can_be_opened(machine, monkeypa
     ("radeon", "--device radeon: no such device; allowed: .* 1 NVIDIA H200; 2 NVIDIA H200; 3 llvmpipe"),
     ("9", "--device 9: no such device"),
     ("20", "--device 20: no such device"),  # an index that no device has, and a part of two names
-    ("0", r"no OpenGL 4\.3 device: EGL device 0: eglInitialize failed \(0x3001\); install a driver"),
+    ("0", r"--device 0: it cannot be used: eglInitialize failed \(0x3001\); allowed: .* 1 NVIDIA H200; .* 3 llvmpipe"),
 ])
 def test_a_device_that_is_not_there_is_told_with_those_that_are(machine, want, said):
     with pytest.raises(DeviceError, match=said):
         devices.open_device(want)
+
+
+def test_where_no_device_can_be_used_the_error_says_what_to_install(machine, monkeypatch):
+    monkeypatch.setattr(devices, "egl_devices", lambda: [EglDevice(0)])
+    for want in ("0", "auto"):
+        with pytest.raises(DeviceError, match=r"no OpenGL 4\.3 device: EGL device 0: eglInitialize .*; install a"):
+            devices.open_device(want)
 
 
 def test_every_device_is_listed_with_why_it_cannot_be_used(machine):
