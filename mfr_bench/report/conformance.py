@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from ..errors import StoreError, nearest
+from ..methods import FLOOR
 from ..methods.shared import STORED
 from ..methods.spec import Method, Variant
 from . import data
@@ -34,7 +35,7 @@ def conformance_page(results: Iterable[Result], catalog: Mapping[str, Method]) -
     variants = {label: _variant(catalog, points[0]) for label, points in series.items()}
     repeats = (p.cell["measure"].get("repeat_images") for points in series.values() for p in points)
     frames = max((count for count in repeats if isinstance(count, int)), default=1)
-    parts = [HEAD.format(frames=frames), *_about(results), "## All methods",
+    parts = [HEAD.format(frames=frames), *_about(results), _coverage(series), "## All methods",
              _grid(HEADER, [_row(variants[label], label, points) for label, points in series.items()]),
              "## Methods with a known failure",
              _grid(HAZARDS, [_hazard(variants[label], label, points) for label, points in series.items()
@@ -78,6 +79,14 @@ def _paragraph(name: str, axes: str, provenance: str, results: Sequence[Result])
     if unmeasured := sum(result.unmeasured for result in results):
         lines.append(f"{unmeasured} planned cells have no record yet.")
     return " ".join(lines)
+
+
+def _coverage(series: Mapping[str, Sequence[Point]]) -> str:
+    """Tell how many methods and variants, the floor aside, ran in every cell without a wrong image."""
+    methods = [points for points in series.values() if points[0].method != FLOOR]
+    whole = sum(all(p.ending.image == "right" for p in points) for points in methods)
+    return (f"{whole} of {len(methods)} methods and variants ran in every cell, and none of their images is wrong: "
+            f"{100 * whole / max(1, len(methods)):.1f} %.")
 
 
 def _grid(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:

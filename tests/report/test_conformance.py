@@ -44,6 +44,11 @@ def test_a_row_is_the_worst_of_all_cells(page):
     assert row(page, "All methods", "AB_Array")[3:8] == ["1", "0", "1", "0.50", "0"]
 
 
+def test_the_share_that_ran_everywhere_is_told(page):
+    """KB has a cell that was not run, AB_Array a wrong image."""
+    assert "0 of 2 methods and variants ran in every cell, and none of their images is wrong: 0.0 %." in page
+
+
 def test_results_in_pieces_are_told_as_one_and_no_cell_twice(tmp_path):
     floor = cell("floor", "Blending floor")
     made = [folder(tmp_path / name, [floor, cell(method, label)])
@@ -51,6 +56,7 @@ def test_results_in_pieces_are_told_as_one_and_no_cell_twice(tmp_path):
     page = conformance_page(map(load, made), catalog())
     assert page.count("`planted`, 3 cells") == page.count("`planted`, ") == 1
     assert row(page, "All methods", "Blending floor")[3] == "1"
+    assert "2 of 2 methods and variants ran in every cell, and none of their images is wrong: 100.0 %." in page
 
 
 def test_hazards_are_told_with_the_failure_that_is_known(page):
