@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise, takewhile
+from operator import mul
 from statistics import median
 
 Interval = tuple[float | None, float | None, float | None]  # low, median, high
@@ -51,7 +52,7 @@ def median_interval(samples: Sequence[float], confidence: float = 0.95) -> Inter
     The ends are None where there are too few samples for the confidence; all three are None without
     samples. Raises ValueError for a sample that is not finite.
     """
-    return _interval(samples, confidence, widened=1.0)
+    return _interval(_ordered(samples), confidence, widened=1.0)
 
 
 def sampled_interval(samples: Sequence[float], confidence: float = 0.95) -> Interval:
@@ -61,21 +62,34 @@ def sampled_interval(samples: Sequence[float], confidence: float = 0.95) -> Inte
     at lucky ones: each look errs in a share of LOOK_SHARE of what is allowed. And frames that follow one another are
     alike: the interval is that of as many independent samples as these are worth.
     """
-    return _interval(samples, 1 - LOOK_SHARE * (1 - confidence), math.sqrt(1 / _worth(samples)))
+    ordered = _ordered(samples)
+    worth = _worth(samples, _middle(ordered)) if len(ordered) > 1 else 1.0
+    return _interval(ordered, 1 - LOOK_SHARE * (1 - confidence), math.sqrt(1 / worth))
 
 
-def _interval(samples: Sequence[float], confidence: float, widened: float) -> Interval:
-    ordered = sorted(float(s) for s in samples)
+def _ordered(samples: Sequence[float]) -> list[float]:
+    """The samples, sorted. Raises ValueError where one is not finite."""
+    ordered = sorted(map(float, samples))
     if not all(map(math.isfinite, ordered)):
         raise ValueError("a sample is not finite")
+    return ordered
+
+
+def _middle(ordered: Sequence[float]) -> float:
+    """The median of sorted samples."""
+    half = len(ordered) // 2
+    return ordered[half] if len(ordered) % 2 else (ordered[half - 1] + ordered[half]) / 2
+
+
+def _interval(ordered: Sequence[float], confidence: float, widened: float) -> Interval:
     if not ordered:
         return None, None, None
     position = interval_position(len(ordered), round(confidence, 6))
     if position is None:
-        return None, median(ordered), None
+        return None, _middle(ordered), None
     middle = (len(ordered) + 1) / 2
     position = max(1.0, middle - (middle - position) * widened)
-    return _at(ordered, position), median(ordered), _at(ordered, len(ordered) + 1 - position)
+    return _at(ordered, position), _middle(ordered), _at(ordered, len(ordered) + 1 - position)
 
 
 def _at(ordered: Sequence[float], position: float) -> float:
@@ -85,17 +99,14 @@ def _at(ordered: Sequence[float], position: float) -> float:
     return low if low == high else min(high, max(low, low + (position - rank) * (high - low)))
 
 
-def _worth(samples: Sequence[float]) -> float:
+def _worth(samples: Sequence[float], middle: float) -> float:
     """Independent samples that each of these is worth: (1 - r)/(1 + r), r the correlation of neighbours' signs.
 
-    A sample's sign is its side of the median. What is within CHANCE of no correlation counts as none, and so does a
-    negative one.
+    A sample's sign is its side of the median, `middle`. What is within CHANCE of no correlation counts as none, and so
+    does a negative one.
     """
-    if len(samples) < 2:
-        return 1.0
-    middle = median(samples)
     signs = [(s > middle) - (s < middle) for s in samples]
-    mean = (sum(a * b for a, b in pairwise(signs)) + 1) / len(signs)  # -1/n is what independent samples come to
+    mean = (sum(map(mul, signs, signs[1:])) + 1) / len(signs)  # -1/n is what independent samples come to
     r = min(0.9, max(0.0, mean - CHANCE / math.sqrt(len(signs))))
     return (1 - r) / (1 + r)
 

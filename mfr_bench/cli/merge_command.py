@@ -52,6 +52,6 @@ def _written(merged) -> tuple[list[str], list[str]]:
 
     with merged.folder.lock() as unlocked:
         written = write_set(merged)
-    write_tables_of(merged.folder)
+    write_tables_of(merged.folder, written.records)
     counts = f"cells: {written.cells}, new: {written.new}, merged folders: {written.folders}"
     return [unlocked] if unlocked else [], [*written.said, f"{merged.folder.path}: {counts}"]

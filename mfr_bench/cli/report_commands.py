@@ -26,12 +26,12 @@ def write_report(folder) -> list[Path]:
     return [*write_tables_of(folder), *write_figures(folder)]
 
 
-def write_tables_of(folder) -> list[Path]:
-    """The CSV files and tables of a result folder."""
+def write_tables_of(folder, cells=None) -> list[Path]:
+    """The CSV files and tables of a result folder; cells: its records, which are read unless given."""
     from ..report import write_tables
     from ..store import derive
 
-    cells = folder.cells()
+    cells = folder.cells() if cells is None else cells
     derive(folder, cells)
     return write_tables(folder, cells)
 

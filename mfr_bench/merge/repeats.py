@@ -9,7 +9,7 @@ from itertools import combinations
 from typing import Any
 
 from ..stats import ratio_interval, sampled_interval
-from ..store.record import NODE, parsed, text
+from ..store.record import NODE, Cell, parsed, text
 from .copies import Copy, Source
 
 EQUIVALENT = 0.05  # relative: samples are added up where the interval of every ratio lies within it
@@ -17,8 +17,9 @@ EQUIVALENT = 0.05  # relative: samples are added up where the interval of every 
 
 @dataclass(frozen=True)
 class Settled:
-    """The outcome of a key: content of its cell and arrays, the records that it was made of, and a line on that."""
+    """The outcome of a key: its cell with content and arrays, the records that it was made of, and a line on that."""
 
+    cell: Cell
     content: bytes
     arrays: bytes | None
     originals: tuple[bytes, ...] = ()  # where several devices measured it
@@ -35,7 +36,7 @@ def settled(key: str, copies: Sequence[Copy], replicates: Sequence[bytes], targe
     parts = {copy.digest: copy for copy in (*earlier, *copies) if copy.digest not in made}
     ordered = [copy for _, copy in sorted(parts.items())]
     if len(ordered) == 1:
-        return Settled(ordered[0].content, ordered[0].arrays)
+        return Settled(ordered[0].cell, ordered[0].content, ordered[0].arrays)
     if wrong := _contradiction(key, ordered):
         return wrong
     contents = tuple(copy.content for copy in ordered)
@@ -44,7 +45,7 @@ def settled(key: str, copies: Sequence[Copy], replicates: Sequence[bytes], targe
            f"{len(contents)} devices differ by more than {EQUIVALENT:.0%}: the one with most samples stands, "
            "the others are kept in replicates/")
     arrays = next((copy.arrays for copy in sorted(copies, key=lambda c: c.digest) if copy.arrays), None)
-    return Settled(content, arrays, contents, f"cell {key}: {how}")
+    return Settled(parsed(content), content, arrays, contents, f"cell {key}: {how}")
 
 
 def _made_of(earlier: Sequence[Copy]) -> set[str]:

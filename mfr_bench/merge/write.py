@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..store import Cell
 from ..store.pack import remove, write_pack
 from .plan import Merged, decide, refuse
 
@@ -18,13 +19,15 @@ DESIGN = ("scene", "params", "sweep", "zip", "methods", "measure")  # what makes
 class Written:
     """The number of cells that a set has now, of those that are new in its folder, and of the folders merged.
 
-    said: a line for each cell that several devices measured.
+    said: a line for each cell that several devices measured. records: the cells, as `ResultFolder.cells` gives them,
+    where the merge read every file of the folder.
     """
 
     cells: int
     new: int
     folders: int
     said: tuple[str, ...]
+    records: list[Cell] | None
 
 
 def write_set(merged: Merged) -> Written:
@@ -53,7 +56,8 @@ def write_set(merged: Merged) -> Written:
     if manifest != folder.manifest():
         folder.write_manifest(manifest)
     return Written(len(decided.cells), sum(name.endswith(".json") and name not in there for name in new),
-                   len(decided.sources), tuple(cell.said for cell in decided.cells.values() if cell.said))
+                   len(decided.sources), tuple(cell.said for cell in decided.cells.values() if cell.said),
+                   None if decided.left_out else folder.in_order([cell.cell for cell in decided.cells.values()]))
 
 
 def joined_manifest(manifests: Iterable[Mapping[str, Any]]) -> dict[str, Any]:

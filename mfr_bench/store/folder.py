@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -118,10 +118,19 @@ class ResultFolder:
 
     def cells(self) -> list[Cell]:
         """Every usable cell: those of the manifest in its order, then the others by key."""
-        found = [name.removesuffix(".json") for name in self.names() if KEY_FILE.fullmatch(name)]
-        planned = {k: i for i, k in enumerate(map(str, self.manifest().get("cells", [])))}
-        found.sort(key=lambda k: (planned.get(k, len(planned)), k))
+        found = sorted((name.removesuffix(".json") for name in self.names() if KEY_FILE.fullmatch(name)),
+                       key=self._place())
         return [cell for cell in map(self.cell, found) if cell is not None]
+
+    def in_order(self, records: Iterable[Cell]) -> list[Cell]:
+        """Sound records of this folder as `cells` gives them."""
+        place = self._place()
+        return [decoded(record) for record in sorted(records, key=lambda record: place(record["key"]))]
+
+    def _place(self) -> Callable[[str], tuple[int, str]]:
+        """The place of a key: in the manifest's order, then those that it has not."""
+        planned = {key: i for i, key in enumerate(map(str, self.manifest().get("cells", [])))}
+        return lambda key: (planned.get(key, len(planned)), key)
 
     def content(self, name: str) -> bytes:
         """A file of the cells, loose or packed. Raises FileNotFoundError, OSError, ValueError (damaged in the pack)."""
