@@ -94,6 +94,46 @@ def test_a_frame_faster_than_the_device_fills_is_odd(tmp_path):
     assert "filling its pixels 5 ms at least" in found
 
 
+@pytest.mark.parametrize(("memory", "odd"), [(2**31, 1), (2**27, 0)])
+def test_a_frame_faster_than_memory_takes_what_it_keeps_is_odd(tmp_path, memory, odd):
+    values = {"time_ms": 10.0, "fragments": 2**28, "hit_ratio": 1.0, "memory_bytes": memory}
+    found = findings(tmp_path, folder(tmp_path / "n1", record("ab-array", values=values), **RATES))
+    assert found == ["its frame takes 10 ms, and writing the fragments that it keeps 53.7 ms at least"] * odd
+
+
+def test_an_error_far_below_every_other_device_is_odd_but_in_software(tmp_path):
+    others = [other_device(tmp_path / slug, slug, 0.2) for slug in ("card-b", "card-c")]
+    mine = folder(tmp_path / "n1", record("ab-array", values={"max_abs_error": 0.0}))
+    assert findings(tmp_path, mine, against=others) == ["its error is 0, that of 2 other devices 0.2 at least"]
+    cpu = DEVICE | {"slug": "cpu", "renderer": "llvmpipe (LLVM 15.0.6, 256 bits)"}
+    software = folder(tmp_path / "n2", record("ab-array", device=cpu, values={"max_abs_error": 0.0}), device=cpu)
+    assert findings(tmp_path, software, against=others) == []
+
+
+KEPT = {"target_rel_ci": 0.1, "min_samples": 3, "max_samples": 9, "time_limit_s": 1.0, "keep": ["image", "error"]}
+
+
+@pytest.mark.parametrize(("kept", "said"), [
+    (("image", "error"), []), (("image",), ["it keeps error, of which no array is here"]),
+    ((), ["it keeps image, error, of which no array is here"])])
+def test_arrays_that_a_record_keeps_must_be_there(tmp_path, kept, said):
+    made = record("kplus-array", measure=KEPT)
+    source = folder(tmp_path / "n1", made, record("floor", measure=KEPT))
+    write_arrays(source, made["key"], {name: np.zeros((2, 3, 4) if name == "image" else (2, 3)) for name in kept})
+    assert findings(tmp_path, source) == said
+
+
+def test_a_damaged_array_is_odd(tmp_path):
+    made = record("kplus-array", measure=KEPT)
+    source = folder(tmp_path / "n1", made)
+    write_arrays(source, made["key"], {"image": np.zeros((2, 3, 4)), "error": np.zeros((2, 3))})
+    packed = zipfile.ZipFile(source.arrays_path(made["key"]))
+    broken = zipped({"image.npy": packed.read("image.npy")[:-5], "error.npy": packed.read("error.npy")})
+    source.write_content(f"{made['key']}.npz", broken)
+    (found,) = findings(tmp_path, source)
+    assert found.startswith("its kept arrays cannot be read:")
+
+
 def other_device(path, slug, error):
     device = DEVICE | {"slug": slug, "renderer": slug}
     return folder(path, record("ab-array", device=device, values={"max_abs_error": error}), device=device)
