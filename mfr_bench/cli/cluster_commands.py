@@ -9,7 +9,7 @@ from pathlib import Path
 
 import click
 
-from .options import PROFILE, SET, ConfigName, OutPath
+from .options import OUTSIDE, PROFILE, SET, ConfigName, OutPath
 from .output import note, say
 
 PLAN_DIGITS = 16
@@ -23,6 +23,7 @@ STORE = click.argument("store", metavar="STORE", type=click.Path(file_okay=False
               help="cluster.yaml: engine, store, kinds of devices; see docs/machines.md.")
 @PROFILE
 @SET
+@OUTSIDE
 @click.option("--dry-run", is_flag=True, help="Print each task's command, which does the same by hand; submit nothing.")
 def submit(configs: tuple[str, ...], settings: str, profile: str | None, overrides: tuple[str, ...],
            dry_run: bool) -> int:
@@ -40,9 +41,12 @@ def submit(configs: tuple[str, ...], settings: str, profile: str | None, overrid
 
     cluster, store = read_cluster(settings)
     files = [str(Path(name).resolve()) if Path(name).exists() else name for name in configs]
-    run = [*files, *(["--profile", profile] if profile else []), *(part for o in overrides for part in ("--set", o))]
-    counts = {kind.shares for kind in cluster.kinds.values()}
-    cells = _cells_by_share(files, profile, overrides, counts)
+    outside = [str(Path(folder).resolve()) for folder in click.get_current_context().meta.get("method_folders", ())]
+    run = [*files, *(["--profile", profile] if profile else []), *(part for o in overrides for part in ("--set", o)),
+           *(part for folder in outside for part in ("--methods", folder))]
+    cells = _cells_by_share(files, profile, overrides, cluster.kinds)
+    for line in _crowded(cluster):
+        note(line)
     with nullcontext() if dry_run else submission.alone(store) as unlocked:
         if unlocked:
             note(unlocked)
@@ -61,14 +65,32 @@ def submit(configs: tuple[str, ...], settings: str, profile: str | None, overrid
     return 0
 
 
-def _cells_by_share(configs, profile, overrides, counts) -> dict[tuple[int, int], tuple[int, str]]:
-    """The number of cells of each share, with what entries of one config have in common once, and their digest."""
-    from ..plan.shards import shard
+def _crowded(cluster) -> list[str]:
+    """A line for each kind whose tasks would draw on one device of this machine at the same time."""
+    crowded = {name: kind for name, kind in cluster.kinds.items()
+               if cluster.engine == "local" and kind.shares > len(kind.devices)}
+    return [f"{name}: {kind.shares} tasks draw on {len(kind.devices)} device{'s' * (len(kind.devices) > 1)} of this "
+            "machine at the same time, and their times are longer for it; allowed: one share for each device, as in "
+            "device: [UUID, UUID]" for name, kind in crowded.items()]
+
+
+def _cells_by_share(configs, profile, overrides, kinds) -> dict[tuple[int, int, int], tuple[int, str]]:
+    """The number of cells of each share, with what entries of one config have in common once, and their digest.
+
+    Scenes that are split are named, for each kind of device.
+    """
+    from ..plan.shards import shard, split_lines, units_of
     from .run_command import plans_of
 
     plans = plans_of(configs, profile, None, overrides)
-    return {(number, count): _counted(shard(plans, number, count))
-            for count in counts for number in range(1, count + 1)}
+    found: dict[tuple[int, int, int], tuple[int, str]] = {}
+    for name, kind in kinds.items():
+        split_s = kind.split_s if kind.shares > 1 else None
+        for line in split_lines(units_of(plans, split_s).splits):
+            note(f"{name}: {line}")
+        for number in range(1, kind.shares + 1):
+            found[number, kind.shares, kind.split_s] = _counted(shard(plans, number, kind.shares, split_s))
+    return found
 
 
 def _counted(plans) -> tuple[int, str]:

@@ -197,13 +197,13 @@ ONLY = click.option("--only", metavar="METHOD,...", type=MethodName(), help="Onl
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 
-def _seconds(context, param, value: str | None) -> float | None:
+def seconds(context, param, value: str | None) -> float | None:
     from ..decide.question import parsed_duration
 
     return None if value is None else parsed_duration(value)
 
 
-TIME_BUDGET = click.option("--time-budget", "budget_s", metavar="TIME", callback=_seconds,
+TIME_BUDGET = click.option("--time-budget", "budget_s", metavar="TIME", callback=seconds,
                            help="Stop measuring in time to end within TIME, as 90s, 8m or 1h: every method and figure "
                                 "gets its coarse points before any gets finer ones.")
 

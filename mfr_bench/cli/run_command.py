@@ -12,7 +12,7 @@ import click
 
 from .interruption import Interruption
 from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
-from .options import JSON, JUNIT, SUMMARY, ConfigName, NumberRange, OutPath, Share, measuring
+from .options import JSON, JUNIT, SUMMARY, ConfigName, NumberRange, OutPath, Share, measuring, seconds
 
 if TYPE_CHECKING:
     from .session import Choices
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
               help="Most memory of a method, in MiB; methods that need more are left out, and said to be.")
 @click.option("--shard", type=Share(), metavar="I/N",
               help="Measure the I-th of N shares of the scenes: one machine each; mfr-bench merge joins them.")
+@click.option("--split", "split_s", metavar="TIME", callback=seconds, help="With --shard: split a scene whose forecast "
+              "exceeds TIME by methods, as 30m or 2h; those of a group still draw in turns.")
 @measuring("configs", "<config name>")
 @click.option("--report", "page", metavar="F.html", type=OutPath(dir_okay=False),
               help="Write one HTML page of the results to F, as `report` does.")
@@ -34,10 +36,10 @@ if TYPE_CHECKING:
 @SUMMARY
 @JSON
 def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size: str | None,
-        memory_mb: float | None, shard: tuple[int, int] | None, out: str | None, profile: str | None, only: str | None,
-        overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool, try_hopeless: bool,
-        budget_s: float | None, dry_run: bool, quiet: bool, page: str | None, junit: str | None, summary: str | None,
-        as_json: bool) -> int:
+        memory_mb: float | None, shard: tuple[int, int] | None, split_s: float | None, out: str | None,
+        profile: str | None, only: str | None, overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool,
+        try_hopeless: bool, budget_s: float | None, dry_run: bool, quiet: bool, page: str | None, junit: str | None,
+        summary: str | None, as_json: bool) -> int:
     """Measure what the results lack, then write tables and figures.
 
     CONFIG is a file, a folder of files, or the name of a shipped config (see mfr-bench configs). What several
@@ -53,11 +55,15 @@ def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size:
       mfr-bench run --mesh model.glb --size 1280x720 --memory-mb 64
       mfr-bench run --fragments recorded.npz
       mfr-bench run smoke --shard 2/4 --out node2
+      mfr-bench run kplus2015-fig6 --shard 2/4 --split 30m --dry-run
     """
+    from ..errors import UsageError
     from .session import Choices
 
+    if split_s is not None and shard is None:
+        raise UsageError("run: --split without --shard; allowed: with --shard I/N, whose shares it splits scenes for")
     configs, overrides = with_scene(configs, overrides, overrides_of(mesh, fragments), size, memory_mb)
-    statuses = carry_out(partial(plans_of, configs, profile, only, overrides, shard), device,
+    statuses = carry_out(partial(plans_of, configs, profile, only, overrides, shard, split_s), device,
                          Choices(out, force, keep_failed, try_hopeless, budget_s, quiet, as_json, junit, summary,
                                  page),
                          dry_run)
@@ -111,7 +117,7 @@ def carry_out(plans_made: Callable[[], Any], device: str, choices: Choices, dry_
 
 
 def plans_of(configs: Sequence[str], profile: str | None, only: str | None, overrides: Sequence[str],
-             share: tuple[int, int] | None = None):
+             share: tuple[int, int] | None = None, split_s: float | None = None):
     """Every experiment with its cells; without cells where --only or --shard leaves none of them, but of another's.
 
     Raises UsageError with the mistakes of all configs at once.
@@ -126,17 +132,20 @@ def plans_of(configs: Sequence[str], profile: str | None, only: str | None, over
     if not any(cells for _, cells in plans):
         raise UsageError(f"{e.name}: --only {only} leaves no cell; allowed: "
                          f"{', '.join(dict.fromkeys(m.id for m in e.methods))}" for e, _ in plans)
-    return plans if share is None else _shared(plans, *share)
+    return plans if share is None else _shared(plans, *share, split_s)
 
 
-def _shared(plans, number: int, count: int):
-    """The share of a run. Raises UsageError where it has no cell: a scene is never shared."""
+def _shared(plans, number: int, count: int, split_s: float | None):
+    """The share of a run. Raises UsageError where it has no cell: a scene is shared only where it is split."""
     from ..errors import UsageError
-    from ..plan.shards import shard
+    from ..plan.shards import shard, split_lines, units_of
+    from .output import note
 
-    mine = shard(plans, number, count)
+    mine = shard(plans, number, count, split_s)
+    for line in split_lines(units_of(plans, split_s).splits):
+        note(line)
     if not any(cells for _, cells in mine):
-        scenes = len({cell.scene for _, cells in plans for cell in cells})
+        scenes = len(units_of(plans, split_s).seconds)
         raise UsageError(f"--shard {number}/{count}: has no cell, since a scene is never shared; allowed: shares of "
                          f"{scenes} scenes, such as {number}/{scenes}" if number <= scenes else
                          f"--shard {number}/{count}: has no cell; allowed: at most {scenes} shares, one for each scene")

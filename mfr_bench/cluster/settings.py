@@ -12,6 +12,7 @@ from ..errors import UsageError, nearest
 from ..plan.shards import MOST_SHARES
 
 MOST_MINUTES = 60 * 24 * 30
+SPLIT_SHARE = 0.8  # of a task's minutes; the rest starts it and writes its results
 
 
 class Settings(BaseModel):
@@ -23,12 +24,15 @@ class Settings(BaseModel):
 class Kind(Settings):
     """A kind of device: how many tasks measure one whole run on it, and what each asks of the engine.
 
-    minutes: of a task, after which the engine ends it; it is queued again and goes on. gres, partition, constraint,
-    account, qos: as Slurm takes them; options: further ones of sbatch.
+    device: as --device takes it; of a list each share has the next. minutes: of a task, after which the engine ends it;
+    it is queued again and goes on. speed: how many times faster than two processor cores the device draws; a scene that
+    takes longer than a task's minutes by that is split by methods. gres, partition, constraint, account, qos: as Slurm
+    takes them; options: further ones of sbatch.
     """
 
     shares: Annotated[int, Field(ge=1, le=MOST_SHARES)] = 1
-    device: str = "auto"
+    device: str | Annotated[list[str], Field(min_length=1)] = "auto"
+    speed: Annotated[float, Field(gt=0, le=1e6)] = 1.0
     minutes: Annotated[int, Field(ge=1, le=MOST_MINUTES)] = 60
     cpus: Annotated[int, Field(ge=1, le=1024)] = 2
     memory_gb: Annotated[float, Field(gt=0, le=2**16)] | None = None
@@ -38,6 +42,15 @@ class Kind(Settings):
     account: str | None = None
     qos: str | None = None
     options: dict[str, str | int] = {}
+
+    @property
+    def devices(self) -> list[str]:
+        return [self.device] if isinstance(self.device, str) else list(self.device)
+
+    @property
+    def split_s(self) -> int:
+        """Seconds of a forecast, which knows two processor cores, from which a scene is split."""
+        return max(1, int(SPLIT_SHARE * 60 * self.minutes * self.speed))
 
 
 class Cluster(Settings):

@@ -100,8 +100,8 @@ def alone(store: Path) -> AbstractContextManager[str | None]:
 
 
 def planned(cluster: Cluster, store: Path, run: Sequence[str],
-            cells: Mapping[tuple[int, int], tuple[int, str]]) -> Submission:
-    """The tasks of a run; cells: how many each share (number, count) has, and their digest.
+            cells: Mapping[tuple[int, int, int], tuple[int, str]]) -> Submission:
+    """The tasks of a run; cells: how many each share (number, count, `Kind.split_s`) has, and their digest.
 
     Shares without a cell are no task. Raises UsageError where the store holds another run, or tasks that this one has
     not: their cells would count for others.
@@ -111,9 +111,9 @@ def planned(cluster: Cluster, store: Path, run: Sequence[str],
         raise UsageError(f"{store}: holds the run '{' '.join(before.run)}' of {before.engine}; allowed: the same "
                          "again, or another store")
     jobs = {task.identity: task.job for task in before.tasks} if before else {}
-    tasks = [Share(name, number, kind.shares, *cells[number, kind.shares])
+    tasks = [Share(name, number, kind.shares, *cells[number, kind.shares, kind.split_s])
              for name, kind in cluster.kinds.items() for number in range(1, kind.shares + 1)
-             if cells[number, kind.shares][0]]
+             if cells[number, kind.shares, kind.split_s][0]]
     if others := [f"{kind}-{number}" for kind, number, *_ in jobs.keys() - {task.identity for task in tasks}]:
         raise UsageError(f"{store}: holds tasks that are no part of this run, such as {min(others)}: the config, the "
                          "number of shares or a kind of device is another; allowed: the same again, or another store")
@@ -184,6 +184,7 @@ def _parameters(cluster: Cluster, kind: Kind) -> dict[str, Any]:
 
 def command_of(submission: Submission, task: Share, kind: Kind) -> list[str]:
     """The command that measures a task's share; the same by hand, on a machine without an engine."""
-    share = [] if task.count == 1 else ["--shard", f"{task.number}/{task.count}"]
-    return [sys.executable, "-m", "mfr_bench", "run", *submission.run, *share, "--device", kind.device, "--quiet",
+    share = [] if task.count == 1 else ["--shard", f"{task.number}/{task.count}", "--split", f"{kind.split_s}s"]
+    device = kind.devices[(task.number - 1) % len(kind.devices)]
+    return [sys.executable, "-m", "mfr_bench", "run", *submission.run, *share, "--device", device, "--quiet",
             "--out", str(submission.folder(task) / "results")]

@@ -9,12 +9,13 @@ import shlex
 import subprocess
 import sys
 from dataclasses import asdict
+from pathlib import Path
 
 import pytest
 
 from mfr_bench.cluster import queue
 from mfr_bench.cluster.settings import Cluster, Kind
-from mfr_bench.cluster.submission import FILE, Share, alone, planned, read_submission
+from mfr_bench.cluster.submission import FILE, Share, alone, command_of, planned, read_submission
 from mfr_bench.errors import StoreError, UsageError
 
 from ..cli.conftest import mfr  # noqa: F401
@@ -29,7 +30,7 @@ def cluster(shares, **kinds):
 
 
 def shares(count, plan="a"):
-    return {(number, count): (4, f"{plan}{number}") for number in range(1, count + 1)}
+    return {(number, count, Kind().split_s): (4, f"{plan}{number}") for number in range(1, count + 1)}
 
 
 @pytest.mark.parametrize("record", [
@@ -99,3 +100,31 @@ def test_a_store_that_no_folder_can_be_is_one_line(place, mfr, store):  # noqa: 
 def test_a_printed_command_is_quoted_for_a_shell(place, mfr):  # noqa: F811
     done = mfr("submit", "run.yaml", "--cluster", "cluster.yaml", "--dry-run", "--set", "title=$HOME; a b")
     assert done.status == 0 and all("title=$HOME; a b" in shlex.split(line) for line in done.out.splitlines())
+
+
+def test_each_share_has_the_next_of_several_devices(tmp_path):
+    kind = Kind(shares=3, device=["uuid-a", "uuid-b"])
+    plan = planned(cluster(3), tmp_path, ["run.yaml"], shares(3))
+    assert [command_of(plan, task, kind)[-4] for task in plan.tasks] == ["uuid-a", "uuid-b", "uuid-a"]
+    assert [command_of(plan, task, kind)[-5:-3][0] for task in plan.tasks] == ["--device"] * 3
+
+
+def test_tasks_that_would_draw_at_once_on_one_device_are_named(place, mfr):  # noqa: F811
+    said = "cpu: 2 tasks draw on 1 device of this machine at the same time"
+    assert said in mfr("submit", "run.yaml", "--cluster", "cluster.yaml", "--dry-run").err
+    (place / "cluster.yaml").write_text(CLUSTER.replace("device: cpu", 'device: ["0", "1"]'))
+    assert said not in mfr("submit", "run.yaml", "--cluster", "cluster.yaml", "--dry-run").err
+
+
+def test_a_scene_longer_than_a_task_is_split_and_said(place, mfr):  # noqa: F811
+    (place / "cluster.yaml").write_text(CLUSTER.replace("shares: 2", "shares: 4, minutes: 1"))
+    done = mfr("submit", "run.yaml", "--cluster", "cluster.yaml", "--dry-run", "--set", "scene.size=[2048,2048]")
+    assert "cpu: scene of 2048x2048 pixels, n = 2: by forecast" in done.err and "Blending floor | AB_Array" in done.err
+    assert done.out.count("--split 48s") == 4
+    assert mfr("run", "run.yaml", "--split", "1s").status == 2
+
+
+def test_methods_from_outside_go_with_every_task(place, mfr):  # noqa: F811
+    template = str(Path(__file__).parents[2] / "examples" / "my-array")
+    done = mfr("submit", "run.yaml", "--cluster", "cluster.yaml", "--dry-run", "--methods", template)
+    assert done.status == 0 and done.out.count(f"--methods {template}") == 2, done.err
