@@ -13,6 +13,7 @@ from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
 from .options import DEVICE, JSON, OUTSIDE, WITHIN, NumberRange, OutPath
 from .output import note, say, width
 
+MODEL_SHARE = 0.25  # of the time, at most, to ask a model how many layers keep the error
 MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a device finds more in some pixels
 
 
@@ -27,7 +28,8 @@ MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a devic
 @click.option("--memory-mb", type=NumberRange(0, 2**24, min_open=True), help="Most memory of the method, in MiB.")
 @click.option("--max-error", metavar="E", default="0", show_default=True,
               help="Largest error of a channel, such as 0.01 or 1/255; 0: exact images only.")
-@click.option("--time-budget", metavar="T", default="2m", show_default=True, help="Time for the whole answer: 90s, 2m.")
+@click.option("--time-budget", metavar="T", default="2m", show_default=True,
+              help="Most time from the start of the command to its end: 90s, 2m.")
 @click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
               help="Where results go. [default: results/<device>/decide-<hash>]")
 @click.option("--devices", "measured", multiple=True, metavar="DIR", type=click.Path(),
@@ -43,6 +45,7 @@ def decide(size: str | None, layers: int | None, covered: float, mesh: str | Non
 
     Methods that cannot keep the bounds are excluded by what they declare. The others draw frames in turns; the clearly
     slower leave early, and the time goes to those that are close. What was measured on this device before is used.
+    The command ends within --time-budget, on a loaded machine too; what this cut is listed with the answer.
     Exit status 6: nothing keeps the bounds.
 
     \b
@@ -53,14 +56,15 @@ def decide(size: str | None, layers: int | None, covered: float, mesh: str | Non
       mfr-bench decide --config smoke --time-budget 1m --json
       mfr-bench decide --size 1280x720 --layers 24 --covered 0.3 --devices results
     """
+    from ..decide.budget import budget
     from ..decide.question import parsed_duration
 
-    deadline = time.monotonic() + parsed_duration(time_budget)
+    within = budget(parsed_duration(time_budget))
     question, scene = _asked(size, layers, covered, overrides_of(mesh, fragments), config, memory_mb, max_error)
     if measured:
         _answer_over(measured, question, scene, within, as_json)
         return 0
-    answer = _raced(question, scene, deadline, out, device)
+    answer = _raced(question, scene, within, out, device)
     say(json.dumps(answer.record(), indent=2, ensure_ascii=False) if as_json else answer.text(width()))
     return 0 if answer.best else NOTHING_KEEPS
 
@@ -122,7 +126,7 @@ def _answer_over(folders: tuple[str, ...], question, scene, within: float, as_js
     over_devices("decide", races, "max_error_all", question.max_error, question.memory_mb, within, as_json)
 
 
-def _raced(question, scene, deadline: float, out: str | None, device: str):
+def _raced(question, scene, budget, out: str | None, device: str):
     """Let the candidates race within the time that is left, and read the rows."""
     from tempfile import TemporaryDirectory
 
@@ -132,23 +136,28 @@ def _raced(question, scene, deadline: float, out: str | None, device: str):
     from ..decide.candidates import within_time
     from ..decide.experiment import config_of
     from ..report.data import load
+    from ..run.supervisor import Supervisor
     from ..store.files import write_file
+    from .interruption import Interruption
     from .progress import duration
 
-    left_s = deadline - time.monotonic()
-    found, excluded = within_time(*_candidates(question, scene), left_s)
-    told = f"{len(found)} candidates; the answer takes about {duration(left_s)}, more on a loaded machine"
-    with TemporaryDirectory() as folder:
+    with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor, \
+            TemporaryDirectory() as folder:
+        found, excluded = _candidates(question, scene, budget)
+        supervisor.ready()
+        left_s = budget.left_s()
+        found, excluded = within_time(found, excluded, left_s)
+        note(f"{len(found)} candidates; the answer comes within {duration(budget.seconds)} of the start")
         path = Path(folder, "decide.yaml")
         made = config_of(question, scene, found, left_s)
         path.write_text(yaml.safe_dump(made, sort_keys=False, allow_unicode=True), encoding="utf-8")
-        results = _measured(path, device, out, told)
+        results, late, cut = _measured(path, supervisor, interruption, out, budget)
         kept = results.path / path.name
         write_file(kept, path.read_bytes())
-    return answers(question, load(results), excluded, str(kept))
+    return answers(question, load(results), [*excluded, *late], str(kept), cut)
 
 
-def _candidates(question, scene):
+def _candidates(question, scene, budget):
     from ..config.model import Scene
     from ..decide.candidates import candidates
     from ..decide.model import enough_layers
@@ -157,33 +166,46 @@ def _candidates(question, scene):
 
     enough = None
     if not question.exact and scene["kind"] == "quads" and not scene.get("slant"):
-        enough = enough_layers(generate(Scene(**{k: tuple(v) if isinstance(v, list) else v for k, v in scene.items()})),
-                               question.max_error)
+        parsed = Scene(**{k: tuple(v) if isinstance(v, list) else v for k, v in scene.items()})
+        until = time.monotonic() + MODEL_SHARE * budget.left_s()
+        enough = enough_layers(generate(parsed), question.max_error, until)
         note(f"the nearest {enough} layers keep the error")
     return candidates(catalog(), question, enough)
 
 
-def _measured(config: Path, device: str, out: str | None, told: str):
-    """The result folder of the config, measured where it lacks something; nothing is printed on stdout.
-
-    told: what is said once the device is there.
-    """
-    from ..run.supervisor import Supervisor
-    from .interruption import Interruption
+def _measured(config: Path, supervisor, interruption, out: str | None, budget):
+    """The result folder of the config, measured where it lacks something; the candidates that have no row, and what
+    else the budget cut. Nothing is printed on stdout."""
+    from ..decide.candidates import NOT_FINISHED, Excluded
+    from ..plan.budget import FIGURES_S
+    from ..plan.forecast import Rates
     from .run_command import plans_of
-    from .session import Choices, Session
+    from .session import Choices, Session, left_out
+
+    cut: list[str] = []
 
     class Silent(Session):
-        """A session that writes its results and prints none."""
+        """A session that writes its results, as far as the time allows, and prints none."""
+
+        def _deadlines(self, parts):
+            return budget.stop, budget.last
+
+        def _at_the_end(self, parts) -> None:
+            if budget.room_for(Rates().start_s):
+                super()._at_the_end(parts)
+            elif parts:
+                cut.append("the second calibration, which tells whether the machine was steady")
 
         def _tell(self, part) -> None:
-            self._report(part)
-            self.folder = part.folder
+            self.folder, self.late = part.folder, left_out(part.sheet)
+            part.manifest["left_out"] = self.late
+            if budget.room_for(FIGURES_S + Rates().report_s * len(part.sheet.jobs)):
+                self._report(part)
+            else:
+                part.folder.write_manifest(part.manifest)
+                cut.append(f"tables and figures; mfr-bench plot {part.folder.path} draws them")
 
-    started = time.perf_counter()
-    with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor:
-        supervisor.ready()
-        note(told)
-        session = Silent(supervisor, interruption.asked, Choices(out, False, False, False), started)
-        session.run(plans_of([str(config)], None, None, ()))
-    return session.folder
+    session = Silent(supervisor, interruption.asked, Choices(out, False, False, False, quiet=True),
+                     time.perf_counter())
+    session.run(plans_of([str(config)], None, None, ()))
+    return session.folder, [Excluded(label, NOT_FINISHED) for label in session.late], cut

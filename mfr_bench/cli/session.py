@@ -132,22 +132,18 @@ class Session:
     def _measure(self, parts: Sequence[Part], ledger) -> None:
         """Measure what is pending, then report each experiment."""
         from ..errors import DeviceError, Interrupted
-        from ..plan.budget import TimeBudget
-        from ..plan.forecast import Rates
         from .progress import Progress
 
         budget_s = self.choices.budget_s
         groups = ledger.groups(coarse_first=budget_s is not None)
-        budget = TimeBudget(float("inf") if budget_s is None else budget_s, self.started)
-        deadline = time.monotonic() - time.perf_counter() + budget.deadline(
-            len(parts), sum(len(part.sheet.jobs) for part in parts), self.split.seconds["start-up"], Rates())
+        deadlines = self._deadlines(parts)
         measuring = [part for part in parts if part.sheet.pending]
         name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
         try:
             with Progress(sum(map(len, groups)), name, self.asked, self.choices.quiet,
                           self._time_left(groups, parts)) as progress:
                 ledger.report = progress.row
-                self.supervisor.measure(groups, ledger, progress.sampled, self.choices.try_hopeless, deadline)
+                self.supervisor.measure(groups, ledger, progress.sampled, self.choices.try_hopeless, *deadlines)
             self._at_the_end(measuring)
             for part in parts:
                 self._tell(part)
@@ -161,6 +157,17 @@ class Session:
             raise
         except DeviceError as error:
             raise DeviceError(f"{error}; {self._kept(parts)}") from None
+
+    def _deadlines(self, parts: Sequence[Part]) -> tuple[float, float]:
+        """The times of the monotonic clock at which to stop measuring, and to end the process that measures."""
+        from ..plan.budget import TimeBudget
+        from ..plan.forecast import Rates
+
+        if self.choices.budget_s is None:
+            return float("inf"), float("inf")
+        stop = TimeBudget(self.choices.budget_s, self.started).deadline(
+            len(parts), sum(len(part.sheet.jobs) for part in parts), self.split.seconds["start-up"], Rates())
+        return time.monotonic() - time.perf_counter() + stop, float("inf")
 
     def _time_left(self, groups, parts: Sequence[Part]):
         """The time that the run will take, by earlier results of the device."""

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from ..measure.elimination import CHANCE, Elimination
+from ..measure.elimination import CHANCE, LATE, Elimination
 from ..report import data
 from ..report.data import Point, Result
-from .candidates import Excluded
+from .candidates import NOT_FINISHED, NOT_TRIED, Excluded
 from .question import Question
 
 CLOSE = 1.05  # times the winner's time, up to which others are named
@@ -22,12 +22,16 @@ MOST_SHOWN = 8  # lines of a list in the text form
 
 @dataclass(frozen=True)
 class Answer:
-    """The outcome of the race. `config`: the file of its config, for the command that measures the winner in full."""
+    """The outcome of the race. `config`: the file of its config, for the command that measures the winner in full.
+
+    cut: what the time budget left out, in words.
+    """
 
     question: Question
     result: Result
     excluded: tuple[Excluded, ...]
     config: str
+    cut: tuple[str, ...] = ()
 
     @cached_property
     def finalists(self) -> list[Point]:
@@ -105,14 +109,18 @@ class Answer:
         best = self.best
         if best is None:
             return {"method": None, "params": None, "time_ms": None, "memory_bytes": None, "max_error": None,
-                    "confidence": 0.0, "close": [], "excluded": [{"method": m, "reason": r} for m, r in self.out]}
+                    "confidence": 0.0, "close": [], **self._left}
         return {"method": best.method, "params": chosen(best), "time_ms": best.row["time_ms"],
                 "time_ms_low": best.row["time_ms_low"], "time_ms_high": best.row["time_ms_high"],
                 "memory_bytes": best.row["memory_bytes"], "max_error": best.row["max_error_all"],
                 "confidence": round(self.confidence, 4), "device": best.row["device"],
                 "close": [{"method": p.method, "params": chosen(p), "time_ms": p.row["time_ms"], "ratio": ratio}
                           for p, ratio in self.close],
-                "excluded": [{"method": m, "reason": r} for m, r in self.out], "command": self.command}
+                **self._left, "command": self.command}
+
+    @property
+    def _left(self) -> dict[str, Any]:
+        return {"cut": list(self.cut), "excluded": [{"method": m, "reason": r} for m, r in self.out]}
 
     def text(self, width: int) -> str:
         """The answer for people, at most `width` columns wide."""
@@ -122,6 +130,8 @@ class Answer:
             lines += textwrap.wrap("Nothing keeps these bounds.", width)
         else:
             lines += ["", *textwrap.wrap(f"Answer: {written(best)}", width), *self._figures(width)]
+        for cut in self.cut:
+            lines += textwrap.wrap(f"  cut for the time budget: {cut}", width, subsequent_indent="    ")
         return "\n".join([*lines, "", *self._others(width)])
 
     def _figures(self, width: int) -> list[str]:
@@ -131,11 +141,17 @@ class Answer:
             time += f" ({data.number(row['time_ms_low'])} to {data.number(row['time_ms_high'])})"
         memory = data.number(best.measure("memory_mib")[1])
         said = [f"  time {time}, memory {memory} MiB, largest error {row['max_error_all']:.3g}, on {row['device']}",
-                f"  fastest with a chance of {data.percent(self.confidence)}"]
+                f"  fastest{self._among} with a chance of {data.percent(self.confidence)}"]
         said += ["  within 5 %: " + "; ".join(f"{written(p)} ({ratio:.3f} times)" for p, ratio in self.close)
                  if self.close else "  nothing else is within 5 %", f"  in full: {self.command}"]
         return [line for text in said for line in textwrap.wrap(text, width, subsequent_indent="    ",
                                                                 break_on_hyphens=False)]
+
+    @property
+    def _among(self) -> str:
+        """What the chance leaves out, where the time left some candidates untried."""
+        untried = {NOT_TRIED, NOT_FINISHED}.intersection(reason for _, reason in self.out)
+        return " of those that were tried" if untried else ""
 
     def _others(self, width: int) -> list[str]:
         grouped: dict[str, list[str]] = {}
@@ -154,6 +170,8 @@ def _left_early(point: Point) -> bool:
 
 
 def _reason(point: Point) -> str:
+    if point.row.get("reason") == LATE:
+        return NOT_TRIED
     if point.status != "ok":
         return f"{point.sign}: {point.row.get('reason') or ''}".rstrip(": ")
     return str(point.row.get("stop_reason") or "")
@@ -173,6 +191,7 @@ def written(point: Point) -> str:
     return " ".join([point.method, *(f"{name}={data.plain(value)}" for name, value in chosen(point).items())])
 
 
-def answers(question: Question, result: Result, excluded: Sequence[Excluded], config: str) -> Answer:
+def answers(question: Question, result: Result, excluded: Sequence[Excluded], config: str,
+            cut: Sequence[str] = ()) -> Answer:
     """The answer of a finished race."""
-    return Answer(question, result, tuple(excluded), config)
+    return Answer(question, result, tuple(excluded), config, tuple(cut))

@@ -11,6 +11,8 @@ from .question import Question
 
 PREPARING_S = 0.6  # seconds to compile, draw and check a candidate where nothing is known of the device
 PREPARING_SHARE = 0.6  # of the time, at most, for that
+NOT_TRIED = "not tried within the time budget; a larger --time-budget tries it"
+NOT_FINISHED = "not finished within the time budget; a larger --time-budget does it"
 SHALLOW = (2, 4, 8, 16, 32, 64)  # k that is tried where an error is allowed
 FEW_REGISTERS = 32  # fragments up to which sorting in registers is tried
 
@@ -57,7 +59,8 @@ def within_time(found: list[Candidate], excluded: list[Excluded],
                 left_s: float) -> tuple[list[Candidate], list[Excluded]]:
     """Keep as many candidates as can be compiled and checked in the time; the others are excluded for lack of it.
 
-    A method's first candidate comes before any method's second.
+    A method's first candidate comes before any method's second. A device that takes longer than expected tries fewer of
+    them, in this order: the run forecasts each by those before it.
     """
     turns: dict[str, int] = {}
     ranked = []
@@ -66,8 +69,7 @@ def within_time(found: list[Candidate], excluded: list[Excluded],
         ranked.append((turns[each.method], len(ranked), each))
     room = max(2, int(PREPARING_SHARE * left_s / PREPARING_S))
     ordered = [each for *_, each in sorted(ranked, key=lambda entry: entry[:2])]
-    late = [Excluded(each.label, "not tried within the time budget; a larger --time-budget tries it")
-            for each in ordered[room:]]
+    late = [Excluded(each.label, NOT_TRIED) for each in ordered[room:]]
     return ordered[:room], [*excluded, *late]
 
 

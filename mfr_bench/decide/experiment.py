@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..scene.files import digest_of
+from .budget import COMPILING_SHARE
 from .candidates import Candidate
 from .question import Question
 
@@ -28,6 +29,7 @@ def config_of(question: Question, scene: Mapping[str, Any], found: Sequence[Cand
     time_limit_s = RACE_SHARE * left_s / max(1, len(found) + 1)  # the floor is drawn as well
     measure = {"eliminate": True, "max_error": question.max_error, "min_samples": 6, "max_samples": MOST_FRAMES,
                "time_limit_s": round(max(0.05, time_limit_s), 3),
+               "hard_limit_s": round(max(1.0, COMPILING_SHARE * left_s), 3),
                "memory_budget_mb": question.memory_mb or default_memory_mb}
     methods = [{"id": each.method, "label": each.label, **each.params} for each in found]
     identity = repr((sorted(scene.items(), key=str), digest_of(scene), question.memory_mb, question.max_error))

@@ -17,7 +17,7 @@ TICKS = 200  # of the clock in a sample, at least: one of them is half a percent
 MOST_REPEATS = 1000
 LOOKS = 256  # at a clock, to see its tick
 RUNNING = 0.9  # processor time over wall time of a frame on the CPU, at least, if no other process held it up
-TRIES = 8  # of a frame that was held up
+TRIES, TRIES_MS = 8, 50.0  # of a frame that was held up, and of all its tries, after which none is begun
 
 
 def tick(readings: Iterable[float]) -> float | None:
@@ -128,15 +128,15 @@ Timer = WallTimer | GpuTimer
 
 
 def undisturbed_ms(timer: Timer, draw: Draw, repeats: int = 1) -> float:
-    """The time of a frame that other processes did not hold up; after TRIES of the one that they held up least.
+    """The time of a frame that other processes did not hold up; after TRIES, or TRIES_MS, of the one held up least.
 
     A driver that draws on the CPU always has a thread at work while it draws, so that processor time below wall time
     shows for how long none of them had a processor. A GPU tells nothing of the kind: its first frame counts.
     """
     if timer.name != "wall" or timer.device.info["kind"] != "cpu":
         return timer.frame_ms(draw, repeats)
-    tried = []
-    for _ in range(TRIES):
+    tried: list[tuple[float, float]] = []
+    while len(tried) < TRIES and sum(ms for _, ms in tried) * repeats < TRIES_MS:
         begun_s = time.process_time()
         time_ms = timer.frame_ms(draw, repeats)
         share = (time.process_time() - begun_s) * 1e3 / (time_ms * repeats) if time_ms else 1.0

@@ -39,6 +39,7 @@ CHANCE = 0.01  # of dropping the fastest method
 INDIFFERENCE = 0.02  # methods whose times differ by less are as good as each other
 RESAMPLES = 400  # of the rounds, for the chance that a method is the best
 HYPOTHESES = ((1.0, 1 / 2), (2.0, 1 / 8), (4.0, 1 / 64))  # factor, and share of the rounds at most
+LATE = "the pooled time of the elimination left none to prepare it; a longer measure.time_limit_s does"
 LEAST_ROUNDS = 6  # before they end: the fewest whose median has an interval
 QUARTILE = 0.25  # of a method's frames: those that nothing held up
 
@@ -165,8 +166,9 @@ class Elimination:
     def chances(self, seed: int = 0) -> dict[str, float]:
         """The chance of each method that is left to be the fastest, by resampling the rounds.
 
-        What a round's times have in common is divided out. Methods that left share what `chance` allows; it is not
-        in these numbers.
+        What a round's times have in common is divided out. Before any round all have the same chance, which counts as
+        much as one round does: a few rounds, resampled, know nothing of what they did not see. Methods that left share
+        what `chance` allows; it is not in these numbers.
         """
         pick = random.Random(seed)  # noqa: S311 - resampling, no secret
         rounds = [{method: times[method] / common for method in self.left}
@@ -175,5 +177,6 @@ class Elimination:
         for _ in range(RESAMPLES):
             drawn = pick.choices(rounds, k=len(rounds))
             best[min(self.left, key=lambda method: median(times[method] for times in drawn))] += 1
-        return {method: count / RESAMPLES for method, count in best.items()}
+        seen = len(rounds) / (len(rounds) + 1)
+        return {method: seen * count / RESAMPLES + (1 - seen) / len(best) for method, count in best.items()}
 

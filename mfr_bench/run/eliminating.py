@@ -56,7 +56,7 @@ class Race:
         self._drop_failed(race)
         reason = self._rounds(race, finish)
         end = self._leave if reason == TIME_IS_UP else self._end
-        for key in race.left:
+        for key in sorted(race.left, key=race.time_ms):  # the fastest first, where the time is short
             end(self._cells[key], reason, finish)
 
     def _rounds(self, race: Elimination, finish: Step) -> str:

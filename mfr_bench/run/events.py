@@ -18,13 +18,14 @@ class Group:
     """Measure these cells of one scene. `partials`: samples by key that earlier processes took.
 
     One cell of each set of keys in `replicates` is sampled twice, for the noise floor. most_bytes: main memory that the
-    process may take.
+    process may take. until: when `Stop` will be sent, on the monotonic clock, which is the same in every process.
     """
 
     jobs: tuple[Job, ...]
     partials: Mapping[str, Partial] = field(default_factory=dict)
     replicates: tuple[frozenset[str], ...] = ()
     most_bytes: float = float("inf")
+    until: float = float("inf")
 
 
 @dataclass(frozen=True)

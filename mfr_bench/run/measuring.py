@@ -7,7 +7,9 @@ import random
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
+from statistics import fmean, median
 
+from ..measure.elimination import LATE
 from ..measure.sampling import Sampler
 from ..methods.spec import Fitted, Method, SceneStats
 from ..plan import judge
@@ -23,19 +25,24 @@ from .scene_work import SceneWork
 
 LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
 PREPARING_SHARE = 0.6  # of the pooled time of an elimination, at most, to prepare cells
-LATE = "the pooled time of the elimination left none to prepare it; a longer measure.time_limit_s does"
 LIVE_SHARE = 0.5  # of the memory that the process may take, at most, for the same
 
 
-def _deadlines(jobs: Sequence[Job]) -> tuple[float, float]:
+def _deadlines(jobs: Sequence[Job], until: float) -> tuple[float, float]:
     """The times of the monotonic clock by which a scene's cells must be prepared, and the rounds of an elimination end.
 
-    The time limits of the cells are pooled. Without elimination there is no such deadline.
+    The time limits of the cells are pooled, and end at `until`. Without elimination there is no such deadline.
     """
     pooled_s = sum(job.cell.measure.time_limit_s for job in jobs)
     if not (jobs and jobs[0].cell.measure.eliminate):
         return math.inf, math.inf
-    return time.monotonic() + PREPARING_SHARE * pooled_s, time.monotonic() + pooled_s
+    now = time.monotonic()
+    left_s = max(0.0, min(pooled_s, until - now))
+    return now + PREPARING_SHARE * left_s, now + left_s
+
+
+def _fastest_first(cell: CellWork) -> float:
+    return median(cell.sampler.samples_ms) if cell.sampler.samples_ms else math.inf
 
 
 class DeviceLost(Exception):  # noqa: N818 - what happened, not what is wrong with a call
@@ -56,7 +63,8 @@ class Measuring:
     def group(self, group: Group) -> None:
         """Measure the cells of one scene. Raises DeviceLost, after the row of the cell that lost it is emitted."""
         self._partials, self._replicates = group.partials, list(group.replicates)
-        self._prepared_by, self._deadline = _deadlines(group.jobs)
+        self._until = group.until
+        self._prepared_by, self._deadline = _deadlines(group.jobs, group.until)
         self._live_bytes = min(LIVE_BYTES, LIVE_SHARE * group.most_bytes)
         self.bench.emit(Begun(None, "scene"))
         if lacks := kind_of(group.jobs[0].cell.scene).lacks(group.jobs[0].cell.scene):
@@ -108,24 +116,31 @@ class Measuring:
     def _chunk(self, chunk: Iterable[Job], scene: SceneWork) -> None:
         running: list[CellWork] = []
         try:
+            took_s: list[float] = []
             for job in chunk:
-                self._prepare(job, scene, running)
+                begun = time.monotonic()
+                self._prepare(job, scene, running, begun + (fmean(took_s) if took_s else 0.0))
+                took_s.append(time.monotonic() - begun)
                 self._share(running)
             self._sample(running)
         except KeyboardInterrupt:
-            for cell in running:
-                if cell.sampler.interrupt():
+            for cell in sorted(running, key=_fastest_first):
+                enough = cell.sampler.interrupt()
+                if enough or (cell.sampler.samples_ms and time.monotonic() >= self._until):
                     self._guarded(cell, self._finish)
             raise
         finally:
             for cell in running:
                 cell.frame.release()
 
-    def _prepare(self, job: Job, scene: SceneWork, running: list[CellWork]) -> None:
-        """Compile, allocate, draw once and check the image; a cell that fails ends as its row."""
+    def _prepare(self, job: Job, scene: SceneWork, running: list[CellWork], expected: float) -> None:
+        """Compile, allocate, draw once and check the image; a cell that fails ends as its row.
+
+        expected: when this is done if it takes as long as the cells before; one that would be late is not begun.
+        """
         self.bench.stop_if_asked()
         fitted = self._fitted(job, scene.stats)
-        if time.monotonic() > self._prepared_by:
+        if expected > self._prepared_by:
             self._tell(Finished(job.key, "timeout", LATE, values=scene_values(fitted)))
             return
         try:

@@ -30,7 +30,7 @@ class Supervisor:
         self.asked = asked
         self.free_bytes = free_bytes()
         self._process = DeviceProcess(want, asked)
-        self._deadline = float("inf")
+        self._deadline = self._last = float("inf")
 
     def __enter__(self):
         return self
@@ -47,15 +47,16 @@ class Supervisor:
         return self._process.calibrate_again()
 
     def measure(self, groups: Iterable[Sequence[Job]], ledger: Ledger, share: Shares = lambda _: None,
-                try_hopeless: bool = False, deadline: float = float("inf")) -> None:
+                try_hopeless: bool = False, deadline: float = float("inf"), last: float = float("inf")) -> None:
         """Measure the cells of each group; every one ends as a row, but for those left at the `deadline`.
 
         The deadline is a time of `time.monotonic`: what is in hand then stops at its next frame, and its samples are
-        kept. Raises KeyboardInterrupt where the user asked for it, and DeviceError where the device does not come back;
-        what was measured is kept.
+        kept. At `last` the worker is ended, whatever it is at; what it has in hand then has no row, like what was not
+        begun. Raises KeyboardInterrupt where the user asked for it, and DeviceError where the device does not come
+        back; what was measured is kept.
         """
         self.ready()
-        self._deadline = deadline
+        self._deadline, self._last = deadline, last
         for group in groups:
             if self._late:
                 return
@@ -83,12 +84,14 @@ class Supervisor:
         """Follow the worker through a group, taking what is done from `left`. Whether the group came to its end."""
         hand = Hand(left)
         self._process.send(Group(tuple(left.values()), ledger.partials(left.values()), ledger.without_floor(left),
-                                 hand.limit_bytes(self.free_bytes)))
+                                 hand.limit_bytes(self.free_bytes), self._deadline))
         self._stopping = self._progressed = False
         try:
             while not (ended := self._event(hand, ledger, share)):
                 self._look(hand)
         except Died as death:
+            if time.monotonic() >= self._last:
+                return True
             status, reason = death.cause
             for job in hand.blamed:
                 del left[job.key]
@@ -131,7 +134,9 @@ class Supervisor:
         if (self.asked() or self._late) and not self._stopping:
             self._stopping = True
             self._process.send(Stop())
-        if limit_s := hand.overdue_s():
+        if time.monotonic() >= self._last:
+            self._end(hand, "timeout", "the time is up")
+        elif limit_s := hand.overdue_s():
             self._end(hand, "timeout", f"no end within {limit_s:g} s (measure.hard_limit_s)")
         resident, limit = self._process.resident_bytes(), hand.limit_bytes(self.free_bytes)
         if resident > limit:

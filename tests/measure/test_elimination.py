@@ -62,6 +62,12 @@ def test_methods_within_two_percent_end_it():
     assert sum(chances.values()) == pytest.approx(1.0) and 0.02 < chances["a"] < 0.98
 
 
+def test_a_single_round_makes_nothing_certain():
+    found = Elimination(["a", "b", "c", "d"])
+    found.add({"a": 1.0, "b": 1.5, "c": 1.6, "d": 1.7})
+    assert found.chances() == pytest.approx({"a": 0.625, "b": 0.125, "c": 0.125, "d": 0.125})
+
+
 def test_the_chance_follows_the_distance():
     near, _ = played("lognormal", 5, {"a": 1.0, "b": 1.3}, most=12)
     assert near.chances()["a"] > 0.8

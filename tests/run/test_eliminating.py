@@ -56,7 +56,7 @@ def test_a_method_that_breaks_costs_itself_alone(raced, plant):
 
 
 def test_where_the_time_is_up_there_is_one_round_and_no_passes(monkeypatch, raced):
-    monkeypatch.setattr(measuring, "_deadlines", lambda _: (math.inf, -math.inf))
+    monkeypatch.setattr(measuring, "_deadlines", lambda *_: (math.inf, -math.inf))
     points = raced(", max_error: 0.0001")
     for name in ("ab-array", "peel-f2b", "kplus-array"):
         row = points[name].row

@@ -303,6 +303,22 @@ def test_at_the_deadline_what_is_in_hand_stops_and_the_rest_is_left(play, monkey
     assert sum(isinstance(request, Group) for request in actor.sent) == 1
 
 
+def test_at_the_last_moment_a_worker_that_does_not_stop_is_ended_without_a_row(play, monkeypatch):
+    """The clock is planted: the worker is at one cell when the time is up, and still when the answer is due."""
+    now = [0.0]
+    monkeypatch.setattr(processes.time, "monotonic", lambda: now[0])
+
+    def script(group):
+        first, second, *_ = group.jobs
+        return [Begun(first.key, "sampling"), finished(first), Begun(second.key, "compile"),
+                lambda: now.__setitem__(0, 11.0), None, lambda: now.__setitem__(0, 12.5), None, None]
+
+    actor = Actor(script)
+    stage = play(CELLS, actor, deadline=10.0, last=12.0)
+    assert list(stage.rows()) == [("floor", 4)]
+    assert actor.killed and sum(isinstance(request, Group) for request in actor.sent) == 1
+
+
 # --- what is hopeless ----------------------------------------------------------------------------
 
 
