@@ -21,7 +21,7 @@ from .spec import Buffer, Method, Param, Pass, when
 ORDER = 6
 
 KEY = Param("key", "float_bits", "what is compared: the bits of the float depth, or the papers' scaled conversion",
-            choices=("float_bits", "fixed"),
+            choices=("float_bits", "fixed"), asks={"fixed": "lengthless"},
             weakens={"fixed": "depths that are equal after the conversion collide, and lose all but one colour"})
 DEPTH_BITS = Param("depth_bits", 24, "bits of the scaled conversion, whose number the papers do not print",
                    low=8, high=32, acts=when("key", "fixed"))

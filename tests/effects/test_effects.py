@@ -1,5 +1,6 @@
 """Effects: what a method does with the sorted fragments of a pixel, against the float64 model and by hand."""
 
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 
 from mfr_bench.config.model import Measure
 from mfr_bench.config.model import Scene as SceneConfig
-from mfr_bench.effects import EFFECTS, TRANSPARENCY
+from mfr_bench.effects import EFFECTS, TRANSPARENCY, Settings
 from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import SCENE_FACTS
@@ -68,6 +69,15 @@ def test_what_does_not_hand_fragments_on_is_unsupported_and_says_why(method, cho
     cell = Cell("effects", method, method, params, config, Measure(), {})
     said = judge(cell, catalog(), stages["layers"].stats, None)
     assert said[0] == "unsupported" and SCENE_FACTS["blended"] in said[1]
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_keys_that_are_no_depths_have_no_lengths(effect, stages):
+    """Scaled depths of KB-MDT gave lengths near 0, without notice; their order is good for the other effects."""
+    params = catalog()["kb-mdt32"].complete({"key": "fixed", "k": 8})
+    cell = Cell("effects", "kb-mdt32", "kb-mdt32", params, SCENES["layers"], Measure(), {})
+    said = judge(cell, catalog(), replace(stages["layers"].stats, effect=Settings(effect)), None)
+    assert said == (("unsupported", f"needs {SCENE_FACTS['lengthless']}") if EFFECTS[effect].measures else None)
 
 
 def test_the_layers_of_a_pixel_are_its_quads_by_depth(device):

@@ -89,6 +89,19 @@ def test_panels_share_their_axes(tmp_path):
     assert figure.axes[0].get_ylim() == figure.axes[1].get_ylim()
 
 
+def test_panels_along_a_zipped_axis_are_its_points(tmp_path):
+    """Of the values beside, a heading has only those that tell panels apart, whatever else is zipped."""
+    zipped = {"scene.effect": ["layers", "csg", "csg"], "scene.operation": ["union", "union", "difference"],
+              "scene.files": [["file a"], ["file b"], ["file b"]]}
+    places = [dict(zip(zipped, values, strict=True)) for values in zip(*zipped.values(), strict=True)]
+    cells = [cell("kplus", "K⁺", k, params={"k": k}, scene={n.partition(".")[2]: v for n, v in at.items()},
+                  point={"k": k, **at}) for k in (8, 16) for at in places]
+    figure = built(tmp_path, cells, {"kind": "lines", "x": "k", "panels": "scene.effect"}, zip=zipped)
+    assert [axes.get_title(loc="left") for axes in figure.axes] == [
+        "effect = layers", "effect = csg, operation =\nunion", "effect = csg, operation =\ndifference"]
+    assert all(list(curves(axes)) == ["K⁺"] for axes in figure.axes)
+
+
 def test_a_further_axis_is_told_in_the_labels(tmp_path):
     cells = [cell("ab-sb", "S-buffer", s * d, params={"counters": s}, scene={"pixel_density": d},
                   point={"counters": s, "scene.pixel_density": d}) for s in (1, 2) for d in (0.25, 0.75)]

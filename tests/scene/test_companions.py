@@ -1,4 +1,4 @@
-"""What a mesh is, is what all its files are: materials, textures and buffers count in its digest and its folder's name."""
+"""What a mesh is, is what all its files are: materials, textures and buffers count in its digest and its folder."""
 
 import json
 

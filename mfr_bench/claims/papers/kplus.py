@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from ...report.reference import find
-from ..evidence import LESS, MORE, Bound, BoundByMaker, speedup
+from ...store.status import EXACT_ERROR
+from ..evidence import LESS, MORE, Bound, BoundByMaker, at_most, speedup
 from ..measures import COST, PRINTED_COST, Quantity, pass_time
 from ..memory_rules import Memory, RunsOut
 from ..picks import ALL_LAYERS, ANY, UNSET, Pick, fastest_of, from_, if_any, other_than, pick, up_to
-from ..rules import Ratio, RatioChange, Rule
+from ..rules import CountedValue, Ratio, RatioChange, Rule
 from ..verdict import Claim, Reading
 
 ORDER = 1
@@ -217,5 +218,15 @@ CLAIMS = (
         (_table_1(),),
         remark="without attribute packing; KB-PS with an interlock, since the table has no word for its semaphore; "
                "KB-Multi is left out, which takes two words of its own here",
+    ),
+    Claim(
+        "k-applications", "kplus_2014_slides 'Testing Environment', 'Extending k+-buffer'",
+        "With k as large as the deepest pixel the k⁺-buffer is an A-buffer, for transparency, CSG and collision "
+        "detection.",
+        "pictures of the three; k = max f(p) behaves as an A-buffer",
+        ("kplus2014-applications",),
+        tuple(CountedValue(pick(method, k=from_(8)), "max_error_all", at_most(EXACT_ERROR))
+              for method in (*VARIANTS, "kplus-sb")),
+        remark="compared with a float64 model of each effect on all fragments, of which a pixel has at most 8",
     ),
 )

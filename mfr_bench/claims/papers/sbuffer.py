@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from ...report.reference import find
-from ..evidence import MORE, Bound, about, at_least, between, gain, margin, speedup
+from ...store.status import EXACT_ERROR
+from ..evidence import MORE, Bound, about, at_least, at_most, between, gain, margin, speedup
 from ..measures import MEMORY, pass_time
 from ..memory_rules import Memory
 from ..picks import from_, if_any, other_than, pick, up_to
-from ..rules import Ratio, no_faster_than, no_slower_than
+from ..rules import CountedValue, Ratio, no_faster_than, no_slower_than
 from ..verdict import Claim
 
 ORDER = 0
@@ -103,5 +104,13 @@ CLAIMS = (
         ("sbuffer2012-fig3",),
         tuple(Ratio(pick("ab-ll"), rival) for rival in (AT_30, PRECALC, pick("ab-sb", counters=1))),
         hardware="all fragments take cells from one counter, for which few threads contend",
+    ),
+    Claim(
+        "sb-effects", "sbuffer_2012 §3.3, Fig. 2",
+        "The sorted fragments of the S-buffer give transparency, translucency and CSG.",
+        "pictures of the three",
+        ("sbuffer2012-fig2",),
+        (CountedValue(pick("ab-sb"), "max_error_all", at_most(EXACT_ERROR)),),
+        remark="compared with a float64 model of each effect, since the paper prints pictures of models without names",
     ),
 )

@@ -65,6 +65,11 @@ class SceneStats:
         return self.effect.blended
 
     @property
+    def lengthless(self) -> bool:
+        """Whether no effect takes differences of depth as lengths."""
+        return not self.effect.effect.measures
+
+    @property
     def most_layers(self) -> int:
         """Most fragments that a pixel can have by the geometry alone: a strip of two triangles may cover it twice."""
         return self.layers if self.layers is not None else self.primitives * (2 if self.geometry == "strip" else 1)
@@ -88,5 +93,6 @@ SCENE_FACTS: Mapping[str, str] = {
                "one, nearest first",
     "one_sample": "one sample a pixel, since a pass over the geometry draws into targets of one",
     "unmasked": "one sample a pixel, since it keeps one of the fragments of one depth, which two sides of an edge have",
+    "lengthless": "an effect that measures no lengths, since the keys that are stored are no depths",
     "forward": "depths that grow from the eye, since a pass tests against a depth buffer",
 }

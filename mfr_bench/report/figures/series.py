@@ -19,7 +19,8 @@ def series_of(result: Result, options: Options) -> list[Point]:
     wanted = options.get("methods")
     points = [p for p in result.points if (p.method in wanted or p.label in wanted or p.cell["label"] in wanted
                                            if wanted else not data.is_floor(p))]
-    labelled = data.series(result, points, [n for n in (options["x"], options.get("panels")) if n])
+    used = [n for n in (options["x"], options.get("panels")) if n]
+    labelled = data.series(result, points, [*used, *_beside(options.get("panels"), options)])
     if options.get("gain_of"):
         return _gains(labelled, str(options["gain_of"]))
     passes = options.get("passes")
@@ -56,19 +57,41 @@ def y_text(options: Options) -> str:
     return f"time of the {passes[0]} pass (ms)" if passes else data.MEASURES[options["y"]]
 
 
+def _beside(name: str | None, options: Options) -> list[str]:
+    """The axes that the config zips with this one, but for x: points of other values there are other points."""
+    zipped = options.get("zip") or ()
+    if not name or data.bare(name) not in map(data.bare, zipped):
+        return []
+    return [n for n in zipped if data.bare(n) not in (data.bare(name), data.bare(options["x"]))]
+
+
 def panels_of(points: Sequence[Point], options: Options) -> list[tuple[str, list[Point]]]:
-    """Points by panel, with its heading; methods that the panel's parameter does not touch are in each."""
+    """Points by panel, with its heading; methods that the panel's parameter does not touch are in each.
+
+    Axes that are zipped with that of the panels split them further. A heading has their numbers, and whatever else
+    tells panels of one value apart.
+    """
     name = options.get("panels")
     if not name:
         return [("", list(points))]
-    found = data.values(points, name)
-    panels = [(v, [p for p in points if p.at(name) in (v, None)]) for v in found]
-    zipped = options.get("zip") or ()
-    beside = [n for n in zipped if data.bare(n) not in (data.bare(name), data.bare(options["x"]))
-              and data.bare(name) in map(data.bare, zipped)
-              and all(len(data.values(members, n)) == 1 for _, members in panels)]
-    return [(", ".join([data.heading(name, v), *(data.heading(n, *data.values(members, n)) for n in beside)]), members)
-            for v, members in panels]
+    axes = [name, *_beside(name, options)]
+    places = [tuple(p.at(n) for n in axes) for p in points]
+    found = [v for value in data.values(points, name) for v in dict.fromkeys(v for v in places if v[0] == value)]
+    whole = [v for v in found if None not in v] or found
+    return [(_heading(axes, v, [other for other in whole if other[0] == v[0]]),
+             [p for p, at in zip(points, places, strict=True) if _within(at, v)]) for v in whole]
+
+
+def _within(place: Sequence[Any], panel: Sequence[Any]) -> bool:
+    """Whether a point belongs to a panel: None stands for each value of its axis."""
+    return all(at in (value, None) for at, value in zip(place, panel, strict=True))
+
+
+def _heading(axes: Sequence[str], place: Sequence[Any], alike: Sequence[Sequence[Any]]) -> str:
+    """A panel in words; `alike` are the places that share its first value."""
+    told = [at for at in range(1, len(axes))
+            if isinstance(place[at], (int, float)) or len({other[at] for other in alike}) > 1]
+    return ", ".join(data.heading(axes[at], place[at]) for at in (0, *told))
 
 
 def labels_of(points: Iterable[Point]) -> list[str]:

@@ -60,6 +60,9 @@ class Transform:
     rotate: Vector = (0.0, 0.0, 0.0)
     translate: Vector = (0.0, 0.0, 0.0)
 
+    def __str__(self) -> str:
+        return self.file
+
 
 @dataclass(frozen=True, kw_only=True)
 class MeshKeys(FileKeys):
