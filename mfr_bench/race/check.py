@@ -18,10 +18,21 @@ from ..oracle.composite import stats_of
 from ..oracle.quality import pixel_errors
 from ..oracle.ties import Answer
 from ..scene.quads import Quads
-from .adapter import Frame, frame_of
+from .adapter import Frame, frame_of, locator
 from .build import Built, build
 from .promise import Kind, Promised, expected, promised
 
+SAID = {
+    "wrong_image": "the image is none that the fragments may give",
+    "lost_fragments": "fragments were lost, and counted",
+    "out_of_bounds_write": "an access beyond the end of a buffer that may write",
+    "out_of_bounds_read": "a load beyond the end of a buffer",
+    "local_array_overrun": "an index beyond the end of a local array",
+    "stuck": "an invocation waits for a word that nobody will change",
+    "endless": "an invocation does not come to an end",
+    "barrier": "invocations wait at a barrier that others never reach",
+    "grown": "more was asked for than the scene has",
+}
 ROUNDING = 1e-5  # of a channel: what float32 may make of the few fragments of a scene
 
 
@@ -54,6 +65,12 @@ class How:
         return ["exhaustive" if self.exhaustive else "random", *(name for name, on in flags.items() if on),
                 *(f"{name}={getattr(self, name)}" for name in ("schedules", "seed", "warp", "bound")),
                 f"in-flight={self.in_flight}"]
+
+
+class BrokenAloneError(MfrError):
+    """The promise breaks already where the fragments come one after the other."""
+
+    exit_status = 3
 
 
 Deviation = tuple[int, int, int, int]
@@ -123,24 +140,25 @@ class Checker:
     def images(self) -> np.ndarray:
         """float64 (count, H, W, 4): what the fragments give one after the other, in many orders.
 
-        Raises MfrError where that breaks the promise already, without any race.
+        Raises BrokenAloneError where that breaks the promise already.
         """
         found = self._run(["reference"], images=())
         if found.get("failure"):
-            raise MfrError(f"{self.variant.method.id}: {found['failure']} without any race")
+            raise BrokenAloneError(f"{self.variant.method.id}: {self.place(found['site'])}{SAID[found['failure']]}, "
+                                   "without any race")
         width, height = self.scene.viewport
         images = np.array(found["images"], dtype=np.float64).reshape(-1, height, width, 4)
         self._compare(images)
         return images
 
     def _compare(self, images: np.ndarray) -> None:
-        """Raise MfrError where the promise is exact and an image is not right by the oracle."""
+        """Raise BrokenAloneError where the promise is exact and an image is not right by the oracle."""
         if self.promised.kind is not Kind.EXACT:
             return
         right = self._right
         error = max(float(pixel_errors(image, right).max(initial=0.0)) for image in images)
         if error > ROUNDING:
-            raise MfrError(f"{self.variant.method.id}: an error of {error:.3g} without any race")
+            raise BrokenAloneError(f"{self.variant.method.id}: its image has an error of {error:.3g}, without any race")
 
     @cached_property
     def _right(self) -> Answer:
@@ -155,6 +173,13 @@ class Checker:
         """
         loses = self.variant.method.loses_ties and not self._right.unique
         return self.promised.kind is Kind.WITHIN or (self.promised.kind is Kind.EXACT and loses)
+
+    def place(self, site: int) -> str:
+        """File and line of an access, with what separates them from what follows; empty where it is none."""
+        if site < 0:
+            return ""
+        number, line = self.built.sites[site]
+        return f"{locator(self.frame.passes[number].own)(line)}: "
 
     def check(self, how: How) -> Outcome:
         """Runs the schedules until one breaks the promise."""

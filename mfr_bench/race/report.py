@@ -15,21 +15,10 @@ from ..glsl import read
 from ..oracle.quality import pixel_errors
 from .adapter import FramePass, locator
 from .campaign import Found, settings, written
-from .check import Checker, Event, Failure, payloads
+from .check import SAID, Checker, Event, Failure, payloads
 from .promise import Kind, expected
 from .sweep import Line
 
-SAID = {
-    "wrong_image": "the image is none that the fragments may give",
-    "lost_fragments": "fragments were lost, and counted",
-    "out_of_bounds_write": "an access beyond the end of a buffer that may write",
-    "out_of_bounds_read": "a load beyond the end of a buffer",
-    "local_array_overrun": "an index beyond the end of a local array",
-    "stuck": "an invocation waits for a word that nobody will change",
-    "endless": "an invocation does not come to an end",
-    "barrier": "invocations wait at a barrier that others never reach",
-    "grown": "more was asked for than the scene has",
-}
 NEVER_WRITTEN = 0xA5A5A5A5  # what a word is before anybody writes it
 MATCH = 2e-5  # of a channel: an image of known fragments
 MOST_STEPS = 400  # of a printed trace; of a longer one, the beginning and the end are printed

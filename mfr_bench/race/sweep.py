@@ -15,7 +15,7 @@ from ..methods.spec import Method, Variant
 from ..store import csv_text, write_file
 from .build import build
 from .campaign import Found, run, settings, written
-from .check import Checker, How
+from .check import BrokenAloneError, Checker, How
 from .options import configurations
 from .scenes import row_of
 
@@ -112,7 +112,7 @@ def _line(job: Job, known: Mapping[tuple[object, ...], Line]) -> Line:
             return before
         return _told(job, code, run(job.variant, job.counts, job.how, job.scenes))
     except MfrError as error:
-        return _told(job, error=str(error))
+        return replace(_told(job, error=str(error)), violations=int(isinstance(error, BrokenAloneError)))
 
 
 def _told(job: Job, code: str = "", found: Found | None = None, error: str = "") -> Line:

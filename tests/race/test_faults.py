@@ -6,7 +6,7 @@ import pytest
 
 from mfr_bench.methods import catalog
 from mfr_bench.race.campaign import run, small_variant
-from mfr_bench.race.check import Checker, How
+from mfr_bench.race.check import BrokenAloneError, Checker, How
 from mfr_bench.race.scenes import row_of
 
 TORN = "return b.y != EMPTY && ordered_alpha(a)"
@@ -97,3 +97,11 @@ def test_a_return_before_the_lock_is_found(plant):
     moved = How(schedules=400, warp=4, late=True)
     found = run(small_variant(catalog()["kplus-array-r"], ()), (4,), moved, scenes=2)
     assert found.failure.what in ("stuck", "lost_fragments")
+
+
+def test_what_fails_without_any_race_is_a_broken_promise_with_its_line(plant):
+    plant("methods/array/store.frag", "nodes[slot * pixels + p] =", "nodes[slot * pixels + p + 99u] =")
+    with pytest.raises(BrokenAloneError) as error:
+        run(variant("ab-array"), (2,), How(schedules=10), scenes=1)
+    assert error.value.exit_status == 3
+    assert "methods/array/store.frag:11: an access beyond the end of a buffer" in str(error.value)
