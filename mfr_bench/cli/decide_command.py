@@ -145,11 +145,10 @@ def _raced(question, scene, budget, out: str | None, device: str):
             TemporaryDirectory() as folder:
         found, excluded = _candidates(question, scene, budget)
         supervisor.ready()
-        left_s = budget.left_s()
-        found, excluded = within_time(found, excluded, left_s)
+        found, excluded = within_time(found, excluded, budget.seconds)
         note(f"{len(found)} candidates; the answer comes within {duration(budget.seconds)} of the start")
         path = Path(folder, "decide.yaml")
-        made = config_of(question, scene, found, left_s)
+        made = config_of(question, scene, found, budget.seconds)
         path.write_text(yaml.safe_dump(made, sort_keys=False, allow_unicode=True), encoding="utf-8")
         results, late, cut = _measured(path, supervisor, interruption, out, budget)
         kept = results.path / path.name

@@ -11,7 +11,7 @@ MOST_SLOWNESS = 20.0
 START_S = 0.2  # of processor time: with less, wall time over it tells nothing of the machine
 STOPPING_S, STOPPING_SHARE = 4.0, 0.3  # of a quiet machine, and of the budget at most: last images, rows, the answer
 ENDING_S, ENDING_SHARE = 1.5, 0.1  # the same, to read the rows and give the answer
-COMPILING_SHARE = 0.4  # of the time left that one candidate may take, before it is ended
+COMPILING_SHARE = 0.4  # of the budget that one candidate may take, before it is ended
 
 
 @dataclass(frozen=True)

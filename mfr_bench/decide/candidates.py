@@ -56,7 +56,7 @@ def candidates(catalog: Mapping[str, Method], question: Question,
 
 
 def within_time(found: list[Candidate], excluded: list[Excluded],
-                left_s: float) -> tuple[list[Candidate], list[Excluded]]:
+                budget_s: float) -> tuple[list[Candidate], list[Excluded]]:
     """Keep as many candidates as can be compiled and checked in the time; the others are excluded for lack of it.
 
     A method's first candidate comes before any method's second. A device that takes longer than expected tries fewer of
@@ -67,7 +67,7 @@ def within_time(found: list[Candidate], excluded: list[Excluded],
     for each in found:
         turns[each.method] = turns.get(each.method, 0) + 1
         ranked.append((turns[each.method], len(ranked), each))
-    room = max(2, int(PREPARING_SHARE * left_s / PREPARING_S))
+    room = max(2, int(PREPARING_SHARE * budget_s / PREPARING_S))
     ordered = [each for *_, each in sorted(ranked, key=lambda entry: entry[:2])]
     late = [Excluded(each.label, NOT_TRIED) for each in ordered[room:]]
     return ordered[:room], [*excluded, *late]

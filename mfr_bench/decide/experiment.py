@@ -12,7 +12,7 @@ from .candidates import Candidate
 from .question import Question
 
 SEED = 1
-RACE_SHARE = 0.75  # of the time left; the rest opens the device, draws and checks last frames, writes the results
+RACE_SHARE = 0.75  # of the budget; the rest opens the device, draws and checks last frames, writes the results
 MOST_FRAMES = 1000  # rounds at most
 
 
@@ -23,13 +23,14 @@ def scene_of(question: Question) -> dict[str, Any]:
             "seed": SEED}
 
 
-def config_of(question: Question, scene: Mapping[str, Any], found: Sequence[Candidate], left_s: float,
+def config_of(question: Question, scene: Mapping[str, Any], found: Sequence[Candidate], budget_s: float,
               default_memory_mb: float = 3072.0) -> dict[str, Any]:
-    """A config as YAML has it. left_s: wall time for all of the race."""
-    time_limit_s = RACE_SHARE * left_s / max(1, len(found) + 1)  # the floor is drawn as well
+    """A config as YAML has it. budget_s: wall time of the whole answer, not what is left of it: cells that an answer of
+    the same budget measured are then the same cells."""
+    time_limit_s = RACE_SHARE * budget_s / max(1, len(found) + 1)  # the floor is drawn as well
     measure = {"eliminate": True, "max_error": question.max_error, "min_samples": 6, "max_samples": MOST_FRAMES,
                "time_limit_s": round(max(0.05, time_limit_s), 3),
-               "hard_limit_s": round(max(1.0, COMPILING_SHARE * left_s), 3),
+               "hard_limit_s": round(max(1.0, COMPILING_SHARE * budget_s), 3),
                "memory_budget_mb": question.memory_mb or default_memory_mb}
     methods = [{"id": each.method, "label": each.label, **each.params} for each in found]
     identity = repr((sorted(scene.items(), key=str), digest_of(scene), question.memory_mb, question.max_error))

@@ -138,7 +138,7 @@ def judged(measured: Measured, names: tuple[str, str], folder: Path, threshold: 
     before, after = measured.halves
     ratios = {mine: found for mine, half in after.items()
               if mine in before and (found := ratio_of(before[mine], half)) is not None}
-    groups = _groups(ratios, {mine: half.told["method"] for mine, half in after.items()})
+    groups = _all_cells(ratios)
     judge = Judge(ratios, threshold, len(groups))
     sides = [_written(measured, half, folder / which, name, judge.between)
              for half, which, name in zip(measured.halves, ("before", "after"), names, strict=True)]
@@ -149,12 +149,10 @@ def judged(measured: Measured, names: tuple[str, str], folder: Path, threshold: 
                    together=tuple(Together(name, *judge.decided(ratio)[:3]) for name, ratio in groups.items()))
 
 
-def _groups(ratios: Mapping[str, Ratio], methods: Mapping[str, str]) -> dict[str, Ratio]:
-    """The cells of each method that has several, and all cells: a change of several shows where that of none does."""
-    names = dict.fromkeys(methods[mine] for mine in ratios)
-    wanted = {f"all cells of {name}": [r for mine, r in ratios.items() if methods[mine] == name] for name in names}
-    wanted |= {"all cells": list(ratios.values())} if len(names) > 1 else {}
-    return {name: found for name, members in wanted.items() if (found := together(members))}
+def _all_cells(ratios: Mapping[str, Ratio]) -> dict[str, Ratio]:
+    """What all cells have in common: a change of several shows where that of none does."""
+    found = together(list(ratios.values()))
+    return {"all cells": found} if found else {}
 
 
 def _with_settings(verdict: CellVerdict) -> CellVerdict:
