@@ -9,6 +9,7 @@ from ..methods import FLOOR
 from ..methods.shared import STORED
 from ..methods.spec import Method, Variant
 from . import data
+from .conformance_meshes import is_of_mesh, section
 from .data import Point, Result, number
 from .tables import Grid
 
@@ -29,19 +30,29 @@ IN_ORDER = ("llvmpipe rasterizes each tile in order by one thread: hazards and r
 def conformance_page(results: Iterable[Result], catalog: Mapping[str, Method]) -> str:
     """The page as Markdown. Raises StoreError for results of a method that the catalog lacks."""
     results = [r for r in results if r.points]
-    series: dict[str, list[Point]] = {}
+    variants: dict[str, Variant] = {}
+    flat: dict[str, list[Point]] = {}
+    meshes: dict[str, list[Point]] = {}
     for point in _distinct(results):
-        series.setdefault(point.label, []).append(point)
-    variants = {label: _variant(catalog, points[0]) for label, points in series.items()}
-    repeats = (p.cell["measure"].get("repeat_images") for points in series.values() for p in points)
-    frames = max((count for count in repeats if isinstance(count, int)), default=1)
-    parts = [HEAD.format(frames=frames), *_about(results), _coverage(series), "## All methods",
-             _grid(HEADER, [_row(variants[label], label, points) for label, points in series.items()]),
-             "## Methods with a known failure",
-             _grid(HAZARDS, [_hazard(variants[label], label, points) for label, points in series.items()
-                             if variants[label].guarantee == "approximate"]),
-             "## What was not run", "\n".join(_not_run(series))]
+        variants.setdefault(point.label, _variant(catalog, point))
+        (meshes if is_of_mesh(point) else flat).setdefault(point.label, []).append(point)
+    of_meshes = [r for r in results if any(map(is_of_mesh, r.points))]
+    parts = [HEAD.format(frames=_repeats(flat)), *_about([r for r in results if r not in of_meshes])]
+    if flat:
+        parts += [_coverage(flat), "## All methods",
+                  _grid(HEADER, [_row(variants[label], label, points) for label, points in flat.items()]),
+                  "## Methods with a known failure",
+                  _grid(HAZARDS, [_hazard(variants[label], label, points) for label, points in flat.items()
+                                  if variants[label].guarantee == "approximate"]),
+                  "## What was not run", "\n".join(_not_run(flat))]
+    parts += section(meshes, variants, _about(of_meshes), _not_run(meshes))
     return "\n\n".join(part.rstrip("\n") for part in parts) + "\n"
+
+
+def _repeats(series: Mapping[str, Sequence[Point]]) -> int:
+    """The most frames whose images were told apart."""
+    counts = (p.cell["measure"].get("repeat_images") for points in series.values() for p in points)
+    return max((count for count in counts if isinstance(count, int)), default=1)
 
 
 def _variant(catalog: Mapping[str, Method], point: Point) -> Variant:

@@ -69,3 +69,32 @@ def test_what_was_not_run_has_its_reason(page):
     assert "- KB: 1 cell unsupported: needs slots" in page
     assert "distinct ones\nof 50 frames" in page
     assert "races between the fragments of a pixel do" in page
+
+
+MESH = {"kind": "mesh", "files": ["a.obj"], "view": {"projection": "orthographic", "direction": "-z", "eye": None},
+        "effect": "csg", "operation": "difference"}
+EXACT = {"max_abs_error": 1e-7, "tied_pixels": 5, "tied_error": 2e-7, "covered_pixels": 200, "fragments": 900,
+         "max_fragments": 9}
+
+
+def test_meshes_stand_in_a_section_of_their_own(tmp_path):
+    """The worst of the exact methods that agree; which others are wrong; no cell of it counts above."""
+    cells = [cell("ab-array", "AB_Array", scene=MESH, values=EXACT),
+             cell("kplus-array", "K+B-Array", scene=MESH, params={"k": 8}, values=EXACT | {"max_abs_error": 3e-7}),
+             cell("peel-f2b", "F2B", scene=MESH, status="wrong", values=EXACT | {"max_abs_error": 0.7}),
+             cell("kb-sr", "KB-SR", None, scene=MESH, status="unsupported", reason="needs flat primitives"),
+             cell("mlab", "MLAB", scene=MESH, values={"max_abs_error": 0.3})]
+    made = [folder(tmp_path / "meshes", cells), folder(tmp_path / "flat", [cell("ab-array", "AB_Array")])]
+    page = conformance_page(map(load, made), catalog())
+    assert row(page, "Triangles", "`a.obj`") == [
+        "`a.obj`", "orthographic -z", "csg, difference", "900", "9", "2.5 %", "2 of 3", "3e-07", "2e-07", "F2B"]
+    assert row(page, "All methods", "AB_Array")[3] == "1" and "F2B" not in page.split("## Triangles")[0]
+    assert "- KB-SR: 1 cell unsupported: needs flat primitives" in page.split("## Triangles")[1]
+
+
+def test_views_and_ranges_of_depths_are_told(tmp_path):
+    view = {"projection": "perspective", "direction": "-z", "eye": [1, 2.5, 3], "target": [0, 0, 0]}
+    scene = {"kind": "mesh", "files": ["a.obj", "b.stl"], "view": view, "depth_range": "reversed"}
+    page = conformance_page([load(folder(tmp_path / "one", [cell("ab-array", "AB_Array", scene=scene)]))], catalog())
+    assert "| `a.obj`, `b.stl` | perspective from 1 2.5 3, reversed depths | transparency |" in " ".join(page.split())
+    assert "## All methods" not in page
