@@ -36,6 +36,7 @@ def load(*folders: Path) -> Results:
     A folder that 'mfr-bench table --parquet' wrote is read as it is: nothing below it counts.
 
     What was not measured is missing (`<NA>` or NaN), never 0. Times are in ms, memory in bytes, as `.attrs` says.
+    Raises UsageError as well where a hand or another program put a value of another type into a cell.
     """
     from pathlib import Path as Folder
 
@@ -93,8 +94,27 @@ def _frame(rows: Sequence[Mapping[str, Any]], columns: Iterable[Any]) -> pd.Data
 
     columns = list(columns)
     frame = pd.DataFrame(list(rows), columns=[*(c.name for c in columns), *_others(rows, columns)])
-    frame = frame.astype({c.name: DTYPES[c.type] for c in columns})
+    for column in columns:
+        frame[column.name] = _typed(frame, column)
     return _told(frame, {c.name: c.unit for c in columns if c.unit}, {c.name: c.meaning for c in columns})
+
+
+def _typed(frame: pd.DataFrame, column: Any) -> pd.Series:
+    """A column with its type. Raises UsageError, with the first place, where a value has another one."""
+    from .errors import UsageError
+
+    dtype = DTYPES[column.type]
+    try:
+        return frame[column.name].astype(dtype)
+    except (TypeError, ValueError, OverflowError):
+        for at, value in enumerate(frame[column.name]):
+            try:
+                frame[column.name].iloc[[at]].astype(dtype)
+            except (TypeError, ValueError, OverflowError):
+                where = f"{frame['experiment'].iloc[at]}: a cell of {frame['method'].iloc[at]}"
+                raise UsageError(f"{where}: {column.name} is {value!r}; allowed: {column.type}; delete the cell's file "
+                                 "and measure it again") from None
+        raise
 
 
 def _told(frame: pd.DataFrame, units: Mapping[str, str], meanings: Mapping[str, str]) -> pd.DataFrame:

@@ -53,6 +53,15 @@ def test_passes_samples_and_manifests(folder):
     assert results.manifests["planted"]["timer"] == "wall"
 
 
+@pytest.mark.parametrize(("part", "value", "said"), [
+    ("seed", "two", "seed is 'two'; allowed: int"), ("fragment_probability", [None], "allowed: float")])
+def test_a_value_of_another_type_is_named(tmp_path, part, value, said):
+    planted.folder(tmp_path / "edited", [planted.cell("ab-array"), planted.cell("mlab", scene={part: value})])
+    with pytest.raises(UsageError, match="planted: a cell of mlab: ") as error:
+        mfr_bench.load(tmp_path)
+    assert said in str(error.value) and len(str(error.value).splitlines()) == 1
+
+
 def test_several_folders_load_as_one(folder, tmp_path):
     planted.folder(tmp_path / "other", [planted.cell(experiment="other")], name="other")
     both = mfr_bench.load(tmp_path)

@@ -13,6 +13,7 @@ from .output import note, place
 
 if TYPE_CHECKING:
     from ..plan.time_left import TimeLeft
+    from ..run.events import Begun, Sampled
 
 ENOUGH = 0.1  # of what was foretold at the start; while less is over, the time left is marked as a forecast
 STOPPING = "stopping; Ctrl-C again ends at once"
@@ -74,10 +75,14 @@ class Progress:
             with suppress(OSError):
                 self._live.console.print(self._last, markup=False, highlight=False)
 
-    def sampled(self, cells: Mapping[str, float]) -> None:
-        """Cells in hand, each as the fraction of the most frames or time that it may take."""
-        if self.ahead:
-            self.ahead.hold(cells, self._elapsed_s)
+    def saw(self, event: Begun | Sampled) -> None:
+        """A phase of a cell begins, or samples of it are there."""
+        from ..run.events import Begun
+
+        if self.ahead and isinstance(event, Begun):
+            self.ahead.began(event.key, event.phase, self._elapsed_s)
+        elif self.ahead:
+            self.ahead.sampled(event.key, event.samples_ms)
         self._last = self._last if self.done else "measuring"
 
     def _line(self) -> str:

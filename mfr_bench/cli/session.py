@@ -143,7 +143,7 @@ class Session:
             with Progress(sum(map(len, groups)), name, self.asked, self.choices.quiet,
                           self._time_left(groups, parts)) as progress:
                 ledger.report = progress.row
-                self.supervisor.measure(groups, ledger, progress.sampled, self.choices.try_hopeless, *deadlines)
+                self.supervisor.measure(groups, ledger, progress.saw, self.choices.try_hopeless, *deadlines)
             self._at_the_end(measuring)
             for part in parts:
                 self._tell(part)
@@ -180,7 +180,9 @@ class Session:
         forecast = forecast_of([*folders, *self.beside], ready)
         cells = {job.key: job.cell for group in groups for job in group
                  if not judge(job.cell, catalog(), expected_stats(job.cell.scene), ready.limits)}
-        return TimeLeft(forecast, cells, end_s(len(parts), len(cells), self.split.seconds["start-up"], forecast.rates))
+        programs = {job.key: job.glsl_hash for group in groups for job in group}
+        ends_s = end_s(len(parts), len(cells), self.split.seconds["start-up"], forecast.rates)
+        return TimeLeft(forecast, cells, programs, ends_s)
 
     def _at_the_end(self, parts: Sequence[Part]) -> None:
         """The state to compare with the start of the run: the timer and the device's speed, load and clocks."""

@@ -64,13 +64,6 @@ class Sampler:
         return self.stop_reason is not None and not self.precise
 
     @property
-    def share(self) -> float:
-        """The share of the frames or the time that it may take which has been taken."""
-        if self.stop_reason:
-            return 1.0
-        return min(1.0, max(self.spent_s / self.measure.time_limit_s, len(self.samples_ms) / self.measure.max_samples))
-
-    @property
     def wanted(self) -> int:
         """Frames to time next."""
         if self.stop_reason:

@@ -119,19 +119,28 @@ class Forecast:
 
     def frame(self, cell: Cell, stats: SceneStats) -> FrameTime:
         """The time that a frame of the cell should take."""
-        known = self._exact.get(_identity(cell.method, cell.params, cell.scene.as_dict()))
-        return known or self._alike(cell.method, stats) or self._calibrated(stats)
+        return self.known(cell) or self.unknown(cell.method, stats)
 
-    def _alike(self, method: str, stats: SceneStats) -> FrameTime | None:
-        """The method's frame of the nearest number of fragments, in proportion to that number."""
+    def known(self, cell: Cell) -> FrameTime | None:
+        """The time that a frame of the very cell took."""
+        return self._exact.get(_identity(cell.method, cell.params, cell.scene.as_dict()))
+
+    def unknown(self, method: str, stats: SceneStats, more: Iterable[Record] = ()) -> FrameTime:
+        """The time of a frame that was not measured: of the method, with `more` records of it, or by calibration."""
+        return self._alike([*self._of_method.get(method, ()), *more], stats) or self.guess(stats)
+
+    @staticmethod
+    def _alike(records: Iterable[Record], stats: SceneStats) -> FrameTime | None:
+        """The frame of the nearest number of fragments, in proportion to that number."""
         def distance(record: Record) -> float:
             return abs(math.log((record.fragments + 1) / (stats.F + 1)))
 
-        near = min(self._of_method.get(method, ()), key=distance, default=None)
+        near = min(records, key=distance, default=None)
         scale = near and (stats.F + 1) / (near.fragments + 1)
         return replace(near.frame, time_ms=near.frame.time_ms * scale) if near else None
 
-    def _calibrated(self, stats: SceneStats) -> FrameTime:
+    def guess(self, stats: SceneStats) -> FrameTime:
+        """The time of a frame by calibration alone."""
         time_ms = self.rates.fragment_ms * stats.F + self.rates.pixel_ms * stats.P
         return FrameTime(time_ms, USUAL_CV, CALIBRATED)
 
@@ -151,12 +160,26 @@ class Forecast:
 
 def frames_s(frame: FrameTime, measure: Measure) -> float:
     """Seconds that the sampling rules let the frames of a cell take: warm-up, samples, passes, checks."""
+    return sum(parts_s(frame, measure))
+
+
+def parts_s(frame: FrameTime, measure: Measure) -> tuple[float, float]:
+    """Seconds that a cell's warm-up and samples take, and its other frames: those of passes and of checks."""
     frame_s = frame.time_ms / 1e3
-    needed = (MEDIAN_WIDTH * frame.cv / measure.target_rel_ci) ** 2
-    samples = min(measure.max_samples, max(measure.min_samples, needed))
-    sampled_s = min((WARMUP_FRAMES + samples) * frame_s, max(measure.time_limit_s, 2 * frame_s) + frame_s / 2)
+    sampled_s = min((WARMUP_FRAMES + samples_wanted(frame, measure)) * frame_s, most_s(frame_s, measure))
     passes_s = min(PASS_FRAMES * frame_s, PASS_SHARE * measure.time_limit_s + frame_s)
-    return sampled_s + passes_s + OTHER_FRAMES * frame_s
+    return sampled_s, passes_s + OTHER_FRAMES * frame_s
+
+
+def most_s(frame_s: float, measure: Measure) -> float:
+    """Seconds that warm-up and samples take at most, of frames that take `frame_s` seconds."""
+    return max(measure.time_limit_s, 2 * frame_s) + frame_s / 2
+
+
+def samples_wanted(frame: FrameTime, measure: Measure) -> float:
+    """Samples after which a sampler stops where the time limit does not end it."""
+    needed = (MEDIAN_WIDTH * frame.cv / measure.target_rel_ci) ** 2
+    return min(measure.max_samples, max(measure.min_samples, needed))
 
 
 def _identity(method: str, params: Mapping[str, Any], scene: Mapping[str, Any]) -> str:

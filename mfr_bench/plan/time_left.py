@@ -1,99 +1,178 @@
-"""Time left of a run while it goes on: the forecast of the cells to come, learned anew from those that are done. Pure.
+"""Time left of a run while it goes on: the forecast of the cells to come, learned anew from what the run shows. Pure.
 
-Every cell that is done becomes a record of the forecast, so that a method's larger scenes are foretold by its smaller
-ones. What the forecast errs by on the whole is taken from the run so far: apart for frames that records foretell, for
-frames that the calibration alone foretells, and for what surrounds frames.
+Every cell with samples becomes a record of the forecast, so that a method's larger scenes are foretold by its smaller
+ones while these are still being measured. Frames that the calibration alone foretells are corrected by how far it was
+off for the frames that were sampled. The time limit bounds frames however slow they are, so both are put into the
+sampling rules, not behind them. What is left of the error is a factor for each kind of work, taken from the run so far:
+programs that this run compiles first, programs that it has compiled before, and frames.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from statistics import median
 from typing import Any
 
-from ..methods.spec import SceneStats
 from .cells import Cell
 from .expected import expected_stats
-from .forecast import CALIBRATED, Forecast, frames_s
+from .forecast import ALIKE, CALIBRATED, Forecast, FrameTime, Record
+from .in_hand import InHand, parts_s
 
-TRUST = 0.2  # share of all that is foretold that counts as if it had come true, for each kind
-SAMPLED = 0.7  # of what a cell's frames take; then passes are timed, and the last image is checked
-RECORDED, GUESSED, AROUND = "recorded", "guessed", "around"
-Seconds = dict[str, float]  # by kind: frames that records foretell, frames that only the calibration does, all else
+NEW, AGAIN, FRAMES = "new", "again", "frames"  # kinds of work
+Seconds = dict[str, float]  # by kind
+USUAL = {NEW: 1.6, AGAIN: 1.0, FRAMES: 1.3}  # what each takes over what is foretold, before a run has shown anything
+TRUST = 0.05  # share of all that is foretold for which each kind counts as if it had taken what is usual
+COUPLED = 0.3  # power to which the factor of all kinds together raises what is usual
+COUPLED_TRUST = 0.045  # share of all that is foretold for which that factor counts as 1
+GUESS, GUESSES = 0.8, 4  # what a frame takes over its guess by calibration, as if so many had been sampled
+KEPT = 0.05  # of the time to compile a program: the driver has it already
+COUNTERS = 2.5  # times to compile a program: those that count the work of a frame are programs of their own
+PREPARING = ("scene", "compile", "first frame")  # phases of events.Begun; a check before the first sample is another
+COMPILE, SAMPLING = "compile", "sampling"
+ENDING = 0.85  # of what is set aside for the end, which is on the safe side
+REFRESH_S = 1.0  # for so long a forecast stands
 
 
 @dataclass
 class TimeLeft:
     """The time that a run's cells have taken and will take. `elapsed_s` of every call counts from the same moment on.
 
-    cells: those that are to be measured, by key. end_s: what follows the last of them.
+    cells: those that are to be measured, by key. programs: the digest of the GLSL of each. end_s: what follows the last
+    of them.
     """
 
     forecast: Forecast
     cells: Mapping[str, Cell]
+    programs: Mapping[str, str]
     end_s: float = 0.0
-    _spent: Seconds = field(default_factory=lambda: dict.fromkeys((RECORDED, GUESSED, AROUND), 0.0))
-    _foretold: Seconds = field(default_factory=lambda: dict.fromkeys((RECORDED, GUESSED, AROUND), 0.0))
-    _shares: Mapping[str, float] = field(default_factory=dict)
-    _last_s: float = 0.0
+    _spent: Seconds = field(default_factory=lambda: dict.fromkeys(USUAL, 0.0))
+    _foretold: Seconds = field(default_factory=lambda: dict.fromkeys(USUAL, 0.0))  # of what is over
+    _compiled: set[str] = field(default_factory=set)  # digests
+    _hands: dict[str, InHand] = field(default_factory=dict)  # cells that are prepared, also when they are done
+    _now: str | None = None  # the kind of work that goes on
+    _last_s: float = 0.0  # when the last event came
+    _said: tuple[float, float] | None = None  # the last forecast, and when it was made
 
     def __post_init__(self) -> None:
-        self._stats = {cell.scene: expected_stats(cell.scene) for cell in self.cells.values()}
-        self._left = {key: self._predicted(cell) for key, cell in self.cells.items()}
-        self._first_s = {key: sum(seconds.values()) for key, seconds in self._left.items()}
-        self._trust_s = TRUST * sum(self._first_s.values())
+        self._stats = {key: expected_stats(cell.scene) for key, cell in self.cells.items()}
+        self._known = {key: self.forecast.known(cell) for key, cell in self.cells.items()}
+        self._left = dict.fromkeys(self.cells)
+        self._first_s = {key: self._prepare_s(key, NEW) + sum(parts_s(self._frame(key), cell.measure))
+                         for key, cell in self.cells.items()}
+        self._whole_s = sum(self._first_s.values())
 
-    def _predicted(self, cell: Cell) -> Seconds:
-        stats: SceneStats = self._stats[cell.scene]
-        frame = self.forecast.frame(cell, stats)
-        return {GUESSED if frame.source == CALIBRATED else RECORDED: frames_s(frame, cell.measure),
-                AROUND: self.forecast.rates.around_s(stats)}
+    # --- what the run shows ----------------------------------------------------------------------
 
-    def hold(self, shares: Mapping[str, float], elapsed_s: float) -> None:
-        """Take in which cells are prepared, each with the fraction of the most frames or time that it may take."""
-        self._spend(elapsed_s, any(share > self._shares.get(key, 0.0) for key, share in shares.items()))
-        self._shares = dict(shares)
+    def began(self, key: str | None, phase: str, elapsed_s: float) -> None:
+        """Take in that a phase of a cell begins; key None: of all cells of a scene."""
+        self._pass(elapsed_s)
+        if phase == COMPILE and key in self.cells:
+            self._now = self._kind(key, self._compiled)
+            self._foretold[self._now] += self._prepare_s(key, self._now)
+            self._compiled.add(self.programs[key])
+            self._hands[key] = InHand()
+        elif phase == SAMPLING or (phase not in PREPARING and key in self._hands and self._hands[key].samples_ms):
+            self._now = FRAMES
+        elif self._now is None or phase == PREPARING[0]:
+            self._now = NEW
+
+    def sampled(self, key: str, samples_ms: Sequence[float]) -> None:
+        """Take in samples of a cell, in ms."""
+        if key in self.cells:
+            self._hands.setdefault(key, InHand()).samples_ms += samples_ms
+
+    def samples_ms(self, key: str) -> list[float]:
+        """The samples of a cell so far."""
+        return self._hands[key].samples_ms if key in self._hands else []
 
     def done(self, key: str, row: Mapping[str, Any], elapsed_s: float) -> None:
         """Take in a cell's row."""
-        self._spend(elapsed_s, key in self._shares)
+        self._pass(elapsed_s)
         if key not in self._left:
             return
-        cell, first = self.cells[key], self._left.pop(key)
+        del self._left[key]
+        self._said = None
+        if hand := self._hands.get(key):
+            self._foretold[FRAMES] += hand.seconds(self._frame(key), self.cells[key].measure, done=True)[0]
         self.forecast.learn(row)
-        for kind, seconds in first.items():
-            self._foretold[kind] += seconds
-        self._shares = {held: share for held, share in self._shares.items() if held != key}
-        for other in self._left.keys() - self._shares.keys():
-            if self.cells[other].method == cell.method:
-                self._left[other] = self._predicted(self.cells[other])
 
-    def _spend(self, elapsed_s: float, on_frames: bool) -> None:
-        """The time since the last event went to the frames of the cells in hand, or to what surrounds frames."""
+    def _pass(self, elapsed_s: float) -> None:
+        """The time since the last event went to the work that goes on."""
         passed_s, self._last_s = max(0.0, elapsed_s - self._last_s), elapsed_s
-        held = [self._left[key] for key in self._shares if key in self._left]
-        weights = {kind: sum(seconds.get(kind, 0.0) for seconds in held) for kind in (RECORDED, GUESSED)}
-        if not on_frames or not any(weights.values()):
-            weights = {AROUND: 1.0}
-        for kind, weight in weights.items():
-            self._spent[kind] += passed_s * weight / sum(weights.values())
+        if self._now:
+            self._spent[self._now] += passed_s
+
+    # --- what is foretold ------------------------------------------------------------------------
 
     def left_s(self, elapsed_s: float) -> float:
-        """Seconds until the run has ended."""
-        held = [(self._left[key], share) for key, share in self._shares.items() if key in self._left]
-        waiting = [seconds for key, seconds in self._left.items() if key not in self._shares]
-        left_s = 0.0
-        for kind in self._spent:
-            of_held = [(seconds.get(kind, 0.0), 1.0 if kind == AROUND else SAMPLED * share) for seconds, share in held]
-            to_come_s = (sum(seconds.get(kind, 0.0) for seconds in waiting)
-                         + sum(seconds * (1 - share) for seconds, share in of_held))
-            passed_s = self._foretold[kind] + sum(seconds * share for seconds, share in of_held)
-            if to_come_s:
-                left_s += to_come_s * (self._spent[kind] + self._trust_s) / (passed_s + self._trust_s)
-        return max(0.0, left_s - max(0.0, elapsed_s - self._last_s)) + self.end_s
+        """Seconds until the run has ended. A forecast stands for a second, in which the time left runs down."""
+        if self._said is None or not 0 <= elapsed_s - self._said[1] < REFRESH_S:
+            self._said = self._forecast_s(), elapsed_s
+        said_s, at_s = self._said
+        return max(0.0, said_s - (elapsed_s - min(at_s, self._last_s))) + ENDING * self.end_s
+
+    def _forecast_s(self) -> float:
+        """Seconds from the last event until the last cell is done."""
+        guess, alike = self._guess, self._alike
+        over, to_come = dict(self._foretold), dict.fromkeys(USUAL, 0.0)
+        compiled = set(self._compiled)
+        for key in self._left:
+            frame = self._frame(key, guess, alike)
+            to_come[NEW] += self._count_s(key)
+            if hand := self._hands.get(key):
+                over_s, to_come_s = hand.seconds(frame, self.cells[key].measure)
+                over[FRAMES] += over_s
+                to_come[FRAMES] += to_come_s
+                continue
+            kind = self._kind(key, compiled)
+            compiled.add(self.programs[key])
+            to_come[kind] += self._prepare_s(key, kind)
+            to_come[FRAMES] += sum(parts_s(frame, self.cells[key].measure))
+        return sum(seconds * self._factor(kind, over) for kind, seconds in to_come.items())
+
+    def _factor(self, kind: str, over: Seconds) -> float:
+        """What work of a kind takes over what is foretold: as the run has shown, or else as usual."""
+        trust_s, few_s = TRUST * self._whole_s, COUPLED_TRUST * self._whole_s
+        if not trust_s:
+            return 1.0
+        of_all = (sum(self._spent.values()) + few_s) / (sum(over.values()) + few_s)
+        return (self._spent[kind] + trust_s * USUAL[kind] * of_all ** COUPLED) / (over[kind] + trust_s)
+
+    def _kind(self, key: str, compiled: set[str]) -> str:
+        return AGAIN if self.programs[key] in compiled else NEW
+
+    def _prepare_s(self, key: str, kind: str) -> float:
+        rates = self.forecast.rates
+        return rates.around_s(self._stats[key]) - (0.0 if kind == NEW else (1 - KEPT) * rates.compile_s)
+
+    def _count_s(self, key: str) -> float:
+        return COUNTERS * self.forecast.rates.compile_s if self.cells[key].measure.counters else 0.0
+
+    def _frame(self, key: str, guess: float = GUESS, alike: Mapping[str, list[Record]] | None = None) -> FrameTime:
+        """The time of a cell's frame without its own samples. guess: what frames take over their guess."""
+        method, stats = self.cells[key].method, self._stats[key]
+        frame = self._known[key] or self.forecast.unknown(method, stats, (alike or {}).get(method, ()))
+        return replace(frame, time_ms=guess * frame.time_ms) if frame.source == CALIBRATED else frame
+
+    @property
+    def _alike(self) -> dict[str, list[Record]]:
+        """Records of the cells in hand that have samples, by method."""
+        found: dict[str, list[Record]] = {}
+        for key, hand in self._hands.items():
+            if hand.samples_ms and key in self._left:
+                frame = replace(hand.frame(self.forecast.guess(self._stats[key])), source=ALIKE)
+                found.setdefault(self.cells[key].method, []).append(Record(self._stats[key].F, frame))
+        return found
+
+    @property
+    def _guess(self) -> float:
+        """What frames take over their guess by calibration: in the mean of those that were sampled, and of GUESS."""
+        ratios = [median(hand.samples_ms) / self.forecast.guess(self._stats[key]).time_ms
+                  for key, hand in self._hands.items() if hand.samples_ms]
+        return (sum(ratios) + GUESSES * GUESS) / (len(ratios) + GUESSES)
 
     @property
     def share(self) -> float:
         """The share of the time forecast at the start that is over, by the cells that are done."""
-        whole_s = sum(self._first_s.values())
-        return 1 - sum(self._first_s[key] for key in self._left) / whole_s if whole_s else 1.0
+        return 1 - sum(self._first_s[key] for key in self._left) / self._whole_s if self._whole_s else 1.0

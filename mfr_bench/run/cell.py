@@ -53,11 +53,6 @@ class CellWork:
         return not self.done and any(s.wanted for s in self.samplers)
 
     @property
-    def share(self) -> float:
-        """The share of the frames or the time that it may take which has been taken."""
-        return 0.0 if self.done else min(s.share for s in self.samplers)
-
-    @property
     def memory_bytes(self) -> int:
         """Bytes of all objects that the method has allocated."""
         return sum(self.frame.memory_bytes.values())

@@ -96,13 +96,6 @@ class Synced:
 
 
 @dataclass(frozen=True)
-class Share:
-    """The cells in hand: of each that is prepared, the fraction of the most frames or time that it may take."""
-
-    cells: Mapping[str, float]
-
-
-@dataclass(frozen=True)
 class Finished:
     """A cell's row, but for what the parent knows better. `details`: warm-ups, samples, passes, buffers.
 

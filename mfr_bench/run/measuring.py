@@ -18,7 +18,7 @@ from ..store.journal import Partial
 from .bench import Bench
 from .cell import CellWork
 from .eliminating import Race
-from .events import Begun, Finished, Group, Share, Synced
+from .events import Begun, Finished, Group, Synced
 from .jobs import Job
 from .outcome import failure, scene_values
 from .scene_work import SceneWork
@@ -121,7 +121,6 @@ class Measuring:
                 begun = time.monotonic()
                 self._prepare(job, scene, running, begun + (fmean(took_s) if took_s else 0.0))
                 took_s.append(time.monotonic() - begun)
-                self._share(running)
             self._sample(running)
         except KeyboardInterrupt:
             for cell in sorted(running, key=_fastest_first):
@@ -151,7 +150,7 @@ class Measuring:
     def _sample(self, running: list[CellWork]) -> None:
         """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done."""
         if running and running[0].job.cell.measure.eliminate:
-            race = Race(running, self._guarded, self._shuffle, lambda: self._news(running), self._deadline)
+            race = Race(running, self._guarded, self._shuffle, lambda: self.bench.emit(Synced()), self._deadline)
             race.run(self._finish)
             running = race.apart
         self._start_replicate(running)
@@ -160,20 +159,11 @@ class Measuring:
             self._shuffle(entries)
             for cell, sampler in entries:
                 self._guarded(cell, partial(self._batch, sampler=sampler))
-                self._share(running)
             self.bench.emit(Synced())
             for cell in running:
                 if not cell.wanted:
                     self._guarded(cell, self._finish)
-            self._share(running)
             entries = [(cell, s) for cell, s in entries if s.wanted and not cell.done]
-
-    def _share(self, running: Iterable[CellWork]) -> None:
-        self.bench.emit(Share({cell.job.key: cell.share for cell in running if not cell.done}))
-
-    def _news(self, running: list[CellWork]) -> None:
-        self.bench.emit(Synced())
-        self._share(running)
 
     def _start_replicate(self, running: list[CellWork]) -> None:
         """Sample one cell of each experiment twice: the difference is the noise floor."""

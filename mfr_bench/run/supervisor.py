@@ -10,14 +10,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from ..environment import MIB
 from .device_process import DeviceProcess
-from .events import Begun, Ended, Finished, Go, Group, Ready, Sampled, Share, Stop, Synced
+from .events import Begun, Ended, Finished, Go, Group, Ready, Sampled, Stop, Synced
 from .hand import Hand
 from .jobs import Job
 from .ledger import Ledger
 from .memory import free_bytes
 from .process import Died
 
-Shares = Callable[[Mapping[str, float]], None]  # receives the cells in hand, as events.Share has them
+Watch = Callable[[Begun | Sampled], None]  # receives the phases that begin and the samples
 
 
 class Supervisor:
@@ -46,7 +46,7 @@ class Supervisor:
         """The worker's calibration now; None where it dies of it, does not answer, or the user asks to stop."""
         return self._process.calibrate_again()
 
-    def measure(self, groups: Iterable[Sequence[Job]], ledger: Ledger, share: Shares = lambda _: None,
+    def measure(self, groups: Iterable[Sequence[Job]], ledger: Ledger, watch: Watch = lambda _: None,
                 try_hopeless: bool = False, deadline: float = float("inf"), last: float = float("inf")) -> None:
         """Measure the cells of each group; every one ends as a row, but for those left at the `deadline`.
 
@@ -60,9 +60,9 @@ class Supervisor:
         for group in groups:
             if self._late:
                 return
-            self._measure_group(group, ledger, share, try_hopeless)
+            self._measure_group(group, ledger, watch, try_hopeless)
 
-    def _measure_group(self, group: Sequence[Job], ledger: Ledger, share: Shares,
+    def _measure_group(self, group: Sequence[Job], ledger: Ledger, watch: Watch,
                        try_hopeless: bool) -> None:
         """Measure the cells of one group, with as many workers as it takes."""
         left = {job.key: job for job in group}
@@ -70,7 +70,7 @@ class Supervisor:
         while left:
             if not try_hopeless:
                 _skip_predicted(left, ledger)
-            if not left or self._follow(left, ledger, share):
+            if not left or self._follow(left, ledger, watch):
                 return
             if self.asked():
                 raise KeyboardInterrupt
@@ -80,14 +80,14 @@ class Supervisor:
             self._process.replace(deaths)
             ledger.next_session()
 
-    def _follow(self, left: dict[str, Job], ledger: Ledger, share: Shares) -> bool:
+    def _follow(self, left: dict[str, Job], ledger: Ledger, watch: Watch) -> bool:
         """Follow the worker through a group, taking what is done from `left`. Whether the group came to its end."""
         hand = Hand(left)
         self._process.send(Group(tuple(left.values()), ledger.partials(left.values()), ledger.without_floor(left),
                                  hand.limit_bytes(self.free_bytes), self._deadline))
         self._stopping = self._progressed = False
         try:
-            while not (ended := self._event(hand, ledger, share)):
+            while not (ended := self._event(hand, ledger, watch)):
                 self._look(hand)
         except Died as death:
             if time.monotonic() >= self._last:
@@ -108,13 +108,15 @@ class Supervisor:
         """Whether the time is up, and the user has not asked to stop, which is an end of another kind."""
         return time.monotonic() >= self._deadline and not self.asked()
 
-    def _event(self, hand: Hand, ledger: Ledger, share: Shares) -> Ended | None:
+    def _event(self, hand: Hand, ledger: Ledger, watch: Watch) -> Ended | None:
         """Take in the next event, if one comes soon. Raises Died."""
         match event := self._process.receive():
             case Begun(key, phase):
                 hand.take(key, phase)
+                watch(event)
             case Sampled():
                 ledger.sampled(event)
+                watch(event)
                 self._progressed = True
             case Finished(key):
                 hand.drop()
@@ -123,8 +125,6 @@ class Supervisor:
             case Synced():
                 ledger.sync()
                 self._process.send(Go())
-            case Share(cells):
-                share(cells)
             case Ended():
                 return event
         return None

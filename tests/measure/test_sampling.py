@@ -104,19 +104,6 @@ def test_fewer_samples_at_most_than_at_least():
     assert len(fed(Sampler(Measure(min_samples=10, max_samples=8)), steady()).samples_ms) == 8
 
 
-def test_the_share_done_grows_to_one():
-    sampler = Sampler(Measure(target_rel_ci=1e-6, max_samples=100))
-    shares = [sampler.share]
-    for time in noise(3, 0.1):
-        sampler.add(time)
-        shares.append(sampler.share)
-        if not sampler.wanted:
-            break
-    assert shares[0] == 0
-    assert shares == sorted(shares)
-    assert shares[-1] == 1
-
-
 @pytest.mark.parametrize(("frames", "enough"), [(5, False), (2 + 9, False), (2 + 10, True)])
 def test_interrupted_samples_are_kept_where_there_are_enough(frames, enough):
     sampler = Sampler(Measure(target_rel_ci=1e-6))

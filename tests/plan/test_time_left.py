@@ -1,6 +1,6 @@
-"""The time left of a run, foretold anew with each cell: of runs that were recorded, and of planted ones."""
+"""The time left of a run, foretold anew while it goes on: of runs that were recorded, and of planted ones."""
 
-import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,102 +8,144 @@ import pytest
 
 from mfr_bench.config.model import Measure, Scene
 from mfr_bench.plan import Cell
-from mfr_bench.plan.forecast import Forecast, Rates
-from mfr_bench.plan.time_left import TimeLeft
+from mfr_bench.plan.forecast import MEASURED, Forecast, FrameTime, Rates, parts_s
+from mfr_bench.plan.in_hand import InHand
+from mfr_bench.plan.time_left import ENDING, REFRESH_S, TimeLeft
 
-RECORDED = sorted(Path(__file__).with_name("recorded").glob("*.json"))
+ROOT = Path(__file__).parents[2]
+RECORDED = Path(__file__).with_name("recorded") / "runs.jsonl"
 SCENE = Scene(size=(64, 64), depth_complexity=32)
 MEASURE = Measure(target_rel_ci=1e-9, min_samples=10, max_samples=100, time_limit_s=1.0)
+RATES = Rates(compile_s=0.1, pixel_s=0, store_s=0)
+
+
+@pytest.fixture
+def script(monkeypatch):
+    """The script that recorded the runs, as a module."""
+    monkeypatch.syspath_prepend(ROOT / "scripts")
+    import time_left
+
+    yield time_left
+    sys.modules.pop("time_left")
+
+
+def test_after_a_fifth_of_a_run_nine_of_ten_forecasts_are_within_a_factor_of_1_5(script):
+    """31 configs on a loaded machine, without earlier results; none is off by a factor of 2."""
+    runs = script.read(RECORDED)
+    ratios = {run["config"]: script.replayed(run, (0.2,))[0] for run in runs}
+    assert len(ratios) == len(runs) > 20
+    assert sum(1 / 1.5 <= ratio <= 1.5 for ratio in ratios.values()) >= 0.9 * len(runs), ratios
+    assert all(1 / 2 <= ratio <= 2 for ratio in ratios.values()), ratios
 
 
 def cell(method, scene=SCENE, measure=MEASURE, **params):
     return Cell("planted", method, method, params, scene, measure, {})
 
 
-def row(of, time_ms, fragments, low=None, high=None, samples=10):
-    values = {"time_ms": time_ms, "time_ms_low": low or time_ms, "time_ms_high": high or time_ms}
-    return {"method": of.method, "params": dict(of.params), "scene": of.scene.as_dict(),
-            "values": values | {"fragments": fragments}, "samples_ms": [time_ms] * samples}
+def row(of, time_ms, fragments=64 * 64 * 32, samples=10):
+    values = {"time_ms": time_ms, "time_ms_low": time_ms, "time_ms_high": time_ms, "fragments": fragments}
+    return {"method": of.method, "params": dict(of.params), "scene": of.scene.as_dict(), "values": values,
+            "samples_ms": [time_ms] * samples}
 
 
-def scene_of(record):
-    return Scene(**{key: tuple(value) if isinstance(value, list) else value for key, value in record.items()})
+def started(cells, programs=None, rates=RATES, end_s=0.0):
+    return TimeLeft(Forecast((), rates), cells, programs or {key: key for key in cells}, end_s)
 
 
-def replayed(run):
-    """The elapsed time of each event of a recorded run, and the time left then."""
-    cells = {key: cell(c["method"], scene_of(c["scene"]), Measure(**c["measure"]), **c["params"])
-             for key, c in run["cells"].items()}
-    ahead = TimeLeft(Forecast((), Rates(**run["rates"])), cells, run["end_s"])
-    yield 0.0, ahead.left_s(0.0)
-    for what, elapsed_s, of, *values in run["events"]:
-        if what == "hold":
-            ahead.hold(of, elapsed_s)
-        else:
-            time_ms, low, high, fragments, samples = values
-            ahead.done(of, row(cells[of], time_ms, fragments, low, high, samples), elapsed_s)
-        yield elapsed_s, ahead.left_s(elapsed_s)
-
-
-@pytest.mark.parametrize("path", RECORDED, ids=lambda p: p.stem)
-def test_after_a_fifth_of_a_recorded_run_the_time_left_is_within_a_factor_of_1_5(path):
-    run = json.loads(path.read_text())
-    fifth_s = run["ended_s"] / 5
-    elapsed_s, left_s = [seen for seen in replayed(run) if seen[0] <= fifth_s][-1]
-    assert 1 / 1.5 <= (left_s - (fifth_s - elapsed_s)) / (run["ended_s"] - fifth_s) <= 1.5
-
-
-def test_runs_are_recorded():
-    assert RECORDED
-
-
-def started(cells):
-    return TimeLeft(Forecast((), Rates(compile_s=0.1, pixel_s=0, store_s=0)), cells, end_s=0.0)
+def measured(ahead, key, begin_s, prepare_s, frames_s, frame_ms, samples=13):
+    """Tell of a cell that is measured alone, from its beginning to its end."""
+    ahead.began(key, "compile", begin_s)
+    ahead.began(key, "sampling", begin_s + prepare_s)
+    ahead.sampled(key, [frame_ms] * samples)
+    ahead.done(key, row(ahead.cells[key], frame_ms), begin_s + prepare_s + frames_s)
 
 
 def test_a_slower_machine_is_learned_from_what_is_done():
-    """Every cell takes 5 s, ten times what was foretold."""
+    """Every program takes 2 s, twenty times what was foretold, and every cell's frames 3 s, since they wait."""
     cells = {str(i): cell("a", measure=replace(MEASURE, time_limit_s=0.4), k=i) for i in range(10)}
     ahead = started(cells)
     foretold_s = ahead.left_s(0.0)
     assert foretold_s < 10
     for i in range(5):
-        ahead.hold({str(i): 0.0}, 5.0 * i + 0.1)
-        ahead.hold({str(i): 1.0}, 5.0 * i + 4.0)
-        ahead.done(str(i), row(cells[str(i)], None, 1), 5.0 * (i + 1))
+        measured(ahead, str(i), 5.0 * i, 2.0, 3.0, 30.0)
     assert ahead.share == pytest.approx(0.5)
     assert ahead.left_s(25.0) == pytest.approx(25.0, rel=0.3)
-    assert ahead.left_s(27.0) == pytest.approx(ahead.left_s(25.0) - 2.0)
+    assert ahead.left_s(25.9) == pytest.approx(ahead.left_s(25.0) - 0.9)
 
 
-def test_a_method_s_larger_scenes_are_foretold_by_its_smaller_ones():
+def test_a_forecast_stands_for_a_second_and_runs_down():
+    ahead = started({key: cell("a", k=key) for key in "abc"})
+    ahead.began("a", "compile", 0.0)
+    said_s = ahead.left_s(0.1)
+    ahead.sampled("a", [50.0] * 5)
+    assert ahead.left_s(0.6) == pytest.approx(said_s - 0.5)
+    assert ahead.left_s(0.1 + REFRESH_S) != pytest.approx(said_s - REFRESH_S, rel=1e-3)
+
+
+def test_a_method_s_larger_scenes_are_foretold_by_its_smaller_ones_while_these_are_measured():
     large = replace(SCENE, depth_complexity=128)
-    cells = {"small": cell("a"), "large": cell("a", large), "other": cell("b", large)}
-    ahead = started(cells)
-    before = dict(ahead._left)
-    ahead.done("small", row(cells["small"], 4.0, 64 * 64 * 32), 1.0)
-    assert ahead._left["other"] == before["other"]
-    assert ahead._left["large"] != before["large"]
+    ahead = started({"small": cell("a"), "large": cell("a", large), "other": cell("b", large)})
+    ahead.began("small", "compile", 0.0)
+    ahead.sampled("small", [4.0] * 8)
+    frames = {key: ahead._frame(key, alike=ahead._alike) for key in ("large", "other")}
+    assert frames["large"].time_ms == pytest.approx(16.0, rel=1e-3)
+    assert frames["other"].time_ms == ahead._frame("other").time_ms
 
 
-def test_what_is_in_hand_counts_by_its_share():
-    cells = {name: cell(name) for name in "ab"}
-    ahead = started(cells)
-    ahead.hold({"a": 0.0, "b": 0.0}, 0.2)
-    left = []
-    for step in (1, 2, 3):
-        ahead.hold({"a": 0.3 * step, "b": 0.3 * step}, 0.2 + step)
-        left.append(ahead.left_s(0.2 + step))
-    assert left[0] > left[1] > left[2] > 0
+def test_frames_of_other_methods_are_as_far_from_their_guess_as_those_that_were_sampled():
+    ahead = started({key: cell(key) for key in "abcd"})
+    guess_ms = ahead.forecast.guess(ahead._stats["a"]).time_ms
+    before = ahead._guess
+    for key in "abc":
+        ahead.began(key, "compile", 0.0)
+        ahead.sampled(key, [5 * guess_ms] * 7)
+    assert before == pytest.approx(0.8) and 2 < ahead._guess < 5
+
+
+def test_a_program_that_the_run_has_compiled_takes_less():
+    cells = {str(i): cell("a", replace(SCENE, depth_complexity=4 + i)) for i in range(8)}
+    rates = replace(RATES, compile_s=5.0)
+    one, eight = (dict(zip(cells, names, strict=True)) for names in ("aaaaaaaa", "abcdefgh"))
+    assert started(cells, one, rates).left_s(0.0) < 0.3 * started(cells, eight, rates).left_s(0.0)
+
+
+def test_programs_that_count_the_work_of_a_frame_are_compiled_too():
+    counted = replace(MEASURE, counters=True)
+    rates = replace(RATES, compile_s=5.0)
+    assert started({"a": cell("a", measure=counted)}, rates=rates).left_s(0.0) > 2 * started(
+        {"a": cell("a")}, rates=rates).left_s(0.0)
+
+
+@pytest.mark.parametrize(("frame_ms", "count"), [(1.0, 5), (50.0, 5)])
+def test_a_cell_in_hand_has_what_the_sampling_rules_leave_it(frame_ms, count):
+    """100 samples at most, or the time limit of a second; then passes and checks."""
+    hand = InHand([frame_ms] * count)
+    foretold = FrameTime(9.0, 0.05, MEASURED)
+    measure = replace(MEASURE, target_rel_ci=0.001)
+    over_s, to_come_s = hand.seconds(foretold, measure)
+    frame = hand.frame(foretold)
+    assert frame.time_ms == frame_ms
+    assert over_s + to_come_s == pytest.approx(sum(parts_s(frame, measure)), rel=0.1)
+    assert 0 < over_s < to_come_s
+    assert InHand().seconds(foretold, measure)[0] == 0
+    assert hand.seconds(foretold, measure, done=True)[1] == 0
+
+
+def test_what_follows_the_last_cell_is_always_ahead():
+    ahead = started({"a": cell("a")}, end_s=3.0)
+    measured(ahead, "a", 0.0, 0.2, 1.0, 10.0)
+    assert ahead.left_s(1.2) == pytest.approx(ENDING * 3.0)
 
 
 def test_a_row_of_no_foretold_cell_changes_nothing():
     ahead = started({"a": cell("a")})
     left_s = ahead.left_s(0.0)
+    ahead.began("unsupported", "compile", 0.0)
+    ahead.sampled("unsupported", [1.0])
     ahead.done("unsupported", {}, 0.0)
     assert ahead.left_s(0.0) == left_s
 
 
 def test_a_run_without_cells_has_only_its_end_ahead():
-    ahead = TimeLeft(Forecast((), Rates()), {}, end_s=2.0)
-    assert (ahead.left_s(0.0), ahead.share) == (2.0, 1.0)
+    ahead = started({}, end_s=2.0)
+    assert (ahead.left_s(0.0), ahead.share) == (ENDING * 2.0, 1.0)

@@ -13,7 +13,7 @@ from mfr_bench.gpu import truth
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.methods import catalog
 from mfr_bench.run import measuring, scene_work
-from mfr_bench.run.events import CHECK, Begun, Finished, Share
+from mfr_bench.run.events import CHECK, Begun, Finished, Sampled
 from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger
 from mfr_bench.run.sheet import Sheet
@@ -179,14 +179,18 @@ def test_cells_that_do_not_fit_together_are_measured_in_turns(run, device, monke
 # --- progress ------------------------------------------------------------------------------------
 
 
-def test_progress_is_told_in_cells(run):
+def test_phases_and_samples_come_as_they_happen(run):
+    """They are what the time left is foretold from."""
     longer = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=30)
     _, made = run([cell(m, measure=longer) for m in ("floor", "ab-array", "ab-ll")], Clock(0.01))
-    shares = [event.cells for event in made.events if isinstance(event, Share)]
-    assert [len(cells) for cells in shares[:3]] == [1, 2, 3]  # as they are prepared
-    assert all(0 <= share <= 1 for cells in shares for share in cells.values())
-    assert sum(shares[2].values()) == 0 < max(sum(cells.values()) for cells in shares)
-    assert shares[-1] == {}  # nothing is in hand any more
+    seen = [(type(event), event.key) for event in made.events if isinstance(event, (Begun, Sampled, Finished))]
+    keys = {key for _, key in seen} - {None}
+    assert len(keys) == 3
+    for key in keys:
+        order = [kind for kind, of in seen if of == key]
+        assert order[0] is Begun and order[-1] is Finished and order.count(Sampled) > 1
+    phases = [event.phase for event in made.events if isinstance(event, Begun) and event.key == seen[-1][1]]
+    assert phases[:2] == ["compile", "first frame"] and phases.index("sampling") < phases.index("passes")
 
 
 # --- what a cell stores with its numbers ----------------------------------------------------------
