@@ -57,6 +57,8 @@ class Frame:
         self._probing = False
         self._frame_plan: tuple[tuple, FramePlan] | None = None  # the newest, with the fields of the state it is for
         self._barriers = Barriers(())
+        # Found by trials, which must not come while a pass draws.
+        self.flushes_dispatches = any(p.kind == "compute" for p in self.variant.passes) and device.flushes_dispatches
         self.allocation = self.ALLOCATION(device, fitted, canvas)
         self.diagnostics = Diagnostics(device)
         self._schedule = Schedule(device.gl, fitted)

@@ -37,7 +37,7 @@ class FrameResources(Protocol):
     """The parts of a frame that a pass needs: the device, what is allocated, the scene, and the part of the screen.
 
     region: left, bottom, width and height in pixels of what bounds the geometry. band: the part of it that a loop over
-    bands leaves the pass, or None.
+    bands leaves the pass, or None. flushes_dispatches: whether the driver needs a flush after each dispatch.
     """
 
     device: Device
@@ -49,6 +49,7 @@ class FrameResources(Protocol):
     scene_buffer: SceneBuffer
     canvas: Canvas
     uniforms: Uniforms
+    flushes_dispatches: bool
     band: Rectangle | None
 
     @property
@@ -78,8 +79,6 @@ class PassRunner:
         self._groups: dict[tuple[int, int], int] = {}  # work groups, by width and height of what they go over
         self.instances = frame.fitted.value(step.instances)
         self.samples = frame.stats.samples if step.kind == "geometry" else 1  # of a pixel, to rasterize into
-        # Found by trials, which must not come while a pass draws.
-        self.flushes = step.kind == "compute" and frame.device.flushes_dispatches
         self.writes_depth = step.state.depth_write and any(self._texture(r, 0).is_depth for r in step.into)
 
     def _texture(self, ref: str, iteration: int) -> Texture:
@@ -238,7 +237,7 @@ class PassRunner:
             self.program.run(self._group_count())
         if self.step.into:
             self.gl.glMemoryBarrier(rawgl.BARRIERS["image"])
-        if self.flushes:
+        if self.frame.flushes_dispatches:
             self.gl.glFlush()
 
     def _group_count(self) -> int:

@@ -7,11 +7,12 @@ import pytest
 from mfr_bench.config.model import Measure
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu import trials
+from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.pass_runner import PassRunner
 from mfr_bench.gpu.single import shown
 from mfr_bench.gpu.trials import TRIALS, Trial, failed
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import TILE_POINTS
+from mfr_bench.methods.spec import TILE_POINTS, Fitted
 from mfr_bench.plan import Cell, Limits, expected_stats, judge
 from mfr_bench.scene import generate
 
@@ -81,6 +82,16 @@ def test_a_driver_that_needs_a_flush_gets_one(untried, monkeypatch, trial):
     passed, detail = trial(untried)
     assert passed and untried.flushes_dispatches
     assert "behind a flush" in detail
+
+
+def test_a_frame_knows_whether_it_flushes_before_it_draws(untried, monkeypatch):
+    """`adaptive` compiles passes while it draws, when a trial would spoil the state of the frame."""
+    with shown(untried, generate(SceneConfig(size=(16, 16), depth_complexity=3))) as on:
+        frame = Frame(untried, Fitted(catalog()["adaptive"].variant({}), on.stats), on.scene_buffer, on.canvas)
+        monkeypatch.delattr(type(untried), "flushes_dispatches")
+        untried.__dict__.pop("flushes_dispatches", None)
+        frame.draw_fitting()
+        frame.release()
 
 
 def test_a_dispatch_of_any_method_is_flushed_where_the_driver_needs_it(untried, monkeypatch):
