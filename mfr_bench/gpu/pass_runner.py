@@ -148,7 +148,7 @@ class PassRunner:
         if self.step.kind == "fullscreen":
             self._draw_screen()
         elif len(self.frame.scene_buffer.scene):
-            self._within(self._band, lambda: self.frame.scene_buffer.draw(self.vao))
+            self._within(self._corner if self.step.corner else self._band, self._draw_geometry)
         if self.samples > 1 and self.step.into:
             self.frame.canvas.resolve(self.samples)
 
@@ -161,6 +161,11 @@ class PassRunner:
     def _band(self) -> Rectangle | None:
         """The part of the screen that a loop over bands leaves the pass."""
         return self.frame.band if self.step.region else None
+
+    @property
+    def _corner(self) -> Rectangle:
+        """The first pixel of what bounds the geometry."""
+        return (*self.frame.region[:2], 1, 1)
 
     @property
     def _extent(self) -> Rectangle | None:
@@ -191,6 +196,9 @@ class PassRunner:
             self.vao.render_indirect(commands, mode=4, count=1, first=self.step.defines["CLASS"])
         else:
             self.vao.render(mode=4, vertices=3, instances=self.instances)
+
+    def _draw_geometry(self) -> None:
+        self.frame.scene_buffer.draw(self.vao, self._commands(self.step.command) if self.step.command else None)
 
     def _draw_tiles(self) -> None:
         """A point over each listed tile, in a viewport of whole tiles: points whose middle is outside are clipped."""

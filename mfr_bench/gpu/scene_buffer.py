@@ -78,10 +78,12 @@ class SceneBuffer:
         codes = [(self.two_channel[0], f"4f1 {per}", "in_code")] if "in_code" in program else []
         return [(self.buffer, f"{formats} {per}", *used), *codes]
 
-    def draw(self, vertex_array) -> None:
-        """Draw every primitive."""
+    def draw(self, vertex_array, commands=None) -> None:
+        """Draw every primitive; with `commands`, a buffer of an indirect draw for each instance, in their order."""
         vertices, count = self._layout.vertices, len(self.scene)
-        if self._layout.per_vertex:
+        if commands is not None:
+            vertex_array.render_indirect(commands, mode=self._layout.mode, count=count)
+        elif self._layout.per_vertex:
             vertex_array.render(mode=self._layout.mode, vertices=vertices * count)
         else:
             vertex_array.render(mode=self._layout.mode, vertices=vertices, instances=count)

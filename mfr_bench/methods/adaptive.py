@@ -4,8 +4,10 @@ Before a frame the host knows its geometry: how many primitives can meet in a pi
 how many fragments the frame before had. From these it plans the frame:
 
 - `direct`: no pixel can have two fragments. They are blended, and nothing is stored.
-- `planes`: each primitive has one fragment in every pixel of the rectangle: its number tells the cell, so that nothing
-  is counted at all.
+- `ordered`: each primitive has one fragment in every pixel of the rectangle, and one depth: the order of one pixel is
+  that of all. It is found once, and the primitives are blended in it, the furthest first.
+- `planes`: the same geometry, stored after all, as the parameter `flat` may say: the number of a primitive tells the
+  cell, so that nothing is counted at all.
 - `dense`: cells for every layer of every pixel of the rectangle take at most SPARE more memory than exact ranges would.
   Nothing is counted beforehand; the cells of neighbours lie side by side.
 - `ranges`: a count by blending, then each pixel takes a range of exactly its fragments; empty pixels take none.
@@ -43,6 +45,7 @@ from .spec import (
     State,
     Target,
     When,
+    when,
 )
 
 ORDER = 9
@@ -58,7 +61,14 @@ MEMORY_MB = Param("memory_mb", 0.0, "most memory in MiB; where it does not hold 
 FURTHEST_CUT = Param("furthest_cut", 0.5, "depth; a cut further behind would save less than finding it costs",
                      real=True, low=0, high=1)
 
-DIRECT, PLANES, DENSE, RANGES = "direct", "planes", "dense", "ranges"
+FLAT = Param("flat", "ordered", "primitives that all fill one rectangle, each at one depth: blended in the order of "
+             "their depths, which is found once for all pixels (ordered), or stored like others (stored)",
+             choices=("ordered", "stored"))
+
+DIRECT, ORDERED, PLANES, DENSE, RANGES = "direct", "ordered", "planes", "dense", "ranges"
+
+MOST_ORDERED = 2048  # primitives; to find their order takes a comparison of each with each
+ORDERERS = 64  # invocations of a work group that finds the ranks of primitives
 
 SPARE = 1 / 20  # of the memory of exact ranges and two words per pixel, that `dense` may take in addition
 
@@ -76,6 +86,8 @@ def plan(known: Known, params: Params) -> Plan:
     """The cheapest way that is right and stays within the memory of exact ranges and SPARE."""
     if known.layers <= 1:
         return Plan(DIRECT, known, 0)
+    if known.filled and known.layers <= MOST_ORDERED and params.get(FLAT.name, FLAT.default) == "ordered":
+        return Plan(ORDERED, known, known.layers)
     cells = known.layers * known.area
     banded = known.room is not None and cells > known.room
     cut = float(params.get("max_error", EXACT)) > EXACT and known.layers >= WORTH_CUTTING
@@ -142,7 +154,7 @@ LAYOUTS = (IN_PLANES, IN_CELLS, IN_RANGES)
 
 def _cleared(plan: Plan) -> bool:
     """Whether the resolve leaves pixels out anywhere."""
-    return plan.path != DIRECT and (plan.known.area < plan.known.pixels or plan.banded or _classed(plan))
+    return plan.path not in (DIRECT, ORDERED) and (plan.known.area < plan.known.pixels or plan.banded or _classed(plan))
 
 
 def _banded(plan: Plan) -> bool:
@@ -228,6 +240,19 @@ STORING = (
 )
 RESOLVING = _resolves()
 
+IS_ORDERED = when(FLAT.name, "ordered")
+
+# The order of the primitives by the fragments of one pixel, and the primitives in that order.
+IN_ORDER = (
+    Pass("order", "geometry", "methods/adaptive/store_one.frag", corner=True, writes=("nodes",), runs_in=_in(ORDERED),
+         when=IS_ORDERED),
+    Pass("order", "compute", "methods/adaptive/rank.comp", reads=("nodes",), writes=("order",), runs_in=_in(ORDERED),
+         when=IS_ORDERED,
+         defines={"COMMAND_WORDS": COMMAND_WORDS, "ORDERERS": ORDERERS}, groups=f"ceil(n/{ORDERERS})"),
+    Pass("blend", "geometry", "methods/baseline/floor.frag", into=(IMAGE,), clears={IMAGE: CLEARED}, command="order",
+         state=State(blend=OVER), runs_in=_in(ORDERED), when=IS_ORDERED, counts_for_plan=True),
+)
+
 
 def _at_once(step: Pass) -> Pass:
     return replace(step, runs_in=_where(step.runs_in, lambda plan: not plan.banded))
@@ -244,16 +269,20 @@ METHODS = [
                 "cells, or exact ranges; sorts in registers as few fragments as a pixel has",
         guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
         untouched="plans for each frame what it touches",
-        beside=f"{1 + COMMAND_WORDS * (len(BOUNDS) - 1)} words for the cells taken and the draws of classes; where "
+        beside=f"{1 + COMMAND_WORDS * (len(BOUNDS) - 1)} words for the cells taken and the draws of classes, and "
+               f"with flat: ordered {COMMAND_WORDS} for each layer, up to {MOST_ORDERED}, for draws in order; where "
                "cells are dense, at most a twentieth of 2f + 2 for those that stay empty; with max_error above its "
                f"default, one and a half per pixel for the cut; with memory_mb one for each {SEGMENT} pixels of a row, "
                "and no more fragments at a time than it leaves room for",
-        params=(MAX_ERROR, MEMORY_MB, PAYLOAD), fixed=(FURTHEST_CUT,), leaves_out=MAX_ERROR.name, deepest=DEEPEST,
+        params=(MAX_ERROR, MEMORY_MB, FLAT, PAYLOAD), fixed=(FURTHEST_CUT,), leaves_out=MAX_ERROR.name, deepest=DEEPEST,
         capacity=Planned(plan, budget=MEMORY_MB.name, least=f"min(F, {SEGMENT}*n)"),
         buffers=(Buffer("counter", "P", doc="fragments stored, or the next cell of the range, of each pixel"),
                  Buffer("taken", "1", doc="cells taken by ranges"),
                  Buffer("draws", f"{COMMAND_WORDS}*{len(BOUNDS) - 1}", doc="indirect draw of each class of pixels"),
-                 Buffer("nodes", "2*capacity", type="FRAGMENT", doc="fragments: in planes, dense cells, or ranges"),
+                 Buffer("order", f"{COMMAND_WORDS}*min(n, {MOST_ORDERED})", when=IS_ORDERED,
+                        doc="indirect draw of each primitive, the furthest first"),
+                 Buffer("nodes", "2*capacity", type="FRAGMENT",
+                        doc="fragments: of one pixel, in planes, in dense cells, or in ranges"),
                  Buffer("sums", f"H*ceil(W/{SEGMENT})", when=BUDGETED,
                         doc=f"fragments of each {SEGMENT} adjacent pixels of a row")),
         targets=(Target("fragment_counts", "r16", doc="number of fragments, counted by blending"),
@@ -264,6 +293,7 @@ METHODS = [
         steps=(
             Pass("blend", "geometry", "methods/baseline/floor.frag", into=(IMAGE,), clears={IMAGE: CLEARED},
                  state=State(blend=OVER), runs_in=_in(DIRECT)),
+            *IN_ORDER,
             Pass("clear", "clear", writes=("counter",), runs_in=_in(DENSE)),
             Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), runs_in=_cleared),
             Pass("cut", "clear", clears={"cut_depth": (FURTHEST_CUT.default,)}, into=("cut_depth",), runs_in=_cut,
@@ -276,7 +306,8 @@ METHODS = [
             *_whole_and_cut(replace(COUNT, runs_in=lambda plan: plan.path == RANGES and plan.capacity is None)),
             replace(COUNT_LATER, runs_in=lambda plan: plan.path == RANGES and plan.capacity is not None),
             *map(_at_once, STORING),
-            Pass("blend", "geometry", "methods/adaptive/blended.frag", runs_in=_in(DIRECT), probes=STORED),
+            Pass("blend", "geometry", "methods/adaptive/blended.frag", probes=STORED,
+                 runs_in=lambda plan: plan.path in (DIRECT, ORDERED)),
             *map(_at_once, RESOLVING),
             Pass("clear", "clear", writes=("sums",), runs_in=_banded, when=BUDGETED),
             Pass("allocate", "fullscreen", "methods/adaptive/sums.frag", region=True, reads=("fragment_counts",),

@@ -14,7 +14,7 @@ from mfr_bench.gpu.scene_buffer import SceneBuffer
 from mfr_bench.gpu.targets import Canvas
 from mfr_bench.gpu.work import work_of
 from mfr_bench.methods import catalog
-from mfr_bench.methods.adaptive import DENSE, DIRECT, PLANES, RANGES, plan
+from mfr_bench.methods.adaptive import DENSE, DIRECT, MOST_ORDERED, ORDERED, PLANES, RANGES, plan
 from mfr_bench.methods.shared.bands import bands
 from mfr_bench.methods.spec import Fitted, Known, Plan
 from mfr_bench.oracle.composite import composite, stats_of
@@ -26,6 +26,12 @@ from ..contract.cases import SCENES, SLANTED, Drawn, stats_in
 from .drawing import assert_shows, chosen, drawn, over, stack
 
 FEW = SceneConfig(size=(64, 64), depth_complexity=6, seed=3)
+STORED = {"flat": "stored"}
+
+
+def stored(device, scene, frames=1, **params):
+    """A frame of the method in which flat primitives are stored like others."""
+    return drawn(device, "adaptive", scene, frames, **(STORED | params))
 
 
 @pytest.mark.parametrize(("layers", "area", "fragments", "path"), [
@@ -38,8 +44,15 @@ def test_the_plan(layers, area, fragments, path):
 
 
 def test_a_frame_whose_primitives_all_fill_the_rectangle_has_planes_from_the_first_on():
-    assert plan(Known(4, 50, 100, None, reach=200, filled=True), {}) == Plan(
+    assert plan(Known(4, 50, 100, None, reach=200, filled=True), STORED) == Plan(
         PLANES, Known(4, 50, 100, None, reach=200, filled=True), 200)
+
+
+def test_flat_primitives_that_fill_the_rectangle_are_drawn_in_order_unless_they_are_too_many():
+    known = Known(4, 50, 100, None, reach=200, filled=True)
+    assert plan(known, {}) == Plan(ORDERED, known, 4)
+    assert plan(replace(known, room=1), {"max_error": 0.01}).path == ORDERED
+    assert plan(replace(known, layers=MOST_ORDERED + 1), {}).path == PLANES
 
 
 @pytest.mark.parametrize(("fragments", "reach", "capacity"), [
@@ -51,8 +64,8 @@ def test_ranges_need_not_be_counted_first_where_the_geometry_cannot_have_many_mo
 
 def test_a_large_max_error_cuts_deep_frames():
     known = Known(64, 50, 100, 3200, reach=3200, filled=True)
-    assert plan(known, {"max_error": 0.01}) == Plan(DENSE, known, 3200, cut_off=True)
-    assert plan(known, {"max_error": 2.0**-20}).path == PLANES
+    assert plan(known, {"max_error": 0.01, **STORED}) == Plan(DENSE, known, 3200, cut_off=True)
+    assert plan(known, {"max_error": 2.0**-20, **STORED}).path == PLANES
     scattered = replace(known, filled=False)
     assert plan(scattered, {"max_error": 0.01}) == Plan(RANGES, scattered, cut_off=True)
     assert plan(replace(known, layers=39), {"max_error": 0.01}).cut_off is False
@@ -67,13 +80,46 @@ def test_a_large_max_error_cuts_deep_frames():
 def test_memory_is_that_of_the_s_buffer_and_a_twentieth(config):
     stats = stats_of(generate(config))
     memory = sum(Fitted(catalog()["adaptive"].variant({}), stats).memory_bytes().values())
-    assert memory <= 1.05 * 4 * (2 * stats.F + 2 * stats.P) + 64
+    assert memory <= 1.05 * 4 * (2 * stats.F + 2 * stats.P) + 64 + 20 * stats.n
+
+
+@pytest.mark.parametrize("count", [2, 3, 64, 65, 1000])
+@pytest.mark.parametrize("payload", ["rgba8", "rgba16f"])
+def test_flat_primitives_are_blended_in_the_order_of_one_pixel(device, count, payload):
+    """Nothing is stored but the fragments of one pixel."""
+    order, rgba = np.random.default_rng(count).permutation(count), np.random.default_rng(1).integers(1, 40, (count, 4))
+    with drawn(device, "adaptive", stack((order + 1) / (count + 2), rgba), frames=2, payload=payload) as frame:
+        assert frame.plan == Plan(ORDERED, frame.plan.known, count)
+        assert_shows(frame, rgba[np.argsort(order)])
+        assert frame.lost_fragments() == 0
+        assert frame.probe() == {"stored_fragments": count * 35}
+
+
+@pytest.mark.parametrize(("shader", "right", "wrong"), [
+    ("rank.comp", "other > depth", "other < depth"), ("rank.comp", "= primitive;  // first instance", "= 0u;"),
+    ("rank.comp", "i < primitive", "i <= primitive"), ("store_one.frag", "nodes[quad] =", "nodes[quad / 2u] =")])
+def test_a_wrong_line_of_the_order_is_seen(device, plant, shader, right, wrong):
+    def error() -> float:
+        with drawn(device, "adaptive", scene := generate(FEW), frames=2) as frame:
+            return np.abs(frame.image() - composite(scene)).max()
+
+    assert error() < 1e-6
+    plant(f"methods/adaptive/{shader}", right, wrong)
+    assert error() > 1e-3
+
+
+def test_equal_depths_are_all_drawn_in_order_of_submission(device):
+    rgba = np.random.default_rng(2).integers(30, 226, (40, 4))
+    depths = np.repeat(np.linspace(0.1, 0.9, 10), 4)
+    with drawn(device, "adaptive", stack(depths, rgba)) as frame:
+        assert frame.plan.path == ORDERED
+        assert_shows(frame, rgba.reshape(10, 4, 4)[:, ::-1].reshape(40, 4))
 
 
 @pytest.mark.parametrize("payload", ["rgba8", "rgba16f"])
 def test_one_layer_is_blended_as_it_comes_with_every_payload(device, payload):
     scene = generate(SceneConfig(size=(32, 24), depth_complexity=1, seed=3))
-    with drawn(device, "adaptive", scene, payload=payload) as frame:
+    with stored(device, scene, payload=payload) as frame:
         assert frame.plan.path == DIRECT
         np.testing.assert_allclose(frame.image(), composite(scene), rtol=0, atol=1e-6)
 
@@ -84,7 +130,7 @@ def test_a_scene_that_thins_out_is_right_in_its_first_frame_and_has_ranges_in_th
     thin = chosen(full, list(range(6)))
     thin.rect[1:, 2] = thin.rect[1:, 0] + 1
     quads, canvas = SceneBuffer(device, full), Canvas(device, (64, 64))
-    frame = Frame(device, Fitted(catalog()["adaptive"].variant({}), stats_of(full)), quads, canvas)
+    frame = Frame(device, Fitted(catalog()["adaptive"].variant(STORED), stats_of(full)), quads, canvas)
     try:
         frame.draw_fitting()
         assert frame.plan.path == PLANES
@@ -121,7 +167,7 @@ def test_stacks_of_every_network_of_several_sweeps_and_of_merged_blocks(device, 
     depths = (order + 1) / (count + 2)
     back = 8 * (taken_for == "opaque")
     scene = stack([*np.linspace(0.9999, 0.99991, back), *depths], [*[OPAQUE] * back, *rgba])
-    with drawn(device, "adaptive", scene) as frame:
+    with stored(device, scene) as frame:
         assert_shows(frame, [*rgba[np.argsort(order)], *[OPAQUE] * back])
 
 
@@ -146,7 +192,7 @@ def test_a_wrong_line_of_a_deep_resolve_is_seen(device, plant, shader, right, wr
 def deep_error(device, count: int, back: int) -> float:
     rgba = np.array([*[OPAQUE] * back, *np.random.default_rng(1).integers(1, 12, (count, 4))])
     depths = [*np.linspace(0.9999, 0.99991, back), *(np.random.default_rng(count).permutation(count) + 1) / (count + 2)]
-    with drawn(device, "adaptive", stack(depths, rgba)) as frame:
+    with stored(device, stack(depths, rgba)) as frame:
         return np.abs(frame.image() - over(rgba[np.argsort(depths)])).max()
 
 
@@ -161,14 +207,14 @@ def test_equal_depths_at_the_end_of_a_sweep_are_all_kept(device, equal, taken_fo
     back = 8 * (taken_for == "opaque")
     order = np.random.default_rng(3).permutation(count)
     scene = stack([*np.linspace(0.95, 0.96, back), *depths[order]], [*[OPAQUE] * back, *rgba[order]])
-    with drawn(device, "adaptive", scene) as frame:
+    with stored(device, scene) as frame:
         assert_shows(frame, [*rgba, *[OPAQUE] * back])
 
 
 @pytest.mark.parametrize("max_error", [1 / 512, 0.05])
 def test_what_is_left_out_is_within_the_bound_and_is_said(device, max_error):
     rgba = np.random.default_rng(4).integers(20, 40, (90, 4))
-    with drawn(device, "adaptive", stack(np.linspace(0.1, 0.9, 90), rgba), max_error=max_error) as frame:
+    with stored(device, stack(np.linspace(0.1, 0.9, 90), rgba), max_error=max_error) as frame:
         error = np.abs(frame.image() - over(rgba)).max()
         assert frame.variant.guarantee == "approximate"
     assert 1e-6 < error <= max_error + 1e-6
@@ -183,7 +229,7 @@ def test_what_is_left_out_is_within_the_bound_and_is_said(device, max_error):
 @pytest.mark.parametrize("max_error", [1 / 512, 0.05])
 def test_what_the_cut_discards_is_within_the_bound(device, config, max_error):
     scene = generate(config)
-    with drawn(device, "adaptive", scene, max_error=max_error) as frame:
+    with stored(device, scene, max_error=max_error) as frame:
         assert frame.plan.cut_off and frame.lost_fragments() == 0
         assert np.abs(frame.image() - composite(scene)).max() <= max_error + 1e-5
         held = frame.probe()["stored_fragments"]
@@ -194,7 +240,7 @@ def test_what_the_cut_discards_is_within_the_bound(device, config, max_error):
 def test_every_frame_cuts_at_the_first_quarter_that_is_opaque_enough(device):
     """16 of 64 layers of opacity 1/2 lie in the first quarter, and let 2^-16 through."""
     scene = generate(SceneConfig(size=(32, 16), depth_complexity=64, alpha=(0.5, 0.5), seed=7))
-    with drawn(device, "adaptive", scene, frames=0, max_error=1 / 512) as frame:
+    with stored(device, scene, frames=0, max_error=1 / 512) as frame:
         assert [frame.probe()["stored_fragments"] for _ in range(3)] == [16 * 32 * 16] * 3
 
 
@@ -204,7 +250,7 @@ def test_a_wrong_line_of_the_cut_is_seen(device, plant, shader, right, wrong):
     scene = generate(SceneConfig(size=(64, 48), depth_complexity=90, alpha=(0.1, 0.2), seed=7))
 
     def error() -> float:
-        with drawn(device, "adaptive", scene, max_error=1 / 512) as frame:
+        with stored(device, scene, max_error=1 / 512) as frame:
             assert frame.plan.path == DENSE and frame.plan.cut_off
             return np.abs(frame.image() - composite(scene)).max()
 
@@ -229,7 +275,7 @@ BANDED = {name: SCENES[name] for name in ("sorted", "tiles", "rejecting", "scatt
 
 def budgeted(stats, room: int, **params):
     """The method with just the memory that leaves room for so many fragments."""
-    some = catalog()["adaptive"].variant({"memory_mb": 1.0, **params})
+    some = catalog()["adaptive"].variant({"memory_mb": 1.0, **STORED, **params})
     budget = sum(Fitted(some, stats).memory_bytes(room).values())
     return catalog()["adaptive"].variant({**some.params, "memory_mb": budget / 2**20})
 
@@ -276,7 +322,7 @@ def test_bands_do_the_work_of_one_once(device):
     """Each fragment is rasterized and stored in one band, each pixel of the viewport cleared and resolved in one."""
     scene = generate(replace(FULL, depth_complexity=20))
     stats = stats_of(scene)
-    with drawn(device, "adaptive", scene, **budgeted(stats, stats.F // 4).params) as frame:
+    with stored(device, scene, **budgeted(stats, stats.F // 4).params) as frame:
         work = work_of(frame)
     assert work["store"]["rasterized"] == work["store"]["passed"] == work["store"]["stored"] == stats.F
     assert work["resolve"]["loaded"] == stats.F
@@ -303,7 +349,7 @@ def test_a_budget_without_room_for_a_segment_ends_with_its_number(device):
     stats = stats_of(generate(DEEP_ROWS))
     variant = budgeted(stats, 32 * 40 - 1)
     with (pytest.raises(CapacityError, match=r"1280 fragments of 32 pixels in row 0 do not fit: .* 1279"),
-          drawn(device, "adaptive", generate(DEEP_ROWS), **variant.params)):
+          stored(device, generate(DEEP_ROWS), **variant.params)):
         pass
 
 
@@ -313,7 +359,7 @@ def test_the_smallest_budget_is_judged_before_a_frame_is_drawn():
     least = 8 * 70 * 48 + 4 * 3 * 48 + 144 + 8 * 32 * 64
 
     def judged(memory_mb):
-        params = catalog()["adaptive"].complete({"memory_mb": memory_mb})
+        params = catalog()["adaptive"].complete({"memory_mb": memory_mb, **STORED})
         cell = Cell("test", "adaptive", "adaptive", params, config, Measure(), {})
         return judge(cell, catalog(), expected_stats(config), None)
 
@@ -328,7 +374,7 @@ def test_bands_of_what_the_cut_leaves_are_within_the_bound(device, max_error):
     scene = generate(config)
     stats = stats_of(scene)
     variant = budgeted(stats, max(least_room(stats), stats.F // 8), max_error=max_error)
-    with drawn(device, "adaptive", scene, **variant.params) as frame:
+    with stored(device, scene, **variant.params) as frame:
         assert frame.plan.cut_off and frame.plan.banded and frame.lost_fragments() == 0
         assert frame.geometry_passes > 3
         assert np.abs(frame.image() - composite(scene)).max() <= max_error + 1e-5
@@ -368,5 +414,5 @@ def test_no_budget_is_the_default_and_can_be_written():
 def test_layers_behind_thousands_of_others_do_not_leak(device):
     """The share that shows through is kept as such: 1 minus a sum of opacities would stop at the last bit of 1."""
     scene = generate(SceneConfig(size=(8, 8), depth_complexity=4096, alpha=(0.004, 0.01), seed=7))
-    with drawn(device, "adaptive", scene) as frame:
+    with stored(device, scene) as frame:
         assert np.abs(frame.image() - composite(scene)).max() < 5e-6

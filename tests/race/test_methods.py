@@ -27,6 +27,15 @@ def test_a_method_keeps_its_promise(method):
     assert not found.broken or found.checker.promises_nothing, show(found)
 
 
+@pytest.mark.parametrize(("fragments", "settings", "passes"), [
+    ((4,), (), ["order", "blend"]), ((4,), ("flat=stored",), ["store", "resolve"]),
+    ((3, 2), (), ["count", "clear", "allocate", "store", "resolve"])])
+def test_each_plan_of_the_adaptive_method_keeps_its_promise(fragments, settings, passes):
+    found = run(small_variant(catalog()["adaptive"], settings), fragments, How(schedules=SLOW), scenes=2)
+    assert list(dict.fromkeys(p.step.name for p in found.checker.frame.passes)) == list(dict.fromkeys(passes))
+    assert not found.broken, show(found)
+
+
 @pytest.mark.parametrize("method", [m for m in catalog().values() if m.loses_ties], ids=lambda m: m.id)
 def test_who_loses_equal_depths_shows_one_of_each(method):
     found = run(small_variant(method, ("k=3",) if method.param("k") else ()), (4, 3, 2), How(schedules=500), scenes=2,

@@ -89,7 +89,10 @@ class Pass:
     region: bool = False  # draws and clears only what bounds the geometry, or the loop's band; a clear: all but that
     whole: str = ""  # why it covers the viewport although the method has `touched`, which limits the others
     by_tile: bool = False  # only the tiles of TILE_LIST, as TILE_COMMAND has it on the device: a point or a group each
-    command: str | None = None  # the buffer of indirect draws; the pass is drawn by the one of its define CLASS
+    # The buffer of indirect draws: a full-screen pass is drawn by the one of its define CLASS, a geometry pass by all,
+    # one for each primitive, in order; every primitive then has the number 0.
+    command: str | None = None
+    corner: bool = False  # geometry: draws only the first pixel of what bounds the geometry
     static: bool | None = None  # False: only in a scene's first frame, for all; True: only in frames after that
     counts_for_plan: bool = False  # count the samples that pass, for the plan of the next frame
     atomics: tuple[str, ...] = ()  # of the written buffers of one word, those that the shader sees as atomic counters

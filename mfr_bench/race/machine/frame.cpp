@@ -7,6 +7,7 @@ namespace {
 enum Format { F_R8, F_RG8, F_RGBA8, F_R16, F_RGBA16F, F_R32F, F_RG32F, F_RGBA32F, F_R32UI, F_D16, F_D32F, F_D24S8 };
 enum Factor { ZERO, ONE, ONE_MINUS_SRC_ALPHA, DST_ALPHA, ONE_MINUS_DST_ALPHA, SRC_ALPHA };
 constexpr uint32_t TILE_PIXELS = 16;  // side of a listed tile
+constexpr uint32_t COMMAND_WORDS = 5;  // of an indirect draw
 int passed;                           // of the pass that is drawn, by the samples that it let through
 
 uint32_t pixels() { return frame.width * frame.height; }
@@ -165,20 +166,32 @@ bool early_out(const PassDesc& p, uint32_t x, uint32_t y, float z) {
     return depth && !depth_passes(p, *depth, x, y, 0, z);
 }
 
+void place_fragment(const PassDesc& p, const Fragment& fragment, uint32_t quad) {
+    float z = glsl::from_bits(fragment.depth);
+    if (p.corner && (fragment.x != frame.region[0] || fragment.y != frame.region[1])) return;
+    if (early_out(p, fragment.x, fragment.y, z)) return;
+    Fiber& f = next_fiber();
+    f.in.x = fragment.x, f.in.y = fragment.y, f.in.z = z, f.in.quad = quad;
+    f.in.payload = fragment.rgba, f.in.helper = fragment.helper;
+    start_fiber(f);
+}
+
+// The fragments of each primitive for which a command draws an instance, in the order of the commands.
+void place_fragments_by_commands(const PassDesc& p) {
+    const uint32_t* words = &m.memory[m.first[size_t(p.command)]];
+    for (uint32_t at = 0; at + COMMAND_WORDS <= frame.buffers[p.command].words; at += COMMAND_WORDS)
+        for (const Fragment& fragment : m.fragments)
+            if (words[at] == 4 && words[at + 1] == 1 && fragment.quad == words[at + 3]) place_fragment(p, fragment, 0);
+}
+
 void place_fragments(const PassDesc& p) {
-    for (const Fragment& fragment : m.fragments) {
-        float z = glsl::from_bits(fragment.depth);
-        if (early_out(p, fragment.x, fragment.y, z)) continue;
-        Fiber& f = next_fiber();
-        f.in.x = fragment.x, f.in.y = fragment.y, f.in.z = z, f.in.quad = fragment.quad;
-        f.in.payload = fragment.rgba, f.in.helper = fragment.helper;
-        start_fiber(f);
-    }
+    if (p.command >= 0) return place_fragments_by_commands(p);
+    for (const Fragment& fragment : m.fragments) place_fragment(p, fragment, fragment.quad);
 }
 
 bool drawn_by_command(const PassDesc& p) {
     if (p.command < 0) return true;
-    const uint32_t* words = &m.memory[m.first[size_t(p.command)] + 5u * uint32_t(p.command_class)];
+    const uint32_t* words = &m.memory[m.first[size_t(p.command)] + COMMAND_WORDS * uint32_t(p.command_class)];
     return words[0] >= 3 && words[1] >= 1;
 }
 

@@ -26,7 +26,7 @@ struct PassDesc {
     int depth_test;  // 0 none, 1 less, 2 lequal, 3 equal, 4 always
     bool depth_write, early, writes_depth, samples_all;
     int stencil_test, stencil_update, stencil_reference;  // test 0 none, 1 always, 2 equal; update 1 up, 2 down
-    bool region, by_tile, concurrent, counts, sets_capacity, interlocked, ordered, uses_mask;
+    bool region, corner, by_tile, concurrent, counts, sets_capacity, interlocked, ordered, uses_mask;
     int instances, groups, local_x, local_y, command, command_class;  // command: buffer of indirect draws, -1 none
     int written[16]; int written_count;  // slots that a clear by the driver zeroes
     uint32_t shared_words;
