@@ -9,6 +9,7 @@ import numpy as np
 
 from ..glsl import StageSource, read
 from ..glsl.bindings import OPAQUE_UNIT
+from ..methods.spec import COMMAND_WORDS
 from ..oracle import twochannel
 from ..scene.geometry import Geometry
 from . import rawgl
@@ -82,7 +83,8 @@ class SceneBuffer:
         """Draw every primitive; with `commands`, a buffer of an indirect draw for each instance, in their order."""
         vertices, count = self._layout.vertices, len(self.scene)
         if commands is not None:
-            vertex_array.render_indirect(commands, mode=self._layout.mode, count=count)
+            room = commands.size // (4 * COMMAND_WORDS)
+            vertex_array.render_indirect(commands, mode=self._layout.mode, count=min(count, room))
         elif self._layout.per_vertex:
             vertex_array.render(mode=self._layout.mode, vertices=vertices * count)
         else:
