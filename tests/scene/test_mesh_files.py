@@ -39,6 +39,43 @@ def test_polygons_become_triangles_in_place(tmp_path):
     assert areas[:2].sum() == 1.0 and areas[2:].sum() == 1.5
 
 
+CONCAVE = [(0, 0, 0), (4, 0, 0), (4, 4, 0), (2, 1, 0), (0, 4, 0)]  # an arrow head, of area 10
+
+
+@pytest.mark.parametrize("start", range(5))
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("ending", ["obj", "ply"])
+def test_concave_polygons_cover_no_more_than_they_are(tmp_path, ending, start, turned):
+    """In any plane, from whichever corner the file begins, and with their front where it was."""
+    corners = np.roll(np.array(CONCAVE, float), -start, axis=0) @ np.array([[0.6, 0, 0.8], [0, 1, 0], [-0.8, 0, 0.6]])
+    corners = corners[::-1] if turned else corners
+    if ending == "obj":
+        lines = "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
+        found = obj(tmp_path, f"{lines}f 1 2 3 4 5\n")
+    else:
+        (tmp_path / "a.ply").write_text(ply([f"{x} {y} {z}" for x, y, z in corners], ["5 0 1 2 3 4"]))
+        found = read_mesh(tmp_path / "a.ply")
+    normal = np.cross(found.position[:, 1] - found.position[:, 0], found.position[:, 2] - found.position[:, 0]) / 2
+    assert np.linalg.norm(normal, axis=1).sum() == pytest.approx(10)
+    assert np.linalg.norm(normal.sum(axis=0)) == pytest.approx(10)
+    assert ((normal @ [-0.8, 0, 0.6] < 0) == turned).all()
+
+
+def test_a_byte_order_mark_hides_no_vertex(tmp_path):
+    """Without its first vertex the others would move up, and a face would be another one."""
+    text = f"{CORNERS}v 9 9 9\nf 1 2 3\n"
+    (tmp_path / "a.obj").write_bytes(b"\xef\xbb\xbf" + text.encode())
+    assert read_mesh(tmp_path / "a.obj").position[0].tolist() == [[0, 0, 0], [1, 0, 0], [1, 1, 0]]
+
+
+def test_strips_of_a_ply_are_named(tmp_path):
+    (tmp_path / "a.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element tristrips 1\nproperty list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    with pytest.raises(UsageError, match=r"a\.ply: .*its faces are tristrips, which are not read here"):
+        read_mesh(tmp_path / "a.ply")
+
+
 def test_vertices_at_one_place_keep_their_own_colours(tmp_path):
     found = obj(tmp_path, "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 0 0 0 0 0 1\nv 1 0 0 0 0 1\nv 0 1 0 0 0 1\n"
                           "f 1 2 3\nf 4 5 6\n")

@@ -6,21 +6,24 @@ from pathlib import Path
 
 import numpy as np
 
-from .faces import NONE, Faces, bytes_of, fans
+from .faces import NONE, Faces, bytes_of
 from .library import library
+from .polygons import triangulated
 
 CORNERS = ("vertex_indices", "vertex_index")
 CHANNELS = ("red", "green", "blue", "alpha")
 
 
 def read(path: Path) -> Faces:
-    """The faces of a PLY file, polygons as fans. Raises ValueError or IndexError for a file that does not hold."""
+    """The faces of a PLY file, polygons as triangles. Raises ValueError or IndexError for a file that does not hold."""
     plyfile = library("plyfile", path)
     try:
         data = plyfile.PlyData.read(path, mmap=False)
     except plyfile.PlyParseError as error:
         raise ValueError(str(error)) from None
     if "face" not in data or not data["face"].count:
+        if "tristrips" in data:
+            raise ValueError("its faces are tristrips, which are not read here; save it with faces")
         return NONE
     vertex, face = data["vertex"], data["face"]
     names = [name for name in CORNERS if name in face]
@@ -32,8 +35,8 @@ def read(path: Path) -> Faces:
     if corner.size and (corner.min() < 0 or corner.max() >= vertex.count):
         bad = corner[(corner < 0) | (corner >= vertex.count)][0]
         raise IndexError(f"a face names vertex {bad}; it has {vertex.count}, counted from 0")
-    triangles, polygon = fans(counts)
     place = np.stack([np.asarray(vertex[axis], dtype=np.float64) for axis in "xyz"], axis=-1)
+    triangles, polygon = triangulated(counts, place[corner])
     index = corner[triangles]
     colours = _colours(face)
     rgba = colours[polygon] if colours is not None else _vertex_colours(vertex, index)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import tempfile
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,7 +23,7 @@ NO_FACE = re.compile(rb"^(?:[lp][ \t].*|f[ \t]+\S+(?:[ \t]+\S+)?[ \t]*\r?)$", re
 def read(path: Path) -> Faces:
     """The triangles of the file. Raises ValueError for a file that does not hold, with the library's reason."""
     assimp = library("assimp_py", path)
-    with _without_lines(path) as file:
+    with _mended(path) as file:
         try:
             scene = assimp.import_file(str(file), assimp.Process_Triangulate)
         except RuntimeError as error:
@@ -35,10 +36,13 @@ def read(path: Path) -> Faces:
 
 
 @contextmanager
-def _without_lines(path: Path) -> Iterator[Path]:
-    """The file, or a copy of an OBJ without lines, points and faces of two corners, which the library refuses."""
+def _mended(path: Path) -> Iterator[Path]:
+    """The file, or a copy of an OBJ without what the library refuses or takes amiss.
+
+    It refuses lines, points and faces of two corners, and skips a first line that a byte order mark stands before.
+    """
     text = path.read_bytes() if path.suffix.lower() == ".obj" else b""
-    if not NO_FACE.search(text):
+    if not (NO_FACE.search(text) or text.startswith(BOM_UTF8)):
         yield path
         return
     with tempfile.TemporaryDirectory() as folder:
@@ -47,7 +51,7 @@ def _without_lines(path: Path) -> Iterator[Path]:
             if material.is_file():
                 shutil.copyfile(material, Path(folder, material.name))
         copy = Path(folder, path.name)
-        copy.write_bytes(NO_FACE.sub(b"", text))
+        copy.write_bytes(NO_FACE.sub(b"", text.removeprefix(BOM_UTF8)))
         yield copy
 
 
