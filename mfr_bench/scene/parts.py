@@ -30,7 +30,13 @@ def with_effect(made: Geometry, settings: Settings) -> Geometry:
 
 
 def in_samples(made: Geometry, settings: Settings) -> Geometry:
-    """The scene in several samples a pixel, with payloads that have room for coverage masks, or have them already."""
+    """The scene in several samples a pixel, with payloads that have room for coverage masks, or have them already.
+
+    Raises UsageError for a scene whose opaque triangles are drawn into a depth buffer, which has one sample a pixel.
+    """
+    if made.occluded:
+        raise UsageError(f"scene.msaa: {settings.msaa} with opaque triangles in a depth buffer of one sample a pixel; "
+                         "allowed: with opaque store")
     masks = made.coverage if isinstance(made, MaskedPieces) else coverage.ALL_SAMPLES
     return replace(made, effect=settings, rgba=coverage.packed(made.rgba, masks))
 

@@ -11,6 +11,7 @@ from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Promise
 from mfr_bench.oracle.listed import recorded
+from mfr_bench.resources import configs_dir
 from mfr_bench.scene import generate
 from mfr_bench.scene.kinds import kind_of
 from mfr_bench.scene.recording import Recording, samples_of
@@ -83,6 +84,15 @@ def test_what_masks_cannot_be_is_refused_in_a_line(tmp_path):
     eight.coverage[7] = 0
     with pytest.raises(UsageError, match="coverage of fragment 7 is 0; allowed: a bit for each sample"):
         generate(scene_of(tmp_path, eight, msaa=8))
+
+
+def test_opaque_parts_are_stored_in_several_samples():
+    """A depth buffer of one sample would hide whole pixels of fragments by their middles."""
+    mesh = {"kind": "mesh", "file": str(configs_dir() / "meshes" / "knot.obj"), "size": (16, 16), "depth_complexity": 0,
+            "alpha": 1.0, "msaa": 4}
+    with pytest.raises(UsageError, match="msaa: 4 with opaque triangles .*; allowed: with opaque store"):
+        generate(SceneConfig(**mesh))
+    assert len(generate(SceneConfig(**mesh, opaque="store")))
 
 
 def test_several_samples_go_with_transparency_alone():
