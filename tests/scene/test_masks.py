@@ -89,8 +89,8 @@ def test_what_masks_cannot_be_is_refused_in_a_line(tmp_path):
 def test_opaque_parts_are_stored_in_several_samples():
     """A depth buffer of one sample would hide whole pixels of fragments by their middles."""
     mesh = {"kind": "mesh", "file": str(configs_dir() / "meshes" / "knot.obj"), "size": (16, 16), "depth_complexity": 0,
-            "alpha": 1.0, "msaa": 4}
-    with pytest.raises(UsageError, match="msaa: 4 with opaque triangles .*; allowed: with opaque store"):
+            "alpha": (1.0, 1.0), "msaa": 4}
+    with pytest.raises(UsageError, match=r"msaa: 4 with opaque triangles .*; allowed: with opaque store"):
         generate(SceneConfig(**mesh))
     assert len(generate(SceneConfig(**mesh, opaque="store")))
 
