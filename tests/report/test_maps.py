@@ -62,6 +62,19 @@ def test_shares_of_discarded_fragments_stand_in_the_heading(tmp_path):
     assert figure.axes[0].get_title(loc="left") == "KB, 75.0 %"
 
 
+@pytest.mark.parametrize("label", ["KB", "KB with bounds of the geometry in 128 intervals, and more that is said"])
+def test_no_heading_is_cut_or_lies_on_the_panel_above(tmp_path, label):
+    kept = {(f"{label} {i}", 8): {"discarded": np.full((8, 8), 3)} for i in range(7)}
+    figure = mapped(tmp_path, MAPS | {"y": "discarded"}, kept, values={"fragments": 8 * 8 * 4})
+    figure.draw_without_rendering()
+    panels = [axes for axes in figure.axes if axes.images]
+    for i, axes in enumerate(panels):
+        assert " ".join(axes.get_title(loc="left").split()) == f"{label} {i}, 75.0 %"
+        above = [other for other in panels if other.get_position().y0 > axes.get_position().y1]
+        top = axes._left_title.get_window_extent().y1
+        assert all(top <= other.get_window_extent().y0 for other in above)
+
+
 FRAMES = [{"frame": 0, "chosen_k": 8, "histogram": [10, 4, 2, 1]}, {"frame": 1, "chosen_k": 3, "histogram": [9, 8]}]
 
 

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_COLUMNS = 5
-GAP, HEADING, BAR = 0.1, 0.3, 0.62  # inches
+GAP, HEADING, LINE, BAR = 0.1, 0.3, 0.11, 0.62  # inches; HEADING: room for two lines
+HEADING_PT = 7.0
 LEAST_SEEN = 1 / 255
 CHECKS = 16  # squares of the checkerboard along the longer side
 MEANINGS = {"error": "largest channel error against the promised image", "loss": "largest channel error against the "
@@ -41,7 +42,9 @@ def draw(result: Result, options: Options) -> Figure:
     room = style.WIDTH_IN - 2 * EDGE - bar - GAP * (columns - 1)
     width = min(2.2, room / columns)
     height = width * chart.aspect
-    sheet = sheet_of(result, options, chart.notes(), style.WIDTH_IN, max(1, len(rows)) * (height + HEADING + 0.06))
+    lines = max((len(chart.heading(point, width)) for point in chart.points), default=0)
+    heading = HEADING + LINE * max(0, lines - 2)
+    sheet = sheet_of(result, options, chart.notes(), style.WIDTH_IN, max(1, len(rows)) * (height + heading + 0.06))
     figure = sheet.figure()
     if not rows:
         axes = sheet.axes(figure, EDGE, 0, room, height)
@@ -50,11 +53,11 @@ def draw(result: Result, options: Options) -> Figure:
     drawn = None
     for i, row in enumerate(rows):
         for j, point in enumerate(row):
-            axes = sheet.axes(figure, EDGE + j * (width + GAP), i * (height + HEADING + 0.06) + HEADING, width, height)
+            axes = sheet.axes(figure, EDGE + j * (width + GAP), i * (height + heading + 0.06) + heading, width, height)
             drawn = chart.draw(axes, point, width) or drawn
     if drawn is not None and chart.scaled:
         left = EDGE + columns * (width + GAP)
-        bar_axes = sheet.axes(figure, left, HEADING, 0.11, height)
+        bar_axes = sheet.axes(figure, left, heading, 0.11, height)
         figure.colorbar(drawn, cax=bar_axes)
         bar_axes.tick_params(labelsize=style.SMALL_PT)
     return figure
@@ -109,8 +112,7 @@ class Maps:
         axes.set_yticks([])
         for side in axes.spines.values():
             side.set_visible(True)
-        axes.set_title("\n".join(fitted(self._heading(point), 7.0, width + 2 * EDGE)[:2]), loc="left", fontsize=7.0,
-                       pad=2.5, linespacing=1.0)
+        axes.set_title("\n".join(self.heading(point, width)), loc="left", fontsize=HEADING_PT, pad=2.5, linespacing=1.0)
         array = self.kept.get(point.cell["key"])
         if array is None:
             sign = point.sign if point.status != "ok" else f"{self.name} {UNMEASURED}"
@@ -122,6 +124,10 @@ class Maps:
             return None
         return axes.imshow(array.astype("float32"), origin="lower", interpolation="nearest", aspect="auto",
                            cmap=style.MAP_COLOURS, vmin=0.0, vmax=self.highest)
+
+    def heading(self, point: Point, width: float) -> list[str]:
+        """The lines over a panel that is so many inches wide."""
+        return fitted(self._heading(point), HEADING_PT, width + 2 * EDGE)
 
     def _heading(self, point: Point) -> str:
         x = self.options["x"]
