@@ -30,8 +30,8 @@ def common(experiment: Experiment) -> list[tuple[str, str]]:
 
 def lacking(experiment: Experiment) -> list[tuple[str, int]]:
     """Devices that lack cells which others have, and how many."""
-    most = len({place for device in experiment.devices for place in device.cells})
-    return [(device.name, most - len(device.cells)) for device in experiment.devices if len(device.cells) < most]
+    most = len({place for device in experiment.devices for place in device.places})
+    return [(device.name, most - len(device.places)) for device in experiment.devices if len(device.places) < most]
 
 
 def _text(value: object) -> str:

@@ -131,9 +131,11 @@ class Chart:
         axes.set_xlabel((RATIOS if self.name == "ratios" else RANKS)[0])
         axes.grid(axis="x", which="major")
         if self.name == "ratios":
+            low, high = axes.get_xlim()
+            axes.set_xlim(low, high if self.one_by_one else 1.2 * high)
             log_axis(axes, "x", 10)
         else:
-            axes.set_xlim(0.5, len(rows) + 0.5)
+            axes.set_xlim(0.5, len(rows) + (0.5 if self.one_by_one else 1.0))
             axes.set_xticks(range(1, len(rows) + 1) if len(rows) < 10 else [1, *range(5, len(rows) + 1, 5)])
 
     def _device(self, axes: Axes, number: int, name: str, places: Sequence[int]) -> None:
@@ -158,5 +160,6 @@ class Chart:
         axes.hlines(row, least, most, color=colour, linewidth=0.8, zorder=3)
         axes.hlines(row, low, high, color=colour, linewidth=3.2, zorder=3)
         axes.plot([middle], [row], marker="o", markersize=4.2, color="white", markeredgecolor=colour, zorder=4)
-        axes.annotate(data.number(float(middle)), (most, row), (4, 0), textcoords="offset points", va="center",
+        text = f"{middle:g}" if self.name == "ranks" else data.number(float(middle))
+        axes.annotate(text, (most, row), (4, 0), textcoords="offset points", va="center",
                       fontsize=style.NUMBER_PT, color=style.QUIET)

@@ -26,7 +26,7 @@ Place = tuple[str, str]  # where methods are compared, and the entry: a method w
 class OnDevice:
     """An experiment in one folder: the device, the manifest's facts, and the numbers of each entry at each place.
 
-    cells: NUMBERS of each, missing ones NaN. methods: the id of each entry's method.
+    numbers: (cells, NUMBERS), missing ones NaN; places: of each cell. methods: the id of each entry's method.
     """
 
     experiment: str
@@ -34,7 +34,8 @@ class OnDevice:
     name: str
     facts: Mapping[str, Any]
     noise: float
-    cells: Mapping[Place, tuple[float, ...]]
+    places: Sequence[Place]
+    numbers: np.ndarray
     methods: Mapping[str, str]
     damaged: Sequence[str]
 
@@ -48,12 +49,12 @@ class Experiment:
 
     @cached_property
     def places(self) -> list[str]:
-        return list(dict.fromkeys(place for device in self.devices for place, _ in device.cells))
+        return list(dict.fromkeys(place for device in self.devices for place, _ in device.places))
 
     @cached_property
     def entries(self) -> list[str]:
         """Labels of the methods, in the order of the first device that has each."""
-        return list(dict.fromkeys(entry for device in self.devices for _, entry in device.cells))
+        return list(dict.fromkeys(entry for device in self.devices for _, entry in device.places))
 
     @cached_property
     def numbers(self) -> np.ndarray:
@@ -63,8 +64,8 @@ class Experiment:
         places, entries = ({name: i for i, name in enumerate(names)} for names in (self.places, self.entries))
         found = np.full((len(self.devices), len(places), len(entries), len(NUMBERS)), np.nan)
         for number, device in enumerate(self.devices):
-            for (place, entry), values in device.cells.items():
-                found[number, places[place], entries[entry]] = values
+            found[number, [places[place] for place, _ in device.places],
+                  [entries[entry] for _, entry in device.places]] = device.numbers
         return found
 
     def method(self, entry: str) -> str:
@@ -80,7 +81,7 @@ def read_experiments(folders: Sequence[ResultFolder], whole_scenes: bool = False
     """
     found: dict[str, list[OnDevice]] = {}
     for device in in_processes(_scenes if whole_scenes else _points, folders):
-        if device.cells:
+        if device.places:
             found.setdefault(device.experiment, []).append(device)
     return [Experiment(name, _named_apart(devices)) for name, devices in found.items()]
 
@@ -105,18 +106,22 @@ def _scenes(folder: ResultFolder) -> OnDevice:
 
 def on_device(folder: ResultFolder, whole_scenes: bool) -> OnDevice:
     """What a comparison needs of one folder."""
+    import numpy as np
+
     manifest = folder.manifest()
     cells, _ = belonging(manifest, [each for cell in folder.cells() for each in places(cell)])
     labelled = [(cell, label) for cell, label in zip(cells, labels_of(cells), strict=True)
                 if cell["method"] != FLOOR and cell["status"] == "ok" and cell["values"].get("time_ms") is not None]
-    placed = _by_scene(labelled) if whole_scenes else _by_point(labelled)
+    texts: dict[str, str] = {}  # equal ones once: a thousand devices are kept
+    placed = {(texts.setdefault(place, place), texts.setdefault(entry, entry)): cell for place, entry, cell in
+              (_by_scene(labelled) if whole_scenes else _by_point(labelled))}
     own = manifest.get("device")
     own = own if isinstance(own, Mapping) else {"slug": own}
     name = next(filter(None, map(device_name, cells)), None) or own.get("slug") or folder.path.parent.name
     return OnDevice(str(manifest.get("name") or folder.path.name), str(folder.path), str(name), _facts(manifest, cells),
-                    manifest.get("noise_floor_rel") or 0.0,
-                    {(place, entry): _numbers(cell["values"]) for place, entry, cell in placed},
-                    {entry: cell["method"] for _, entry, cell in placed}, tuple(folder.damaged))
+                    manifest.get("noise_floor_rel") or 0.0, list(placed),
+                    np.array([_numbers(cell["values"]) for cell in placed.values()]),
+                    {entry: cell["method"] for (_, entry), cell in placed.items()}, tuple(folder.damaged))
 
 
 def _by_scene(labelled: Iterable[tuple[Cell, str]]) -> list[tuple[str, str, Cell]]:
