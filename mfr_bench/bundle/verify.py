@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..config.schema import parse
 from ..environment import draws_in_software
 from ..errors import UsageError
@@ -17,6 +19,7 @@ from ..plan import expected_stats
 from ..scene import Scene, generate
 from ..scene.kinds import FIRST, faults
 from ..scene.kinds.quads import is_flat
+from ..scene.quads import Quads
 from ..store import Cell, Floors, ResultFolder, derive, write_file
 from ..store.arrays import read_arrays
 from ..store.record import is_cell_file
@@ -195,13 +198,21 @@ def _other_image(folder: ResultFolder, cell: Cell) -> str | None:
     stats = expected_stats(scene)
     if not is_flat(scene) or scene.animate or stats.W * stats.H + stats.F >= CHECKED_WORK:
         return None
-    import numpy as np
-
-    from ..oracle.composite import composite
-
-    expected = np.clip(composite(generate(scene)), 0, 1)
+    expected = np.clip(_expected_image(generate(scene), cell["params"].get("payload") == "two_channel"), 0, 1)
     if image.shape != expected.shape:
         return f"its kept image has shape {image.shape}, its scene {expected.shape}"
     error = float(np.abs(image / 255.0 - expected).max())
     allowed = HALF_STEP + float(cell["values"].get("max_abs_error") or 0) + NOISE
     return f"its kept image differs from the oracle by {error:.3g}, its record says less" if error > allowed else None
+
+
+def _expected_image(scene: Quads, two_channel: bool) -> np.ndarray:
+    """float64 (H, W, 4): the effect of the scene, of every fragment; in the colours that two channels give back."""
+    from ..oracle import twochannel
+    from ..oracle.composite import composite
+    from ..oracle.effects import answer_of_effect
+    from ..oracle.listed import listed
+
+    if not scene.effect.blended:
+        return answer_of_effect(listed(scene), scene.effect).image
+    return composite(scene, payload=twochannel.straight(scene.rgba) if two_channel else None)

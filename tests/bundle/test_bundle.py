@@ -163,6 +163,28 @@ def test_a_kept_image_is_held_to_the_oracle(tmp_path, altered):
     assert len(found) == altered and all("differs from the oracle" in what for what in found)
 
 
+@pytest.mark.parametrize("two_channel", [True, False])
+def test_a_kept_image_of_two_channels_or_of_an_effect_is_held_to_its_own_oracle(tmp_path, two_channel):
+    from mfr_bench.oracle import twochannel
+    from mfr_bench.oracle.composite import composite
+    from mfr_bench.oracle.effects import answer_of_effect
+    from mfr_bench.oracle.listed import listed
+    from mfr_bench.scene import Scene, generate
+
+    scene = Scene(size=(16, 12), depth_complexity=4, seed=7, effect="transparency" if two_channel else "layers")
+    made = generate(scene)
+    plain = composite(made)
+    right = (composite(made, payload=twochannel.straight(made.rgba)) if two_channel
+             else answer_of_effect(listed(made), made.effect).image)
+    assert np.abs(np.clip(right, 0, 1) - plain).max() > 0.01
+    for image, odd in ((right, 0), (plain, 1)):
+        kept = record("ab-array", scene=scene.as_dict(), values={"max_abs_error": 1e-7, "fragments": 768},
+                      params={"payload": "two_channel"} if two_channel else {})
+        source = folder(tmp_path / f"n{odd}", kept)
+        write_arrays(source, kept["key"], {"image": np.rint(255 * np.clip(image, 0, 1))})
+        assert len(findings(tmp_path, source)) == odd
+
+
 # --- crafted files -------------------------------------------------------------------------------
 
 
