@@ -26,6 +26,13 @@ def test_d_and_tr_are_opacities_and_materials_in_turns_keep_the_order_of_the_fil
     assert found.position[1].tolist() == [[0, 0, 0], [1, 1, 0], [0, 1, 0]]
 
 
+def test_an_opacity_with_halo_is_an_opacity(tmp_path):
+    """Readers refuse the model, or take it for invisible (findings/mtl_dissolve_halo.sh)."""
+    materials = "newmtl red\nKd 1 0 0\nd -halo 0.25\n"
+    found = obj(tmp_path, f"mtllib m.mtl\n{CORNERS}usemtl red\nf 1 2 3\n", materials)
+    assert found.rgba.tolist() == [[255, 0, 0, 64]]
+
+
 def test_negative_indices_count_backwards_from_the_face(tmp_path):
     found = obj(tmp_path, f"{CORNERS}f -4 -3 -2\nv 9 9 9\nf 1 2 3\n")
     assert found.position[0].tolist() == [[0, 0, 0], [1, 0, 0], [1, 1, 0]]

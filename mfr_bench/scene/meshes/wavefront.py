@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import tempfile
 from codecs import BOM_UTF8
 from collections.abc import Iterator
@@ -12,11 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
+from .companions import LIBRARY
 from .faces import NONE, Faces, bytes_of, joined
 from .library import library
 from .textures import NOTE, mean_colour
 
 GREY = 0.7  # of what has no material
+HALO = re.compile(rb"^([ \t]*d[ \t]+)-halo[ \t]+", re.MULTILINE)  # the opacity where a surface is seen face on
 NO_FACE = re.compile(rb"^(?:[lp][ \t].*|f[ \t]+\S+(?:[ \t]+\S+)?[ \t]*\r?)$", re.MULTILINE)  # fewer than three corners
 
 
@@ -39,20 +40,26 @@ def read(path: Path) -> Faces:
 def _mended(path: Path) -> Iterator[Path]:
     """The file, or a copy of an OBJ without what the library refuses or takes amiss.
 
-    It refuses lines, points and faces of two corners, and skips a first line that a byte order mark stands before.
+    It refuses lines, points, faces of two corners, and opacities with `-halo`; it skips a first line that a byte order
+    mark stands before.
     """
     text = path.read_bytes() if path.suffix.lower() == ".obj" else b""
-    if not (NO_FACE.search(text) or text.startswith(BOM_UTF8)):
+    libraries = {file: file.read_bytes() for file in _libraries(path, text)}
+    if not (NO_FACE.search(text) or text.startswith(BOM_UTF8) or any(map(HALO.search, libraries.values()))):
         yield path
         return
     with tempfile.TemporaryDirectory() as folder:
-        for name in re.findall(rb"^mtllib[ \t]+(.+?)\s*$", text, re.MULTILINE):
-            material = path.parent / name.decode(errors="replace")
-            if material.is_file():
-                shutil.copyfile(material, Path(folder, material.name))
+        for file, materials in libraries.items():
+            Path(folder, file.name).write_bytes(HALO.sub(rb"\1", materials))
         copy = Path(folder, path.name)
         copy.write_bytes(NO_FACE.sub(b"", text.removeprefix(BOM_UTF8)))
         yield copy
+
+
+def _libraries(path: Path, text: bytes) -> list[Path]:
+    """The material files that an OBJ names, and that are there."""
+    found = [path.parent / name.decode(errors="replace") for name in LIBRARY.findall(text)]
+    return [file for file in found if file.is_file()]
 
 
 def _part(mesh, materials: list[dict], number: int, path: Path) -> Faces:
