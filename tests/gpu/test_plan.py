@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 
@@ -70,4 +71,8 @@ def test_passes_that_a_scene_has_no_use_for_are_left_out():
 def test_a_planned_frame_shows_the_path_that_it_takes():
     text = as_text(fitted("adaptive"))
     assert "store: geometry methods/adaptive/store.frag" in text
-    assert "left out: blend (plan, 2 times)" in text
+    assert "left out: blend (plan, 3 times)" in text
+    filled = replace(STATS, reach=STATS.primitives * STATS.P, layers=STATS.primitives)
+    text = as_text(Fitted(catalog()["adaptive"].variant({}), filled))
+    assert "order: compute methods/adaptive/rank.comp" in text
+    assert "left out: store (plan, 3 times)" in text

@@ -1,7 +1,6 @@
 // Resolve as a compute shader: a work group orders a tile, and each of its pixels composites its fragments in that
 // order.
 // Invariant: every pixel of the extent is written by one invocation; no pixel outside it is read or written.
-// Buffers: reads counter, nodes.
 #include "common/extent.glsl"
 #include <fetch>
 #include <resolver>

@@ -1,5 +1,5 @@
 // Resolve as a full-screen draw: each pixel composites its fragments in the order of its tile.
-// Buffers: reads counter, nodes, tile_order.
+// Buffers: reads tile_order.
 #include "common/pixel.glsl"
 #include <fetch>
 #include <resolver>

@@ -5,7 +5,7 @@
 // with fragments that precede every other and are not composited. A fragment that comes after one behind it has left
 // ends the walk.
 // Source: Jakubowski 2024 (LucidRaster).
-// Buffers: reads counter, nodes.
+// Buffers: reads nodes.
 #include "common/accumulate.glsl"
 #include "common/enough.glsl"
 
