@@ -84,7 +84,7 @@ def _about(results: Sequence[Result]) -> list[str]:
 
 
 def _paragraph(name: str, axes: str, provenance: str, results: Sequence[Result]) -> str:
-    lines = [f"`{name}`, {len(_distinct(results))} cells ({axes}). {provenance}."]
+    lines = [f"`{name}`, {len(_distinct(results))} cells{f' ({axes})' if axes else ''}. {provenance}."]
     if "llvmpipe" in provenance:
         lines.append(IN_ORDER)
     if unmeasured := sum(result.unmeasured for result in results):

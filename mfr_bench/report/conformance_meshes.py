@@ -6,17 +6,20 @@ import json
 from collections.abc import Mapping, Sequence
 
 from ..methods.spec import Variant
-from .data import Point, number, percent
+from . import data
+from .data import Point, number
+from .data.words import percent
 from .tables import Grid
 
 SECTION = """## Triangles
 
 Results of `mfr-bench run conformance-triangles`, a row for each mesh, view and effect. Tied is the share of covered
-pixels in which fragments of equal depth and different colours leave the image open (see
-[Equal depths](scenes.md#equal-depths)); the error is the largest of all exact methods outside of these, the tied error
-that among them. Methods that lose all but one of the fragments of a depth are wrong where more than a hundredth is
-tied."""
-HEADER = ("mesh", "view", "effect", "fragments", "most", "tied", "exact methods", "max error", "tied error", "wrong")
+pixels in which fragments of equal depth leave the image open (see [Equal depths](scenes.md#equal-depths)); those of
+equal colours leave nothing open, whatever their opacities. The error is the largest of all exact methods outside of
+tied pixels, the tied error that among them. Methods that lose all but one of the fragments of a depth are wrong where
+faces coincide, of one colour too."""
+HEADER = ("mesh", "view", "pixels", "effect", "fragments", "most", "tied", "exact methods", "max error", "tied error",
+          "wrong")
 OF_KIND = "mesh"
 
 
@@ -35,7 +38,7 @@ def section(series: Mapping[str, Sequence[Point]], variants: Mapping[str, Varian
     if not scenes:
         return []
     rows = [_row(found) for found in scenes.values()]
-    return [SECTION, *about, Grid("", "", HEADER, tuple(rows), left=3).markdown(),
+    return [SECTION, *about, Grid("", "", HEADER, tuple(rows), left=4).markdown(),
             "Of what was not run on triangles:", "\n".join(left_out)]
 
 
@@ -45,7 +48,8 @@ def _row(found: Sequence[tuple[Variant, Point]]) -> tuple[str, ...]:
     exact = [p for variant, p in found if variant.guarantee.startswith("exact") and p.ending.timed]
     right = sum(p.ending.image == "right" for p in exact)
     wrong = [p.label for _, p in found if p.ending.image == "wrong"]
-    return (", ".join(f"`{name}`" for name in first.cell["scene"]["files"]), _view(first), _effect(first),
+    return (", ".join(f"`{name}`" for name in first.cell["scene"]["files"]), _view(first),
+            data.plain(tuple(first.cell["scene"]["size"])), _effect(first),
             _most(exact, "fragments"), _most(exact, "max_fragments"), percent(max(map(_tied, exact), default=0.0)),
             f"{right} of {len(exact)}", _most(exact, "max_abs_error"), _most(exact, "tied_error"), ", ".join(wrong))
 

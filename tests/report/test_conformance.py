@@ -87,7 +87,8 @@ def test_meshes_stand_in_a_section_of_their_own(tmp_path):
     made = [folder(tmp_path / "meshes", cells), folder(tmp_path / "flat", [cell("ab-array", "AB_Array")])]
     page = conformance_page(map(load, made), catalog())
     assert row(page, "Triangles", "`a.obj`") == [
-        "`a.obj`", "orthographic -z", "csg, difference", "900", "9", "2.5 %", "2 of 3", "3e-07", "2e-07", "F2B"]
+        "`a.obj`", "orthographic -z", "64×64", "csg, difference",
+        "900", "9", "2.5 %", "2 of 3", "3e-07", "2e-07", "F2B"]
     assert row(page, "All methods", "AB_Array")[3] == "1" and "F2B" not in page.split("## Triangles")[0]
     assert "- KB-SR: 1 cell unsupported: needs flat primitives" in page.split("## Triangles")[1]
 
@@ -96,5 +97,6 @@ def test_views_and_ranges_of_depths_are_told(tmp_path):
     view = {"projection": "perspective", "direction": "-z", "eye": [1, 2.5, 3], "target": [0, 0, 0]}
     scene = {"kind": "mesh", "files": ["a.obj", "b.stl"], "view": view, "depth_range": "reversed"}
     page = conformance_page([load(folder(tmp_path / "one", [cell("ab-array", "AB_Array", scene=scene)]))], catalog())
-    assert "| `a.obj`, `b.stl` | perspective from 1 2.5 3, reversed depths | transparency |" in " ".join(page.split())
+    told = "| `a.obj`, `b.stl` | perspective from 1 2.5 3, reversed depths | 64×64 | transparency |"
+    assert told in " ".join(page.split())
     assert "## All methods" not in page
