@@ -110,13 +110,16 @@ def status(store: str) -> int:
     Example: mfr-bench status /shared/mfr
     """
     from ..cluster import queue, state
+    from ..plan.forecast import duration
 
     found = _submission(store)
     states = state.task_states(found, queue.states(found.engine, [t.job for t in found.tasks if t.job]))
     longest = max((len(each.task.name) for each in states), default=0)
     for each in states:
         failed = f", {each.failed} failed" if each.failed else ""
-        say(f"{each.task.name:{longest}}  {each.cells:5} of {each.task.cells} cells{failed}  {each.state}"
+        told = each.left_s is not None and each.state == state.RUNNING
+        left = f", at this pace {duration(each.left_s)} left" if told else ""
+        say(f"{each.task.name:{longest}}  {each.cells:5} of {each.task.cells} cells{failed}  {each.state}{left}"
             + (f"  job {each.task.job}" if each.task.job and each.state not in (state.DONE, state.ENDED) else ""))
     done = sum(each.state == state.DONE for each in states)
     say(f"{sum(each.cells for each in states)} of {sum(each.task.cells for each in states)} cells, "

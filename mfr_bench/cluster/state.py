@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import calendar
+import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from ..store import KEY_FILE, STATUSES, ResultFolder
 from ..store.folder import folders_with_cells
 from .submission import Share, Submission
 
+STAMP = "%Y-%m-%dT%H:%M:%SZ"  # of `measured` in a cell
 DONE, RUNNING, WAITING, ENDED, UNKNOWN = "done", "running", "waiting", "ended", "unknown"
 
 
@@ -18,12 +22,14 @@ class TaskState:
     """A task, how many of its cells stand in its folder by status, and where it is.
 
     done: it has every cell. running, waiting: the engine has it. ended: neither, so that it wants submitting again.
-    unknown: the engine does not answer.
+    unknown: the engine does not answer. left_s: seconds that the missing cells take at the pace of those that are
+    there; None where fewer than two tell it. A run measures small scenes first, so that more is left rather than less.
     """
 
     task: Share
     statuses: Mapping[str, int]
     state: str
+    left_s: float | None = None
 
     @property
     def cells(self) -> int:
@@ -53,12 +59,24 @@ def wanting(states: Sequence[TaskState]) -> list[Share]:
 
 def _state(submission: Submission, task: Share, jobs: Mapping[str, str] | None) -> TaskState:
     statuses: Counter[str] = Counter()
+    stamps: list[str] = []
     for folder in results_of(submission, task):
         for name in filter(KEY_FILE.fullmatch, folder.names()):
             if cell := folder.cell(name.removesuffix(".json")):
                 statuses[cell["status"]] += 1
+                stamps += [cell["measured"]] if cell.get("measured") else []
     if statuses.total() >= task.cells:
         return TaskState(task, statuses, DONE)
     if jobs is None and task.job is not None:
         return TaskState(task, statuses, UNKNOWN)
-    return TaskState(task, statuses, (jobs or {}).get(task.job or "", ENDED))
+    return TaskState(task, statuses, (jobs or {}).get(task.job or "", ENDED),
+                     _left_s(stamps, task.cells - statuses.total()))
+
+
+def _left_s(stamps: Sequence[str], missing: int) -> float | None:
+    """The time that missing cells take at the pace between the first cell and the last, by the node's own clock."""
+    times = []
+    for stamp in stamps:
+        with suppress(ValueError):
+            times.append(calendar.timegm(time.strptime(stamp, STAMP)))
+    return None if len(times) < 2 else (max(times) - min(times)) / (len(times) - 1) * missing

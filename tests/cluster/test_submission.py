@@ -8,17 +8,19 @@ import os
 import shlex
 import subprocess
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import pytest
 
-from mfr_bench.cluster import queue
+from mfr_bench.cluster import queue, state
 from mfr_bench.cluster.settings import Cluster, Kind
 from mfr_bench.cluster.submission import FILE, Share, alone, command_of, planned, read_submission
 from mfr_bench.errors import StoreError, UsageError
+from mfr_bench.store import ResultFolder
 
 from ..cli.conftest import mfr  # noqa: F401
+from ..store.test_store import cell
 from .test_local import CLUSTER, place  # noqa: F401
 
 TASK = asdict(Share("cpu", 1, 2, 4, "a"))
@@ -128,3 +130,16 @@ def test_methods_from_outside_go_with_every_task(place, mfr):  # noqa: F811
     template = str(Path(__file__).parents[2] / "examples" / "my-array")
     done = mfr("submit", "run.yaml", "--cluster", "cluster.yaml", "--dry-run", "--methods", template)
     assert done.status == 0 and done.out.count(f"--methods {template}") == 2, done.err
+
+
+def test_the_time_left_is_that_of_the_pace_so_far(tmp_path):
+    plan = planned(cluster(1), tmp_path, ["run.yaml"], shares(1))
+    (task,) = plan.tasks
+    plan = replace(plan, tasks=(replace(task, job="7"),))
+    folder = ResultFolder(plan.folder(task) / "results" / "tiny")
+    for number, stamp in enumerate(("2026-01-01T00:00:00Z", "2026-01-01T00:00:30Z", "2026-01-01T00:02:00Z")):
+        (each,) = state.task_states(plan, {"7": state.RUNNING})
+        assert each.left_s == (None if number < 2 else 60.0)  # 30 s a cell, two of four to come
+        folder.write_cell(cell(f"m{number}", measured=stamp))
+    (each,) = state.task_states(plan, {"7": state.RUNNING})
+    assert (each.cells, each.left_s) == (3, 60.0)
