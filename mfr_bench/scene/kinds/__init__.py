@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from dataclasses import fields
+from functools import cache
 
 from ..spec.kind import CommonKeys, Fault, Kind
 
@@ -26,14 +27,16 @@ def kind_of(scene: CommonKeys) -> Kind:
     return KINDS[scene.kind]
 
 
-def own_keys(kind: Kind) -> set[str]:
+@cache
+def own_keys(kind: Kind) -> frozenset[str]:
     """The keys that the kind has in addition to those of every kind."""
-    return {key.name for key in fields(kind.Keys)}
+    return frozenset(key.name for key in fields(kind.Keys))
 
 
-def owners(key: str) -> list[str]:
+@cache
+def owners(key: str) -> tuple[str, ...]:
     """The kinds that have a key of their own by this name; none where every kind has it."""
-    return [name for name, kind in KINDS.items() if key in own_keys(kind)]
+    return tuple(name for name, kind in KINDS.items() if key in own_keys(kind))
 
 
 def faults(scene: CommonKeys) -> list[Fault]:
