@@ -14,8 +14,10 @@ def write_page_of(folders, out: str, tell) -> None:
     """Write the page of these results, and print where it is."""
     from ..page import write_page
 
-    write_page(folders, Path(out))
+    large = write_page(folders, Path(out))
     tell(f"page    {out}")
+    if large:
+        note(large)
 
 
 @click.command()
@@ -41,11 +43,14 @@ def report(folders: tuple[str, ...], out: str, trend: bool) -> None:
     from ..page import write_page, write_trend
 
     results = results_below(folders)
+    large = None
     if trend:
         write_trend(results, Path(out))
     else:
-        write_page(results, Path(out))
+        large = write_page(results, Path(out))
     say(out)
+    if large:
+        note(large)
     for folder in results:
         for line in folder.damaged:
             note(line)

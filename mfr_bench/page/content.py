@@ -13,7 +13,7 @@ from typing import Any
 from ..report import data
 from ..report.data import Point, Result
 from ..store.rows import package_text
-from .pictures import figure_png, kept_images, kept_png
+from .pictures import figure_picture, kept_images, kept_picture
 
 
 @dataclass(frozen=True)
@@ -161,19 +161,20 @@ def _measure(point: Point, name: str) -> Value:
 
 
 def _figure(path: Path, options: Mapping[str, Any]) -> Picture:
-    uri, width, height = figure_png(path)
+    uri, width, height = figure_picture(path)
     y = str(options.get("y") or "time_ms")
     return Picture(path.stem, uri, width, height, data.short(str(options.get("x") or "")), y)
 
 
 def _images(points: Iterable[Point]) -> tuple[Picture, ...]:
-    found = []
+    """The kept images, each once: equal ones, such as those of all exact methods, share a picture and its caption."""
+    found: dict[tuple[str, int, int], list[str]] = {}
     for point in points:
         image = kept_images(point.arrays)
         if image is not None:
             where = ", ".join(f"{data.short(k)} {data.plain(_tuple(v))}" for k, v in point.cell["point"].items())
-            found.append(Picture(": ".join(filter(None, (point.label, where))), *kept_png(image)))
-    return tuple(found)
+            found.setdefault(kept_picture(image), []).append(": ".join(filter(None, (point.label, where))))
+    return tuple(Picture("; ".join(names), *picture) for picture, names in found.items())
 
 
 def _environment(manifest: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:

@@ -15,7 +15,7 @@
   // A field's value: a number where it holds one, else its text.
   const valueOf = (cell) => {
     const raw = cell.dataset.v;
-    return raw === undefined ? (cell.classList.contains("n") ? null : cell.textContent) : numeric(raw) ?? raw;
+    return raw === undefined ? (cell.classList.contains("n") ? null : numeric(cell.textContent) ?? cell.textContent) : numeric(raw) ?? raw;
   };
 
   // --- tables ---
@@ -259,7 +259,7 @@
   async function shaderBrowser(details) {
     const packed = Uint8Array.from(atob(document.getElementById("packed").textContent), (c) => c.charCodeAt(0));
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
-    const { texts, rows } = JSON.parse(await new Response(stream).text());
+    const { lines, texts, rows } = JSON.parse(await new Response(stream).text());
     const names = $("tbody th", details).map((head) => head.textContent);
     const holder = details.querySelector(".source");
     const [methodLabel, method] = choice("method", names);
@@ -272,7 +272,7 @@
     };
     const show = () => {
       const row = rows[method.selectedIndex][pass.selectedIndex];
-      text.textContent = row ? texts[row[2]] : "This method has no shaders.";
+      text.textContent = row ? texts[row[2]].map((line) => lines[line]).join("\n") : "This method has no shaders.";
     };
     method.addEventListener("change", () => { passes(); show(); });
     pass.addEventListener("change", show);

@@ -1,4 +1,4 @@
-"""The shaders that ran, for the page: each stage's text once, compressed, with the variants and passes that use it."""
+"""The shaders that ran, for the page: each line of GLSL once, compressed, with the variants and passes that use it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ class ShaderEntry:
 class Shaders:
     """The shaders that the page shows.
 
-    packed: zlib, base64 and JSON of `texts`, and for each entry its rows of pass, stage and number of the text.
+    packed: zlib, base64 and JSON of `lines`, of `texts` as numbers of lines, and for each entry its rows of pass, stage
+    and number of the text. Stages share most of their lines, further apart than zlib looks back.
     """
 
     entries: tuple[ShaderEntry, ...]
@@ -59,7 +60,9 @@ def shaders_of(points: Iterable[Point]) -> Shaders:
         rows.append([[step.name, stage.entry, texts.setdefault(stage.text, len(texts))]
                      for step in variant.passes if step.kind != "clear" and not step.probes
                      for stage in stages(fitted_nominally(variant, "quad", Settings.of(point.cell["scene"])), step)])
-    content = json.dumps({"texts": list(texts), "rows": rows}).encode()
+    lines: dict[str, int] = {}
+    numbered = [[lines.setdefault(line, len(lines)) for line in text.split("\n")] for text in texts]
+    content = json.dumps({"lines": list(lines), "texts": numbered, "rows": rows}, separators=(",", ":")).encode()
     return Shaders(tuple(entries), base64.b64encode(zlib.compress(content, 9)).decode())
 
 

@@ -172,7 +172,7 @@ def _chart(trends: Sequence[Trend]) -> tuple[str, int, int]:
     content = io.BytesIO()
     FigureCanvasAgg(figure).print_png(content)
     width, height = figure.canvas.get_width_height()
-    return data_uri(content.getvalue()), width, height
+    return data_uri(content.getvalue(), "png"), width, height
 
 
 def write_trend(folders: Sequence[ResultFolder], target: Path) -> list[Group]:

@@ -15,16 +15,22 @@ from ..store import ResultFolder, write_file
 from .content import MEASURED, Experiment, experiment, without_paths
 from .shaders import shaders_of
 
+MOST_BYTES = 5 * 2**20
 STYLES = ("vendor/uPlot.min.css", "page.css")
 SCRIPTS = ("vendor/uPlot.iife.min.js", "page.js")
 
 
-def write_page(folders: Sequence[ResultFolder], target: Path, draw: bool = True) -> None:
-    """Write the page of all results to `target`. Raises StoreError.
+def write_page(folders: Sequence[ResultFolder], target: Path, draw: bool = True) -> str | None:
+    """Write the page of all results to `target`. Returns a line where it is larger than a page should be to be sent.
 
-    draw: figures that a folder lacks are drawn first.
+    draw: figures that a folder lacks are drawn first. Raises StoreError.
     """
-    write_file(target, page_text(folders, draw).encode())
+    content = page_text(folders, draw).encode()
+    write_file(target, content)
+    if len(content) <= MOST_BYTES:
+        return None
+    return (f"{target}: {len(content) / 2**20:.1f} MiB; a page of up to {MOST_BYTES // 2**20} MiB is easily sent and "
+            "opened: report fewer folders at a time")
 
 
 def page_text(folders: Sequence[ResultFolder], draw: bool = True) -> str:

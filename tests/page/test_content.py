@@ -2,14 +2,16 @@
 
 import base64
 import hashlib
+import io
 import re
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from mfr_bench.page.content import MEASURED, command_of, without_paths
-from mfr_bench.page.pictures import kept_png
-from mfr_bench.page.write import SCRIPTS, _file, page_text
+from mfr_bench.page.pictures import kept_picture
+from mfr_bench.page.write import SCRIPTS, _file, page_text, write_page
 from mfr_bench.report import data
 
 from ..report import planted
@@ -34,12 +36,11 @@ def test_every_cell_stands_in_the_table_with_its_values(results, text):
 
 
 def test_figures_and_kept_images_are_inside(text):
-    images = re.findall(r'<img src="data:image/png;base64,([^"]+)" width="(\d+)" height="(\d+)"', text)
+    images = re.findall(r'<img src="data:image/webp;base64,([^"]+)" width="(\d+)" height="(\d+)"', text)
     assert len(images) == 3
     for content, width, height in images:
-        png = base64.b64decode(content)
-        assert png[:8] == b"\x89PNG\r\n\x1a\n"
-        assert (int.from_bytes(png[16:20], "big"), int.from_bytes(png[20:24], "big")) == (int(width), int(height))
+        with Image.open(io.BytesIO(base64.b64decode(content))) as image:
+            assert image.format == "WEBP" and image.size == (int(width), int(height))
 
 
 def test_no_host_user_or_path_stands_in_the_page(results, text):
@@ -96,7 +97,7 @@ def test_the_papers_claims_stand_on_pages_of_their_experiments_alone(tmp_path):
 def test_a_kept_image_is_upright_over_a_checkerboard():
     image = np.zeros((200, 200, 4), dtype=np.uint8)
     image[100:] = (255, 0, 0, 255)  # the upper half
-    uri, width, height = kept_png(image)
+    uri, width, height = kept_picture(image)
     from io import BytesIO
 
     from PIL import Image
@@ -112,3 +113,10 @@ def test_the_libraries_are_those_that_their_list_names():
     assert set(listed) == {"uPlot.iife.min.js", "uPlot.min.css"}
     for name, digest in listed.items():
         assert hashlib.sha256(_file(f"vendor/{name}").encode()).hexdigest() == digest
+
+
+def test_a_page_that_is_too_large_to_be_sent_says_what_to_do(results, tmp_path, monkeypatch):
+    assert write_page([results], tmp_path / "page.html") is None
+    monkeypatch.setattr("mfr_bench.page.write.MOST_BYTES", 2**20 // 64)
+    line = write_page([results], tmp_path / "page.html")
+    assert line.startswith(f"{tmp_path / 'page.html'}: ") and "report fewer folders at a time" in line
