@@ -136,12 +136,15 @@ def _stay(links: Sequence[Link], halves: Sequence[Half], cpu: int | None) -> Non
 
 def _cell(links: Sequence[Link], at: Sequence[int], halves: Sequence[Half], ask: Ask, shuffle: random.Random,
           check: bool) -> None:
-    for link, place, half in zip(links, at, halves, strict=True):
-        answer = _asked(link, half, "prepare", cell=place, check=check)
+    """Visit a cell: prepare it on both sides, draw its pairs. The side that comes first is drawn anew each time."""
+    order = shuffle.sample((0, 1), 2)
+    for side in order:
+        half = halves[side]
+        answer = _asked(links[side], half, "prepare", cell=at[side], check=check)
         if answer:
             half.status, half.reason, half.values = answer["status"], answer["reason"], answer["values"]
     if all(half.status == "ok" for half in halves):
-        _pairs(links, halves, ask, shuffle)
+        _pairs(links, halves, ask, order)
     for link, half in zip(links, halves, strict=True):
         _asked(link, half, "release")
 
@@ -160,13 +163,13 @@ def _asked(link: Link, half: Half, do: str, **more: Any) -> Mapping[str, Any] | 
         return None
 
 
-def _pairs(links: Sequence[Link], halves: Sequence[Half], ask: Ask, shuffle: random.Random) -> None:
+def _pairs(links: Sequence[Link], halves: Sequence[Half], ask: Ask, order: list[int]) -> None:
     """Draw batches in pairs until the ratio is precise or the time is up.
 
-    Either tree comes first in turns, A B B A: what the first of two loses to the second hits both alike. Which begins
-    is drawn at random.
+    Either tree comes first in turns, A B B A: what the first of two loses to the second hits both alike. order: the
+    side that begins, and the other.
     """
-    order = shuffle.sample((0, 1), 2)
+    order = list(order)
     frames = _frames(links, halves, order)
     if not frames:
         return
