@@ -59,9 +59,10 @@ FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
 WINDOW_DEPTH = "gl_FragCoord.z"
 # The float whose bits are those of 1 and of 2^-24, less those of the depth: from 2^-24 to 1, it grows from the eye.
 MIRRORED_DEPTH = "uintBitsToFloat(0x3F800000u + 0x33800000u - floatBitsToUint({}))"
-# The middle of a pixel may lie outside a triangle that covers some of its samples, and its depth beyond the range.
-SAMPLED_DEPTH = "clamp(gl_FragCoord.z, {}, 1.0)"
-LEAST_DEPTHS = {True: "1.17549435e-38", False: "5.9604645e-8"}  # 2^-126, and 2^-24 where depths fall from the eye
+# The middle of a pixel may lie outside a triangle that covers some of its samples, and its depth beyond that of any
+# corner of the scene. Where depths fall from the eye, the least is 2^-24. 2^-126 keeps a zero from being negative.
+SAMPLED_DEPTH = "clamp(gl_FragCoord.z, max(uintBitsToFloat(box_near), 1.17549435e-38), uintBitsToFloat(box_far))"
+SAMPLED_BEFORE_MIRRORED = "clamp(gl_FragCoord.z, 5.9604645e-8, 1.0)"
 # Files, each with the one that is put behind it where the scene asks for that: see `behind` of `expand`.
 PAYLOAD_FILE, SHADING_FILE = "common/payload.glsl", "scene/shading.glsl"
 ACCUMULATE_FILE, EFFECT_FILE = "common/accumulate.glsl", "effects/apply.glsl"
@@ -93,8 +94,10 @@ def _depth_macro(stats: SceneStats) -> Macro | None:
     """The macro that a fragment shader reads in the place of its window depth; None: it reads that."""
     if stats.one_sample and stats.forward:
         return None
-    depth = WINDOW_DEPTH if stats.one_sample else SAMPLED_DEPTH.format(LEAST_DEPTHS[stats.forward])
-    return Macro("SAMPLED_DEPTH", depth) if stats.forward else Macro("MIRRORED_DEPTH", MIRRORED_DEPTH.format(depth))
+    if stats.forward:
+        return Macro("SAMPLED_DEPTH", SAMPLED_DEPTH)
+    depth = WINDOW_DEPTH if stats.one_sample else SAMPLED_BEFORE_MIRRORED
+    return Macro("MIRRORED_DEPTH", MIRRORED_DEPTH.format(depth))
 
 
 def _behind(fitted: Fitted, step: Pass) -> dict[str, str]:
@@ -240,6 +243,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     macro = _clear_macro(variant, step)
     words = set(re.findall(r"[A-Za-z_]\w*", code_of(body)))
     words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()
+    words |= set(re.findall(r"[A-Za-z_]\w*", depth.text)) if depth and depth.name in words else set()
     prelude = _version(variant, words)
     values = define_values(fitted, step)
     prelude += [f"#define {name} {literal(name, value)}" for name, value in sorted(values.items()) if name in words]

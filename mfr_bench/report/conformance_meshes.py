@@ -74,5 +74,7 @@ def _view(point: Point) -> str:
 
 def _effect(point: Point) -> str:
     scene = point.cell["scene"]
+    if (msaa := scene.get("msaa", 1)) > 1:
+        return f"{msaa} samples, coverage {scene.get('coverage', 'samples')}"
     effect = scene.get("effect", "transparency")
     return f"{effect}, {scene.get('operation', 'union')}" if effect == "csg" else effect
