@@ -12,7 +12,7 @@ Cells are addressed by method, parameters, scene and sweep point, never by label
 
 from . import present
 from .papers import CLAIMS
-from .runs import load_runs
+from .runs import load_runs, runs_of
 from .verdict import judge_all
 
-__all__ = ["CLAIMS", "judge_all", "load_runs", "present"]
+__all__ = ["CLAIMS", "judge_all", "load_runs", "present", "runs_of"]

@@ -28,10 +28,11 @@ class Run:
 
 def load_runs(folders: Iterable[ResultFolder]) -> list[Run]:
     """Every run of the folders, in their order."""
-    return [run for folder in folders for run in _runs(load(folder))]
+    return [run for folder in folders for run in runs_of(load(folder))]
 
 
-def _runs(result: Result) -> list[Run]:
+def runs_of(result: Result) -> list[Run]:
+    """The runs of a result that was loaded: one for each device."""
     ran = result.manifest.get("device")
     ran = ran if isinstance(ran, dict) else {"slug": ran} if isinstance(ran, str) else {}
     places: dict[str, list[Point]] = {}

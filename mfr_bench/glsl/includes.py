@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 
 from ..errors import ShaderError
 from ..methods.outside import shader_folders
@@ -62,9 +62,10 @@ def read(path: str) -> str:
         raise ShaderError(f"{path}: cannot be read: {error.strerror}") from None
 
 
-def _lines(path: str, counted: bool) -> list[str]:
-    """The lines of a file, without those that count where nothing is counted."""
-    return [line for line in read(path).splitlines() if counted or not is_counter(line)]
+@lru_cache(maxsize=512)
+def _lines(text: str, counted: bool) -> tuple[tuple[str, re.Match[str] | None], ...]:
+    """The lines of a file's text, each with its match as an include; without those that count if nothing is counted."""
+    return tuple((line, _INCLUDE.match(line)) for line in text.splitlines() if counted or not is_counter(line))
 
 
 def expand(entry: str, slots: Mapping[str, str], counted: bool = False,
@@ -82,8 +83,7 @@ def expand(entry: str, slots: Mapping[str, str], counted: bool = False,
         files.append(path)
         number = len(files) - 1
         lines.append(f"#line {number * LINE_STRIDE + 1}")
-        for at, line in enumerate(_lines(path, counted), start=1):
-            match = _INCLUDE.match(line)
+        for at, (line, match) in enumerate(_lines(read(path), counted), start=1):
             if not match:
                 lines.append(line)
                 continue

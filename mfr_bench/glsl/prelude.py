@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 
 from ..methods.spec import (
     ELEMENT_WORDS,
@@ -221,6 +222,12 @@ def _bound(fitted: Fitted, step: Pass) -> str:
     return "chosen_k"
 
 
+@lru_cache(maxsize=512)
+def _words(text: str) -> frozenset[str]:
+    """The names and words in the code of a text, which many variants share."""
+    return frozenset(re.findall(r"[A-Za-z_]\w*", code_of(text)))
+
+
 def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool = False,
            mapped: str | None = None) -> StageSource:
     """The stage `entry` (default: the pass's own shader) of one pass, ready to compile.
@@ -241,7 +248,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     depth = _depth_macro(fitted.stats) if of_fragments else None
     body = body.replace(WINDOW_DEPTH, depth.name) if depth else body
     macro = _clear_macro(variant, step)
-    words = set(re.findall(r"[A-Za-z_]\w*", code_of(body)))
+    words = set(_words(body))
     words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()
     words |= set(re.findall(r"[A-Za-z_]\w*", depth.text)) if depth and depth.name in words else set()
     prelude = _version(variant, words)

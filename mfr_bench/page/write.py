@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from .. import __version__
-from ..claims import CLAIMS, judge_all, load_runs
+from ..claims import CLAIMS, judge_all, runs_of
 from ..report import data, style
 from ..report.data import Result
 from ..store import ResultFolder, write_file
@@ -39,7 +39,7 @@ def page_text(folders: Sequence[ResultFolder], draw: bool = True) -> str:
     experiments = [_experiment(result, f"e{i}", draw) for i, result in enumerate(results, 1)]
     shaders = shaders_of(point for result in results for point in result.points)
     return template("page.html.j2").render(
-        experiments=experiments, columns=MEASURED, verdicts=_verdicts(folders), version=__version__,
+        experiments=experiments, columns=MEASURED, verdicts=_verdicts(results), version=__version__,
         colours={line.method: style.method_colour(line.method) for e in experiments for line in e.lines},
         styles=[_file(name) for name in STYLES], scripts=[_file(name) for name in SCRIPTS], policy=_policy(),
         shaders=shaders)
@@ -63,13 +63,13 @@ def _experiment(result: Result, anchor: str, draw: bool) -> Experiment:
     return experiment(result, anchor, paths)
 
 
-def _verdicts(folders: Sequence[ResultFolder]) -> list[dict[str, object]]:
+def _verdicts(results: Sequence[Result]) -> list[dict[str, object]]:
     """The verdicts on the papers' sentences, untestable ones last; none where none is about what was measured."""
-    measured = {folder.manifest().get("name") for folder in folders}
+    measured = {result.manifest.get("name") for result in results}
     if not any(measured.intersection(claim.experiments) for claim in CLAIMS):
         return []
     found = [verdict.record() | {"findings_text": [finding.text for finding in verdict.findings]}
-             for verdict in judge_all(CLAIMS, load_runs(folders))]
+             for verdict in judge_all(CLAIMS, [run for result in results for run in runs_of(result)])]
     tested = [v for v in found if v["verdict"] in ("holds", "does not hold")]
     return [{name: without_paths(value) if isinstance(value, str) else value for name, value in v.items()}
             for v in (*tested, *(v for v in found if v not in tested))]
