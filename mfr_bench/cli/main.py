@@ -46,8 +46,9 @@ promise; 4 compare or versus found a regression; 5 they could tell nothing, or
 miss cells; 6 advise or decide: nothing keeps the bounds; 130 interrupted.
 
 \b
-Shell completion (or zsh_source, fish_source):
+Shell completion:
   eval "$(_MFR_BENCH_COMPLETE=bash_source mfr-bench)"
+  (or zsh_source, fish_source)
 """
 
 
