@@ -12,10 +12,10 @@
   const numeric = (text) => (text === "" || text === undefined ? null : Number.isFinite(+text) ? +text : null);
   const byValue = new Intl.Collator("en", { numeric: true }).compare;
 
-  // A field's value: a number where it holds one, else its text.
+  // A field's value: a number where it holds one, else its text; null for a measure that is not there.
   const valueOf = (cell) => {
-    const raw = cell.dataset.v;
-    return raw === undefined ? (cell.classList.contains("n") ? null : numeric(cell.textContent) ?? cell.textContent) : numeric(raw) ?? raw;
+    const raw = cell.dataset.v ?? cell.textContent;
+    return numeric(raw) ?? (raw === "" && cell.classList.contains("n") ? null : raw);
   };
 
   // --- tables ---
@@ -84,7 +84,7 @@
     const axes = table.dataset.axes ? table.dataset.axes.split("|") : [];
     const rows = [...table.tBodies[0].rows];
     const measures = heads.filter((_, column) => rows.some((row) => row.cells[column].classList.contains("n")
-      && row.cells[column].dataset.v !== undefined));
+      && row.cells[column].textContent !== ""));
     if (!measures.length) return;
     const device = heads.indexOf("device");
     const devices = [...new Set(rows.map((row) => row.cells[device].textContent))];
@@ -106,7 +106,7 @@
       const others = axes.filter((axis) => axis !== x.value).map((axis) => heads.indexOf(axis));
       const found = new Map(), places = new Set();
       for (const row of rows) {
-        const cell = row.cells[of], middle = numeric(cell.dataset.v), place = valueOf(row.cells[at]);
+        const cell = row.cells[of], middle = numeric(cell.dataset.v ?? cell.textContent), place = valueOf(row.cells[at]);
         if (middle === null || place === null || place === "" || (d.value && row.cells[device].textContent !== d.value)) continue;
         const name = [row.cells[0].textContent, ...others.map((i) => row.cells[i].textContent && `${heads[i]} ${row.cells[i].textContent}`),
           d.value || devices.length < 2 ? "" : row.cells[device].textContent].filter(Boolean).join(", ");
@@ -190,6 +190,7 @@
       plot.over.append(tip);
     }
     const show = () => details.open && draw();
+    show();
     details.addEventListener("toggle", show);
     controls.addEventListener("change", show);
     reset.addEventListener("click", show);
@@ -247,11 +248,8 @@
       canvas.setAttribute("aria-label", `${kind.value} of ${a.value} and ${b.value}`);
     }
     holder.addEventListener("input", draw);
-    details.addEventListener("toggle", () => {
-      if (!details.open) return;
-      images.forEach((image) => { image.loading = "eager"; });
-      Promise.all(images.map((image) => image.decode().catch(() => {}))).then(draw);
-    });
+    images.forEach((image) => { image.loading = "eager"; });
+    Promise.all(images.map((image) => image.decode().catch(() => {}))).then(draw);
   }
 
   // --- shaders ---
@@ -287,8 +285,7 @@
     const large = button.parentElement.classList.toggle("large");
     button.textContent = large ? "Fit" : "Enlarge";
   }));
-  $("details.images").forEach(comparison);
-  // A table is made ready when it is first opened: a page of thousands of cells is there at once.
+  // What folds is made ready when it is first opened: a page of thousands of cells is there at once.
   const ready = (details, prepare) => {
     const once = () => details.open && (details.removeEventListener("toggle", once), prepare());
     details.addEventListener("toggle", once);
@@ -298,16 +295,10 @@
     sortable(details.querySelector("table"));
     filterable(details);
   }));
-  $("details.explore").forEach((details) => {
-    const table = details.parentElement.querySelector("details.cells table");
-    let made = false;
-    details.addEventListener("toggle", () => {
-      if (made || !details.open) return;
-      made = true;
-      explorer(details, table);
-      details.dispatchEvent(new Event("toggle"));
-    });
-  });
+  $("details.explore").forEach((details) => ready(details, () => {
+    explorer(details, details.parentElement.querySelector("details.cells table"));
+  }));
+  $("details.images").forEach((details) => ready(details, () => comparison(details)));
   $("#shaders details").forEach((details) => ready(details, () => shaderBrowser(details)));
   const claims = document.querySelector("#claims table");
   if (claims) sortable(claims);

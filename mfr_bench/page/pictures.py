@@ -12,7 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-COLOURS = 24  # of a figure's palette: text, bars and lines need no more, and the file is a third
+COLOURS = 256  # of a figure's palette, at most
+APART = 45  # of two colours of a palette: no colour of a figure is further than that from the one that stands for it
+AREA = 0.002  # share of the pixels from which a colour is in the palette, however near another one is
 CHECK_PIXELS, LIGHT, DARK = 8, 255, 204  # of the checkerboard behind what is transparent
 LARGEST_PIXELS = 512  # side of a kept image; larger ones are shown at every n-th pixel
 SMALLEST_PIXELS = 192  # smaller ones are enlarged by whole factors
@@ -24,12 +26,52 @@ def data_uri(content: bytes, kind: str) -> str:
 
 
 def figure_picture(path: Path) -> tuple[str, int, int]:
-    """A figure's file as a data URI with a palette, and its width and height in pixels. Raises OSError."""
+    """A figure's file as a data URI with few colours, and its width and height in pixels. Raises OSError."""
     from PIL import Image
 
     with Image.open(path) as opened:
-        image = opened.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        image = _with_few_colours(opened.convert("RGB"))
     return data_uri(_encoded(image), "webp"), image.width, image.height
+
+
+def _with_few_colours(image):
+    """The image with each colour replaced by the nearest of a palette.
+
+    The palette has the most frequent colours that are far enough apart: those of text, lines and bars as they are, and
+    few of those between them at smooth edges. Pillow's median cut gives text most of a palette, and lines of like
+    colours, such as red and purple ones, a common one.
+    """
+    from PIL import Image
+
+    found = sorted(image.getcolors(image.width * image.height), reverse=True)
+    colours = np.array([colour for _, colour in found], dtype=np.int32)
+    areas = np.array([count for count, _ in found]) / (image.width * image.height)
+    nearest = colours[_nearest_chosen(colours, np.where(areas >= AREA, 1, APART**2))]
+    table = np.zeros((2**24, 3), dtype=np.uint8)  # only the pages of colours that are there take memory
+    table[_codes(colours)] = nearest
+    return Image.fromarray(table[_codes(np.asarray(image, dtype=np.int32))])
+
+
+def _nearest_chosen(colours: np.ndarray, apart: np.ndarray) -> np.ndarray:
+    """Choose at most COLOURS of the colours, the first ones first; for each colour the place of the nearest chosen one.
+
+    apart: for each colour the squared distance from those chosen before from which on it is chosen itself.
+    """
+    distance = np.full(len(colours), np.iinfo(np.int32).max)
+    nearest = np.zeros(len(colours), dtype=np.int64)
+    for _ in range(COLOURS):
+        place = int(np.argmax(distance >= apart))
+        if distance[place] < apart[place]:
+            break
+        own = ((colours - colours[place]) ** 2).sum(axis=1)
+        nearest[own < distance] = place
+        distance = np.minimum(distance, own)
+    return nearest
+
+
+def _codes(colours: np.ndarray) -> np.ndarray:
+    """Colours (..., 3) as numbers of 24 bits."""
+    return colours[..., 0] << 16 | colours[..., 1] << 8 | colours[..., 2]
 
 
 def kept_picture(image: np.ndarray) -> tuple[str, int, int]:

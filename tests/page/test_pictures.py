@@ -1,0 +1,51 @@
+"""The figures of the page: fewer colours, and each line and bar in its own."""
+
+import base64
+import io
+
+import numpy as np
+from PIL import Image, ImageDraw
+
+from mfr_bench.page.pictures import APART, figure_picture
+from mfr_bench.report import style
+
+
+def shown(uri):
+    with Image.open(io.BytesIO(base64.b64decode(uri.partition(",")[2]))) as image:
+        return np.asarray(image.convert("RGB"), dtype=int)
+
+
+def figure(path, colours):
+    """Thin lines of many colours, a pale band, and much text, drawn four times as large for smooth edges."""
+    image = Image.new("RGB", (1600, 1600), "white")
+    draw = ImageDraw.Draw(image)
+    draw.rectangle((0, 1200, 1600, 1300), fill=style.BAND)
+    for place, colour in enumerate(colours):
+        draw.line((40, 40 + 40 * place, 1500, 80 + 40 * place), fill=colour, width=8)
+    for place in range(12):
+        draw.text((20, 1310 + 24 * place), "small print " * 22, fill=style.QUIET)
+    image.resize((400, 400), Image.Resampling.BOX).save(path)
+    return path
+
+
+def test_every_line_keeps_its_colour(tmp_path):
+    colours = [*style.FAMILY_COLOURS, style.BAND]
+    path = figure(tmp_path / "a.png", style.FAMILY_COLOURS)
+    uri, width, height = figure_picture(path)
+    with Image.open(path) as image:
+        before = np.asarray(image.convert("RGB"), dtype=int)
+    after = shown(uri)
+    assert after.shape == before.shape == (height, width, 3)
+    assert np.sqrt(((after - before) ** 2).sum(axis=2)).max() <= APART
+    for colour in colours:
+        exact = np.array([int(colour[i:i + 2], 16) for i in (1, 3, 5)])
+        of_line = (before == exact).all(axis=2)
+        assert of_line.any() and (after[of_line] == exact).all(), colour
+
+
+def test_smooth_edges_take_few_colours(tmp_path):
+    path = figure(tmp_path / "a.png", style.FAMILY_COLOURS)
+    with Image.open(path) as image:
+        before = len(image.convert("RGB").getcolors(2**24))
+    after = len(np.unique(shown(figure_picture(path)[0]).reshape(-1, 3), axis=0))
+    assert after <= 256 and after < before / 4
