@@ -90,6 +90,7 @@ class Experiment:
     setting: tuple[tuple[str, str], ...]
     counts: tuple[tuple[str, int], ...]
     axes: tuple[str, ...]
+    devices: tuple[str, ...]
     lines: tuple[Line, ...]
     figures: tuple[Picture, ...]
     images: tuple[Picture, ...]
@@ -106,12 +107,13 @@ def without_paths(text: Any) -> str:
 def experiment(result: Result, anchor: str, figures: Sequence[Path]) -> Experiment:
     """The content of the page about a result. figures: the PNG files of its figures, in their order."""
     axes = tuple(axis for axis in result.axes if data.bare(axis) != "device")
+    lines = tuple(_line(p, axes) for p in result.points)
     return Experiment(
         anchor=anchor, name=result.name, title=str(result.manifest.get("title") or result.name),
         source=_source(result), provenance=without_paths(result.provenance), setting=_setting(result),
         counts=tuple(sorted(Counter(p.sign for p in result.points).items(), key=lambda item: (item[0] != "ok", item))),
         axes=tuple(data.short(axis) for axis in axes),
-        lines=tuple(_line(p, axes) for p in result.points),
+        devices=tuple(dict.fromkeys(line.device for line in lines)), lines=lines,
         figures=tuple(_figure(path, options) for path, options in zip(figures, result.figures, strict=False)
                       if path.is_file()),
         images=_images(result.points), environment=_environment(result.manifest),

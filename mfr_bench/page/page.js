@@ -12,10 +12,10 @@
   const numeric = (text) => (text === "" || text === undefined ? null : Number.isFinite(+text) ? +text : null);
   const byValue = new Intl.Collator("en", { numeric: true }).compare;
 
-  // A field's value: a number where it holds one, else its text; null for a measure that is not there.
+  // A field's value: a number where it holds one, else its text; null where it is empty.
   const valueOf = (cell) => {
     const raw = cell.dataset.v ?? cell.textContent;
-    return numeric(raw) ?? (raw === "" && cell.classList.contains("n") ? null : raw);
+    return raw === "" ? null : numeric(raw) ?? raw;
   };
 
   // --- tables ---
@@ -30,7 +30,7 @@
         head.setAttribute("aria-sort", up ? "ascending" : "descending");
         const rows = [...table.tBodies[0].rows].map((row) => [valueOf(row.cells[column]), row]);
         rows.sort(([a], [b]) => {
-          if (a === null || a === "" || b === null || b === "") return (a === null || a === "") - (b === null || b === "");
+          if (a === null || b === null) return (a === null) - (b === null);
           const order = typeof a === "number" && typeof b === "number" ? a - b : byValue(a, b);
           return up ? order : -order;
         });
@@ -48,12 +48,13 @@
   // Choices for each column that has a few different words, and a field for any text.
   function filterable(details) {
     const table = details.querySelector("table"), rows = [...table.tBodies[0].rows];
-    const heads = $("thead th", table).map((head) => head.textContent);
+    const heads = $("thead th", table);
     const search = make("input", { type: "search" });
     const shown = make("output", {});
     const bar = make("div", { className: "filter" }, make("label", {}, "contains", search));
-    const selects = heads.map((name, column) => {
-      if (rows[0].cells[column].classList.contains("n")) return null;
+    const selects = heads.map((head, column) => {
+      if (head.classList.contains("measure")) return null;
+      const name = head.textContent;
       const text = (row) => (name === "status" ? row.cells[column].firstChild?.textContent ?? "" : row.cells[column].textContent);
       const values = [...new Set(rows.map(text))].filter(Boolean).sort(byValue);
       if (values.length < 2 || values.length > 60) return null;
@@ -83,14 +84,14 @@
     const heads = $("thead th", table).map((head) => head.textContent);
     const axes = table.dataset.axes ? table.dataset.axes.split("|") : [];
     const rows = [...table.tBodies[0].rows];
-    const measures = heads.filter((_, column) => rows.some((row) => row.cells[column].classList.contains("n")
-      && row.cells[column].textContent !== ""));
+    const measures = $("thead th.measure", table).map((head) => head.textContent)
+      .filter((name) => rows.some((row) => row.cells[heads.indexOf(name)].textContent !== ""));
     if (!measures.length) return;
     const device = heads.indexOf("device");
-    const devices = [...new Set(rows.map((row) => row.cells[device].textContent))];
+    const devices = device < 0 ? [] : [...new Set(rows.map((row) => row.cells[device].textContent))];
     const [xLabel, x] = choice("x", axes.length ? axes : ["method"]);
     const [yLabel, y] = choice("y", measures);
-    const [dLabel, d] = choice("device", devices, devices.length > 1 ? "all" : null);
+    const [dLabel, d] = choice("device", devices, "all");
     const tick = (name, checked) => {
       const box = make("input", { type: "checkbox", checked });
       return [make("label", { className: "tick" }, box, name), box];
@@ -98,7 +99,7 @@
     const [lxLabel, logX] = tick("log x", false), [lyLabel, logY] = tick("log y", true);
     const reset = make("button", { type: "button", textContent: "Show all" });
     const controls = details.querySelector(".controls"), holder = details.querySelector(".chart");
-    controls.append(xLabel, yLabel, dLabel, lxLabel, lyLabel, reset);
+    controls.append(xLabel, yLabel, ...(devices.length ? [dLabel] : []), lxLabel, lyLabel, reset);
     let plot = null;
 
     function series() {
@@ -107,7 +108,7 @@
       const found = new Map(), places = new Set();
       for (const row of rows) {
         const cell = row.cells[of], middle = numeric(cell.dataset.v ?? cell.textContent), place = valueOf(row.cells[at]);
-        if (middle === null || place === null || place === "" || (d.value && row.cells[device].textContent !== d.value)) continue;
+        if (middle === null || place === null || (d.value && row.cells[device].textContent !== d.value)) continue;
         const name = [row.cells[0].textContent, ...others.map((i) => row.cells[i].textContent && `${heads[i]} ${row.cells[i].textContent}`),
           d.value || devices.length < 2 ? "" : row.cells[device].textContent].filter(Boolean).join(", ");
         if (!found.has(name)) found.set(name, { name, method: row.dataset.m, points: new Map() });
