@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -135,6 +135,7 @@ def define_values(fitted: Fitted, step: Pass) -> dict[str, int]:
 
 
 def literal(name: str, value: int) -> str:
+    """The value of a name as GLSL has it: EMPTY is unsigned."""
     return f"{value}u" if name == "EMPTY" else str(value)
 
 
@@ -175,7 +176,7 @@ def _clear_macro(variant: Variant, step: Pass) -> str:
     return f"#define CLEAR(p) {{ {body} }}"
 
 
-def _version(variant: Variant, words: set[str]) -> list[str]:
+def _version(variant: Variant, words: frozenset[str]) -> list[str]:
     """The language and the extensions that the variant's features and the shader's words ask for."""
     shading = [feature for feature in variant.needs if feature in FEATURE_EXTENSIONS]
     extensions = [name for feature in shading for name in FEATURE_EXTENSIONS[feature]]
@@ -185,7 +186,7 @@ def _version(variant: Variant, words: set[str]) -> list[str]:
     return [version, *(f"#extension {name} : enable" for name in extensions)]
 
 
-def _diagnostics(words: set[str], counted: bool) -> list[str]:
+def _diagnostics(words: frozenset[str], counted: bool) -> list[str]:
     """The block of counters, as far as the shader needs it."""
     if not (counted or words.intersection(DIAGNOSTICS)):
         return []
@@ -222,71 +223,95 @@ def _bound(fitted: Fitted, step: Pass) -> str:
     return "chosen_k"
 
 
-@lru_cache(maxsize=512)
-def _words(text: str) -> frozenset[str]:
-    """The names and words in the code of a text, which many variants share."""
-    return frozenset(re.findall(r"[A-Za-z_]\w*", code_of(text)))
-
-
 def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool = False,
            mapped: str | None = None) -> StageSource:
     """The stage `entry` (default: the pass's own shader) of one pass, ready to compile.
 
     `counted`: counting its work. `mapped`: counting one kind of it for each pixel, where the shader has a line for it.
     """
-    variant = fitted.variant
     entry = entry or step.shader
-    slots = {name: path for name, path in (("fetch", step.fetch), ("resolver", step.resolver)) if path}
     is_vertex = entry.endswith(".vert")
     counted = (counted or mapped is not None) and not is_vertex
-    of_fragments = step.kind == "geometry" and not is_vertex
-    behind = _behind(fitted, step) if of_fragments else {}
+    depth = _depth_macro(fitted.stats) if step.kind == "geometry" and not is_vertex else None
+    body, files = _expanded(fitted, step, entry, counted)
+    body = body.replace(WINDOW_DEPTH, depth.name) if depth else body
+    clearing = _clear_macro(fitted.variant, step)
+    words = _words_used(body, clearing, depth)
+    lines = [*_version(fitted.variant, words), *_macros(fitted, step, words, depth),
+             *_uniform_blocks(fitted.variant, step, words)]
+    if not is_vertex:
+        lines += _resources(fitted, step, words)
+        lines += [clearing] if "CLEAR" in words else []
+        lines += _outputs(fitted, step)
+        lines += ["layout(early_fragment_tests) in;"] if step.state.early else []
+        lines += _diagnostics(words, counted)
+    prelude = "\n".join(lines)
+    if counted and mapped:
+        text = counters.mapped(prelude, body, mapped)
+        return StageSource(entry, text, files, counted) if text else source(fitted, step, entry)
+    text = counters.counting(prelude, body, _storage(fitted.variant)) if counted else f"{prelude}\n{body}"
+    return StageSource(entry, text, files, counted)
+
+
+def _expanded(fitted: Fitted, step: Pass, entry: str, counted: bool) -> tuple[str, tuple[str, ...]]:
+    """The stage with its includes, slots and the files that stand behind others, and the files that it is made of."""
+    slots = {name: path for name, path in (("fetch", step.fetch), ("resolver", step.resolver)) if path}
+    is_vertex = entry.endswith(".vert")
+    behind = _behind(fitted, step) if step.kind == "geometry" and not is_vertex else {}
     if not fitted.stats.blended and step.hands_on and not is_vertex:
         slots["effect"] = f"effects/{fitted.stats.effect.module}.glsl"
         behind[ACCUMULATE_FILE] = EFFECT_FILE
-    body, files = expand(entry, slots, counted, behind)
-    depth = _depth_macro(fitted.stats) if of_fragments else None
-    body = body.replace(WINDOW_DEPTH, depth.name) if depth else body
-    macro = _clear_macro(variant, step)
-    words = set(_words(body))
-    words |= set(re.findall(r"[A-Za-z_]\w*", macro)) if "CLEAR" in words else set()
-    words |= set(re.findall(r"[A-Za-z_]\w*", depth.text)) if depth and depth.name in words else set()
-    prelude = _version(variant, words)
+    return expand(entry, slots, counted, behind)
+
+
+@lru_cache(maxsize=512)
+def _words(text: str) -> frozenset[str]:
+    """The names and words in the code of a text, which many variants share."""
+    return frozenset(re.findall(r"[A-Za-z_]\w*", code_of(text)))
+
+
+def _words_used(body: str, clearing: str, depth: Macro | None) -> frozenset[str]:
+    """The names and words of a shader, and of the macros that it uses."""
+    words = _words(body)
+    used = [clearing] if "CLEAR" in words else []
+    used += [depth.text] if depth and depth.name in words else []
+    return words.union(*map(_words, used))
+
+
+def _macros(fitted: Fitted, step: Pass, words: frozenset[str], depth: Macro | None) -> list[str]:
+    """The numbers, types and the depth that the shader names."""
     values = define_values(fitted, step)
-    prelude += [f"#define {name} {literal(name, value)}" for name, value in sorted(values.items()) if name in words]
-    prelude += [f"#define BOUND {_bound(fitted, step)}"] if "BOUND" in words else []
-    prelude += ["#define K chosen_k"] if "K" in words and isinstance(variant.method.capacity, Decided) else []
-    prelude += TYPES[variant.payload_words]
-    prelude += [depth.definition] if depth else []
-    prelude.append(f"layout(std140, binding = {FRAME_BINDING}) uniform Frame {{ "
-                   + " ".join(f"uint {name};" for name in _frame_fields(variant, step)) + " };")
-    if words.intersection(BOX_FIELDS):
-        prelude.append(f"layout(std140, binding = {BOX_BINDING}) uniform Box {{ "
-                       + " ".join(f"uint {name};" for name in BOX_FIELDS) + " };")
+    lines = [f"#define {name} {literal(name, value)}" for name, value in sorted(values.items()) if name in words]
+    lines += [f"#define BOUND {_bound(fitted, step)}"] if "BOUND" in words else []
+    decided = isinstance(fitted.variant.method.capacity, Decided)
+    lines += ["#define K chosen_k"] if "K" in words and decided else []
+    return [*lines, *TYPES[fitted.variant.payload_words], *([depth.definition] if depth else [])]
+
+
+def _uniform_blocks(variant: Variant, step: Pass, words: frozenset[str]) -> list[str]:
+    """The block `Frame`, and those of the others that the shader reads."""
+    blocks = [_uniform_block(FRAME_BINDING, "Frame", _frame_fields(variant, step))]
+    blocks += [_uniform_block(BOX_BINDING, "Box", BOX_FIELDS)] if words.intersection(BOX_FIELDS) else []
     if "base_a" in words:
-        prelude.append(f"layout(std140, binding = {COLOURS_BINDING}) uniform Colours {{ vec4 base_a; vec4 base_b; }};")
-    if not is_vertex:
-        by_name = {b.name: b for b in variant.buffers}
-        prelude += [_buffer_block(by_name[split_ref(b.ref)[0]], b, b.ref not in step.writes)
-                    for b in buffer_bindings(variant, step)]
-        targets = {t.name: t for t in variant.targets}
-        for b in texture_bindings(variant, step):
-            target = targets.get(split_ref(b.ref)[0])
-            prelude.append(_said(f"layout(binding = {b.index}) uniform {_sampler(target)} {b.name};", target))
-        if fitted.stats.occluded and "opaque_depth" in words:
-            prelude.append(f"layout(binding = {OPAQUE_UNIT}) uniform sampler2D opaque_depth;")
-        prelude += [f"uniform uint {length_name(b.name)};" for b in buffer_bindings(variant, step)
-                    if length_name(b.name) in words]
-        prelude += [macro] if "CLEAR" in words else []
-        prelude += _outputs(fitted, step)
-        prelude += ["layout(early_fragment_tests) in;"] if step.state.early else []
-        prelude += _diagnostics(words, counted)
-    if counted and mapped:
-        text = counters.mapped("\n".join(prelude), body, mapped)
-        return StageSource(entry, text, files, counted) if text else source(fitted, step, entry)
-    if counted:
-        return StageSource(entry, counters.counting("\n".join(prelude), body, _storage(variant)), files, counted)
-    return StageSource(entry, "\n".join(prelude) + "\n" + body, files, counted)
+        blocks.append(f"layout(std140, binding = {COLOURS_BINDING}) uniform Colours {{ vec4 base_a; vec4 base_b; }};")
+    return blocks
+
+
+def _uniform_block(binding: int, name: str, fields: Sequence[str]) -> str:
+    return f"layout(std140, binding = {binding}) uniform {name} {{ {' '.join(f'uint {field};' for field in fields)} }};"
+
+
+def _resources(fitted: Fitted, step: Pass, words: frozenset[str]) -> list[str]:
+    """The buffers and textures of the pass, and the lengths of the buffers that the shader asks for."""
+    variant, bound = fitted.variant, buffer_bindings(fitted.variant, step)
+    buffers, targets = ({made.name: made for made in kind} for kind in (variant.buffers, variant.targets))
+    lines = [_buffer_block(buffers[split_ref(b.ref)[0]], b, b.ref not in step.writes) for b in bound]
+    for b in texture_bindings(variant, step):
+        target = targets.get(split_ref(b.ref)[0])
+        lines.append(_said(f"layout(binding = {b.index}) uniform {_sampler(target)} {b.name};", target))
+    if fitted.stats.occluded and "opaque_depth" in words:
+        lines.append(f"layout(binding = {OPAQUE_UNIT}) uniform sampler2D opaque_depth;")
+    return lines + [f"uniform uint {length_name(b.name)};" for b in bound if length_name(b.name) in words]
 
 
 def _frame_fields(variant: Variant, step: Pass) -> tuple[str, ...]:

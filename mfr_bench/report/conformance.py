@@ -96,8 +96,8 @@ def _coverage(series: Mapping[str, Sequence[Point]]) -> str:
     """Tell how many methods and variants, the floor aside, ran in every cell without a wrong image."""
     methods = [points for points in series.values() if points[0].method != FLOOR]
     whole = sum(all(p.ending.image == "right" for p in points) for points in methods)
-    return (f"{whole} of {len(methods)} methods and variants ran in every cell, and none of their images is wrong: "
-            f"{100 * whole / max(1, len(methods)):.1f} %.")
+    share = f"{100 * whole / max(1, len(methods)):.1f} %"
+    return f"{whole} of {len(methods)} methods and variants ({share}) ran in every cell without a wrong image."
 
 
 def _grid(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:

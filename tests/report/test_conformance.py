@@ -46,7 +46,7 @@ def test_a_row_is_the_worst_of_all_cells(page):
 
 def test_the_share_that_ran_everywhere_is_told(page):
     """KB has a cell that was not run, AB_Array a wrong image."""
-    assert "0 of 2 methods and variants ran in every cell, and none of their images is wrong: 0.0 %." in page
+    assert "0 of 2 methods and variants (0.0 %) ran in every cell without a wrong image." in page
 
 
 def test_results_in_pieces_are_told_as_one_and_no_cell_twice(tmp_path):
@@ -56,7 +56,7 @@ def test_results_in_pieces_are_told_as_one_and_no_cell_twice(tmp_path):
     page = conformance_page(map(load, made), catalog())
     assert page.count("`planted`, 3 cells") == page.count("`planted`, ") == 1
     assert row(page, "All methods", "Blending floor")[3] == "1"
-    assert "2 of 2 methods and variants ran in every cell, and none of their images is wrong: 100.0 %." in page
+    assert "2 of 2 methods and variants (100.0 %) ran in every cell without a wrong image." in page
 
 
 def test_hazards_are_told_with_the_failure_that_is_known(page):
