@@ -201,9 +201,9 @@
   // --- kept images ---
   // Two images behind a slider, or their difference, enlarged by a factor.
   function comparison(details) {
-    const images = $("img[data-name]", details), holder = details.querySelector(".compare");
+    const images = $("img", details), holder = details.querySelector(".compare");
     if (images.length < 2) return;
-    const names = images.map((image, i) => `${i + 1}: ${image.dataset.name}`);
+    const names = $(".kept span", details).map((name, i) => `${i + 1}: ${name.textContent}`);
     const [aLabel, a] = choice("left", names), [bLabel, b] = choice("right", names);
     b.selectedIndex = 1;
     const [kindLabel, kind] = choice("shown", ["slider", "difference × 1", "difference × 8", "difference × 64"]);

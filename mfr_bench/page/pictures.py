@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 COLOURS = 256  # of a figure's palette, at most
-APART = 45  # of two colours of a palette: no colour of a figure is further than that from the one that stands for it
+APART = 60  # of two colours of a palette: no colour of a figure is further than that from the one that stands for it
 AREA = 0.002  # share of the pixels from which a colour is in the palette, however near another one is
 CHECK_PIXELS, LIGHT, DARK = 8, 255, 204  # of the checkerboard behind what is transparent
 LARGEST_PIXELS = 512  # side of a kept image; larger ones are shown at every n-th pixel
@@ -95,7 +95,7 @@ def kept_picture(image: np.ndarray) -> tuple[str, int, int]:
 
 def _encoded(image) -> bytes:
     content = io.BytesIO()
-    image.convert("RGB").save(content, format="webp", lossless=True, method=2, quality=30)
+    image.convert("RGB").save(content, format="webp", lossless=True, method=3, quality=80)
     return content.getvalue()
 
 
