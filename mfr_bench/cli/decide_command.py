@@ -59,12 +59,12 @@ def decide(size: str | None, layers: int | None, covered: float, mesh: str | Non
     from ..decide.budget import budget
     from ..decide.question import parsed_duration
 
-    within = budget(parsed_duration(time_budget))
+    whole = budget(parsed_duration(time_budget))
     question, scene = _asked(size, layers, covered, overrides_of(mesh, fragments), config, memory_mb, max_error)
     if measured:
         _answer_over(measured, question, scene, within, as_json)
         return 0
-    answer = _raced(question, scene, within, out, device)
+    answer = _raced(question, scene, whole, out, device)
     say(json.dumps(answer.record(), indent=2, ensure_ascii=False) if as_json else answer.text(width()))
     return 0 if answer.best else NOTHING_KEEPS
 
@@ -173,8 +173,10 @@ def _candidates(question, scene, budget):
 
 
 def _measured(config: Path, supervisor, interruption, out: str | None, budget):
-    """The result folder of the config, measured where it lacks something; the candidates that have no row, and what
-    else the budget cut. Nothing is printed on stdout."""
+    """The result folder of the config, measured where it lacks something; nothing is printed on stdout.
+
+    With it come the candidates that have no row, and what else the budget cut, in words.
+    """
     from ..decide.candidates import NOT_FINISHED, Excluded
     from ..plan.budget import FIGURES_S
     from ..plan.forecast import Rates

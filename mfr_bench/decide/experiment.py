@@ -25,8 +25,11 @@ def scene_of(question: Question) -> dict[str, Any]:
 
 def config_of(question: Question, scene: Mapping[str, Any], found: Sequence[Candidate], budget_s: float,
               default_memory_mb: float = 3072.0) -> dict[str, Any]:
-    """A config as YAML has it. budget_s: wall time of the whole answer, not what is left of it: cells that an answer of
-    the same budget measured are then the same cells."""
+    """A config as YAML has it.
+
+    budget_s: wall time of the whole answer, not what is left of it: cells that an answer of the same budget measured
+    are then the same cells.
+    """
     time_limit_s = RACE_SHARE * budget_s / max(1, len(found) + 1)  # the floor is drawn as well
     measure = {"eliminate": True, "max_error": question.max_error, "min_samples": 6, "max_samples": MOST_FRAMES,
                "time_limit_s": round(max(0.05, time_limit_s), 3),
