@@ -8,19 +8,22 @@ from typing import TypeVar
 
 from .environment import usable_cores
 
+FEWEST = 3  # items for which a process is worth its start
+
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
 
 
 def in_processes(work: Callable[[Item], Outcome], items: Sequence[Item],
                  processes: int | None = None) -> Iterator[Outcome]:
-    """The outcome of each item in turn, by forked processes; in this one where one core or one item is all there is.
+    """The outcome of each item in turn, by other processes; in this one where a process would have too few items.
 
-    What an item raises is raised here. Not where the process holds a GL context.
+    What an item raises is raised here. The processes are no copies of this one, which may hold a GL context: each
+    takes a while to import what it needs. `work`, its items and outcomes pickle.
     """
-    count = min(processes or usable_cores() or 1, len(items))
+    count = min(processes or usable_cores() or 1, len(items) // FEWEST)
     if count < 2:
         yield from map(work, items)
         return
-    with multiprocessing.get_context("fork").Pool(count) as pool:
+    with multiprocessing.get_context("forkserver").Pool(count) as pool:
         yield from pool.imap(work, items)

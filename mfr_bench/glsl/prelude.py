@@ -70,6 +70,7 @@ ACCUMULATE_FILE, EFFECT_FILE = "common/accumulate.glsl", "effects/apply.glsl"
 COVERAGE_FILE = "scene/coverage.glsl"
 FRAGMENT_FILE, ONE_SAMPLE_FILE = "scene/fragment.glsl", "scene/one_sample.glsl"
 COLOUR_FILE, SHADE_FILE = "common/colour.glsl", "scene/shade.glsl"
+DRAWN_AS = {"masked": "quad"}  # kinds of primitives that the vertex shader of another draws
 _INTEGER = {"r32ui": "u"}  # the letter before GLSL's type for texels that are whole numbers
 # Fragment and payload as GLSL types, by the words of the payload. A struct of three words has no padding in std430.
 TYPES: Mapping[int, tuple[str, ...]] = {
@@ -341,7 +342,9 @@ def _outputs(fitted: Fitted, step: Pass) -> list[str]:
 
 
 def _vertex(step: Pass, geometry: str) -> str:
-    return step.vertex or (f"scene/{geometry}.vert" if step.kind == "geometry" else "screen/triangle.vert")
+    if step.vertex:
+        return step.vertex
+    return f"scene/{DRAWN_AS.get(geometry, geometry)}.vert" if step.kind == "geometry" else "screen/triangle.vert"
 
 
 def stages(fitted: Fitted, step: Pass, counted: bool = False, mapped: str | None = None) -> tuple[StageSource, ...]:

@@ -141,7 +141,8 @@ def test_plot_together_draws_what_several_results_hold(mfr, folder):
     shutil.copytree(folder, folder.parent / "again")
     ended = mfr("plot", "out", "again", "--together", "devices")
     assert ended.status == 0
-    assert ended.out.splitlines() == [f"devices/tiny-{i}.{kind}" for i in (1, 2) for kind in ("png", "svg")]
+    drawn = [f"devices/tiny-{what}.{kind}" for what in (1, 2, "ratios", "ranks") for kind in ("png", "svg")]
+    assert ended.out.splitlines() == [*drawn, "devices/tiny-devices.md"]
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"schema": 2}', '{"schema": 1, "cells": 3}',

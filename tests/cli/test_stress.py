@@ -10,6 +10,8 @@ from .conftest import rows
 
 pytestmark = pytest.mark.usefixtures("on_device")
 
+CELLS_OF_A_METHOD = 9.3  # at most, in the mean, so that each new method costs a stressor as much as the others do
+
 
 @pytest.mark.parametrize("name", sorted(stress_configs()))
 def test_every_stressor_goes_from_mild_to_harsh(name):
@@ -20,7 +22,7 @@ def test_every_stressor_goes_from_mild_to_harsh(name):
         drawn = [figure for figure in experiment.figures if figure.kind == "breaking"]
         assert drawn
         assert all(figure.x in {**experiment.sweep, **experiment.zip} for figure in drawn)
-    assert len(expand(experiment, catalog())) <= 420
+    assert len(expand(experiment, catalog())) <= CELLS_OF_A_METHOD * len(catalog())
 
 
 def test_the_list_names_them(mfr):
