@@ -4,6 +4,7 @@ import ast
 import json
 import re
 import shlex
+import shutil
 import time
 from pathlib import Path
 
@@ -94,6 +95,8 @@ def settle(text, mfr):  # noqa: F811
     for name in SHIPPED.intersection([*RESULTS.values(), *measured]):
         Path(name).write_text(SMALL.format(name=name, depth=len(name)))
     Path("cluster.yaml").write_text("engine: local\nstore: store\nkinds: {cpu: {shares: 1, device: cpu}}\n")
+    if "examples/" in text:
+        shutil.copytree(ROOT / "examples", "examples", ignore=shutil.ignore_patterns("__pycache__"))
     Image.new("RGB", (12, 8), (90, 140, 60)).save("photo.jpg")
     for folder, name in RESULTS.items():
         if folder in text:

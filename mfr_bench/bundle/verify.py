@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..config.schema import parse
+from ..effects import OWN_EFFECTS, PLAIN
 from ..environment import draws_in_software
 from ..errors import UsageError
 from ..merge.copies import Copy, Source, device_of
@@ -191,6 +192,8 @@ def _other_image(folder: ResultFolder, cell: Cell) -> str | None:
     image = read_arrays(folder, cell["key"]).get("image")
     if image is None or cell["scene"].get("kind") != FIRST:
         return None
+    if cell["scene"].get("effect", PLAIN.name) not in OWN_EFFECTS:
+        return None  # the model of an effect from outside runs only in the process that measures
     scene, wrong = parse(Scene, cell["scene"])
     wrong = wrong or faults(scene)
     if wrong:

@@ -265,8 +265,8 @@ def _ok_first(entry: tuple[str, int]) -> tuple[bool, str]:
 
 
 def _packages(todo) -> dict[str, Any]:
-    """The packages that bring methods from outside, if there are any."""
-    found = {job.package["name"]: dict(job.package) for job in todo if job.package}
+    """The packages that bring methods and effects from outside, if there are any."""
+    found = {package["name"]: dict(package) for job in todo for package in (job.package, job.effect_package) if package}
     return {"packages": list(found.values())} if found else {}
 
 

@@ -14,7 +14,7 @@ from annotated_types import MinLen, Predicate
 
 from ..errors import nearest, one_of
 from ..scene import Scene
-from ..scene.spec.values import STRICT, Allowed, Text
+from ..scene.spec.values import STRICT, Allowed, Listed, Text
 from .model import Figure, Measure, Source
 from .source import Path, shown
 
@@ -117,6 +117,8 @@ def _hints(cls: type) -> dict[str, Any]:
 def _choices(hint: Any) -> tuple:
     if get_origin(hint) in (Union, UnionType):
         return tuple(c for part in get_args(hint) for c in _choices(part))
+    if get_origin(hint) is Annotated:
+        return tuple(name for rule in hint.__metadata__ if isinstance(rule, Listed) for name in rule.table)
     return get_args(hint) if get_origin(hint) is Literal else ()
 
 

@@ -1,7 +1,8 @@
 """Effects: what is done with the fragments of a pixel once they are in order, nearest first.
 
 An effect is an entry of EFFECTS, a file of shaders/effects/ with begin, add and end, and a module here of the same name
-whose `model` computes the same in float64. Importing this package loads no numpy.
+whose `model` computes the same in float64. A package from outside has its entry as EFFECT in the module of its model.
+Importing this package loads no numpy.
 
 In multisampled scenes `coverage` takes the place of an effect: it does something with the samples of a pixel.
 """
@@ -12,6 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
+from ..errors import UsageError, nearest
 from .numbers import DEFINES
 
 
@@ -19,6 +21,9 @@ from .numbers import DEFINES
 class Effect:
     """An effect. needs: what it reads of a fragment in addition to depth and colour. ordered: whether it distinguishes
     fragments of one depth by their order. measures: whether it takes differences of depth as distances.
+
+    package: name, version and hash of what brings the effect from outside, and place, its module or its folder, from
+    which the process that measures imports the model. The loader of packages fills in both.
     """
 
     what: str
@@ -26,11 +31,13 @@ class Effect:
     ordered: bool = False
     measures: bool = False
     keys: tuple[str, ...] = ()  # of a scene, which this effect reads
+    package: Mapping[str, str | None] | None = None
+    place: str = ""
 
 
 TRANSPARENCY = "transparency"
 OPERATIONS = ("union", "intersection", "difference")
-EFFECTS: Mapping[str, Effect] = {
+EFFECTS: dict[str, Effect] = {
     TRANSPARENCY: Effect("fragments blended nearest first, as the papers measure", ordered=True),
     "layers": Effect("the `layer`-th fragment alone, opaque; with layer 0 an x-ray view, in which every fragment takes "
                      "a tenth of the light", ordered=True, keys=("layer",)),
@@ -44,6 +51,7 @@ EFFECTS: Mapping[str, Effect] = {
                   "objects", ordered=True, keys=("operation",)),
     "coplanar": Effect("where fragments share a depth: their share of the pixel's fragments, and the largest group"),
 }
+OWN_EFFECTS = tuple(EFFECTS)  # of this program; `bring` adds those from outside
 MSAA = (1, 2, 4, 8)  # samples of a pixel
 COVERAGES: Mapping[str, str] = {
     "samples": "each sample composites the fragments that cover it, and a pixel is the mean of its samples",
@@ -98,8 +106,18 @@ class Settings:
 
     @property
     def effect(self) -> Effect:
-        """The entry of the effect."""
+        """The entry of the effect. Raises UsageError where the package that brings it is not given."""
+        if self.name not in EFFECTS:
+            raise UsageError(f"scene.effect: no effect {self.name!r}; allowed: {', '.join(EFFECTS)}, or one of a "
+                             f"package that is installed or given by --methods FOLDER{nearest(self.name, EFFECTS)}")
         return EFFECTS[self.name]
+
+
+def bring(found: Mapping[str, Effect]) -> None:
+    """Let EFFECTS have these effects from outside, and no others from outside."""
+    for name in set(EFFECTS).difference(OWN_EFFECTS):
+        del EFFECTS[name]
+    EFFECTS.update(found)
 
 
 PLAIN = Settings()

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from types import ModuleType
 
+from ..effects import OWN_EFFECTS, Effect, bring
 from . import outside
 from .loading import DeclarationError, family, order_of, twice
 from .spec import Method
@@ -23,7 +24,7 @@ MISTAKES: list[str] = []
 def catalog() -> dict[str, Method]:
     """Every declared method by id, in the order of the family files' `ORDER`; families without it come last.
 
-    Behind them stand the methods from outside, which bear their package.
+    Behind them stand the methods from outside, which bear their package. EFFECTS gets the effects from outside.
 
     A family whose declaration has a mistake is left out, and MISTAKES gets a line for it.
     """
@@ -44,6 +45,7 @@ def catalog() -> dict[str, Method]:
                 MISTAKES.append(twice(each, method, owners[method.id]))
             else:
                 methods[method.id], owners[method.id] = method, each
+    bring(_effects_from_outside())
     return methods | _from_outside(methods)
 
 
@@ -61,5 +63,18 @@ def _from_outside(taken: Mapping[str, Method]) -> dict[str, Method]:
     return found
 
 
-def _owner(method: Method) -> str:
-    return method.package["name"] if method.package else "mfr-bench"
+def _effects_from_outside() -> dict[str, Effect]:
+    """The effects that packages and folders bring; a name that is taken stays with whom it is."""
+    found: dict[str, Effect] = {}
+    for each in outside.loaded():
+        for name, effect in each.effects.items():
+            if name in OWN_EFFECTS or name in found:
+                MISTAKES.append(f"{each.source.name}: the effect {name!r} is declared twice, first in "
+                                f"{_owner(found.get(name))}; allowed: a name of its own")
+            else:
+                found[name] = effect
+    return found
+
+
+def _owner(declared: Method | Effect | None) -> str:
+    return declared.package["name"] if declared and declared.package else "mfr-bench"

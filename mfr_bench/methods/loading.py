@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib
 import re
+import sys
 import traceback
 from collections.abc import Sequence
 from dataclasses import fields
+from importlib.machinery import ModuleSpec
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 
@@ -46,6 +50,30 @@ def family(name: str, file: Path | None = None) -> ModuleType | None:
             where = line_of(module, f'"{mistake.text}"', mistake.text)
             raise DeclarationError(f"{where}: {method.id}: {mistake.what}")
     return module
+
+
+def import_folder(folder: Path, name: str) -> None:
+    """Make the folder a package of this name, with its `__init__.py` where there is one."""
+    init = folder / "__init__.py"
+    spec = ModuleSpec(name, None, is_package=True)
+    if init.is_file():
+        spec = spec_from_file_location(name, init, submodule_search_locations=[str(folder)])
+    else:
+        spec.submodule_search_locations = [str(folder)]
+    sys.modules[name] = module_from_spec(spec)
+    if spec.loader:
+        spec.loader.exec_module(sys.modules[name])
+
+
+def module_of(name: str, place: str) -> ModuleType:
+    """The module `name` of what brings declarations from outside: an installed one, or an absolute path of a folder."""
+    if Path(place).is_absolute():
+        package = f"outside_{hashlib.sha256(place.encode()).hexdigest()[:16]}"
+        if package not in sys.modules:
+            import_folder(Path(place), package)
+        return importlib.import_module(f"{package}.{name}")
+    module = importlib.import_module(place)
+    return importlib.import_module(f"{place}.{name}") if hasattr(module, "__path__") else module
 
 
 def order_of(module: ModuleType) -> float:

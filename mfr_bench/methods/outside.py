@@ -1,4 +1,4 @@
-"""Methods of packages and folders outside this one: found, and declared without their code running in this process.
+"""Methods and effects of packages and folders outside: found, and declared without their code running here.
 
 A package names itself by an entry point of the group `mfr_bench.methods`; a folder is named by `--methods` or the
 environment variable MFR_BENCH_METHODS. A process of its own imports the declarations (`mfr_bench.outside.loader`) and
@@ -13,13 +13,14 @@ import pickle
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
+from ..effects import Effect
 from ..errors import UsageError
 from .spec import Method
 
@@ -42,10 +43,12 @@ class Source:
 
 @dataclass(frozen=True)
 class Loaded:
-    """The declarations of a source: its methods in order, its folder of GLSL, and a line for each mistake."""
+    """The declarations of a source: its methods in order, its effects by name, its folder of GLSL, and a line for each
+    mistake."""
 
     source: Source
     methods: tuple[Method, ...] = ()
+    effects: Mapping[str, Effect] = field(default_factory=dict)
     shaders: Path | None = None
     mistakes: tuple[str, ...] = ()
 
@@ -107,8 +110,10 @@ def _loaded(source: Source) -> Loaded:
 def _checked(source: Source, answer: Any) -> Loaded:
     package = {"name": source.name, "version": source.version, "hash": str(answer["hash"])}
     methods = tuple(replace(method, package=package) for method in answer["methods"] if isinstance(method, Method))
+    effects = {str(name): replace(effect, package=package) for name, effect in answer["effects"].items()
+               if isinstance(effect, Effect)}
     shaders = Path(answer["shaders"]) if answer["shaders"] else None
-    return Loaded(source, methods, shaders, tuple(map(str, answer["mistakes"])))
+    return Loaded(source, methods, effects, shaders, tuple(map(str, answer["mistakes"])))
 
 
 class Reader(pickle.Unpickler):
@@ -117,6 +122,8 @@ class Reader(pickle.Unpickler):
     def find_class(self, module: str, name: str):
         if name in PLAIN.get(module, ()):
             return super().find_class(module, name)
+        if (module, name) == (Effect.__module__, Effect.__name__):
+            return Effect
         if module.startswith("mfr_bench.methods.") and "." not in name:
             found = super().find_class(module, name)
             if getattr(found, "__module__", "").startswith("mfr_bench.methods."):  # not what a module has imported

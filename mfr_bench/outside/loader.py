@@ -1,7 +1,8 @@
 """The process that imports one package or folder of methods, and answers with what it declares, as data.
 
-The only place where such code runs, apart from what an installed package does by itself. It answers with a pickle of
-plain values and declarations: `methods`, `shaders`, `hash`, `mistakes`.
+Such code runs here, and in the process that measures, which imports the models of effects; apart from what an installed
+package does by itself. The answer is a pickle of plain values and declarations: `methods`, `effects`, `shaders`,
+`hash`, `mistakes`.
 """
 
 from __future__ import annotations
@@ -13,9 +14,8 @@ import os
 import pickle
 import pkgutil
 import sys
-from collections.abc import Iterator
-from importlib.machinery import ModuleSpec
-from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from collections.abc import Iterable, Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -25,9 +25,10 @@ from ..errors import ShaderError
 from ..glsl import includes, stages
 from ..glsl.code import code_of
 from ..glsl.digest import fitted_nominally
-from ..methods.loading import DeclarationError, family, line_of, order_of
+from ..methods.loading import DeclarationError, family, import_folder, line_of, order_of
 from ..methods.spec import Method
 from ..resources import shaders_dir
+from . import effects
 
 PACKAGE = "methods_of_a_folder"  # the name under which the files of a folder are imported
 HASH_DIGITS = 12
@@ -52,23 +53,10 @@ def told_by_folder(folder: Path) -> dict[str, Any]:
     if at is None:
         return _nothing(f"{folder}: has no declaration; allowed: a folder with *.py files, and shaders/ beside them")
     try:
-        _import_folder(at)
+        import_folder(at, PACKAGE)
     except Exception as error:  # noqa: BLE001 - whatever foreign code raises is one line
         return _nothing(_said(at / "__init__.py", error))
-    return _told(PACKAGE, at)
-
-
-def _import_folder(folder: Path) -> None:
-    """Make the folder a package, with its `__init__.py` where there is one."""
-    init = folder / "__init__.py"
-    spec = ModuleSpec(PACKAGE, None, is_package=True)
-    if init.is_file():
-        spec = spec_from_file_location(PACKAGE, init, submodule_search_locations=[str(folder)])
-    else:
-        spec.submodule_search_locations = [str(folder)]
-    sys.modules[PACKAGE] = module_from_spec(spec)
-    if spec.loader:
-        spec.loader.exec_module(sys.modules[PACKAGE])
+    return _told(PACKAGE, at, str(at.resolve()))
 
 
 def told_by_module(name: str) -> dict[str, Any]:
@@ -78,14 +66,16 @@ def told_by_module(name: str) -> dict[str, Any]:
     except Exception as error:  # noqa: BLE001 - as above
         spec = None if isinstance(error, ModuleNotFoundError) else find_spec(name)
         return _nothing(_said(Path(spec.origin) if spec and spec.origin else Path(name), error))
-    return _told(name, Path(module.__file__).parent)
+    return _told(name, Path(module.__file__).parent, name)
 
 
-def _told(package: str, folder: Path) -> dict[str, Any]:
+def _told(package: str, folder: Path, place: str) -> dict[str, Any]:
+    """The declarations; place: the folder or the module that the process that measures imports."""
     shaders = folder / "shaders"
     includes.folders_outside = lambda: [shaders]
     mistakes = list(_hidden_shaders(shaders))
-    families = [f for f in _families(package, mistakes) if f]
+    names = _modules_of(package)
+    families = [f for f in _families(package, names, mistakes) if f]
     methods = []
     for each in sorted(families, key=order_of):
         for method in each.METHODS:
@@ -93,15 +83,20 @@ def _told(package: str, folder: Path) -> dict[str, Any]:
                 mistakes.append(f"{_where(each, method, trouble)}: {method.id}: {trouble}")
             else:
                 methods.append(method)
-    return {"methods": methods, "shaders": str(shaders) if shaders.is_dir() else None, "hash": code_hash(folder),
-            "mistakes": mistakes}
+    found = (sys.modules[name] for name in names if hasattr(sys.modules.get(name), "EFFECT"))
+    return {"methods": methods, "effects": dict(effects.declared(found, place, mistakes)),
+            "shaders": str(shaders) if shaders.is_dir() else None, "hash": code_hash(folder), "mistakes": mistakes}
 
 
-def _families(package: str, mistakes: list[str]) -> Iterator[ModuleType | None]:
-    """The module itself, and those in it if it is a package; each mistake costs the family that has it."""
-    module = sys.modules[package]
-    below = sorted(f"{package}.{found.name}" for found in pkgutil.iter_modules(getattr(module, "__path__", [])))
-    for name in (package, *below):
+def _modules_of(package: str) -> list[str]:
+    """The names of the module itself, and of those in it if it is a package."""
+    path = getattr(sys.modules[package], "__path__", [])
+    return [package, *sorted(f"{package}.{found.name}" for found in pkgutil.iter_modules(path))]
+
+
+def _families(package: str, names: Iterable[str], mistakes: list[str]) -> Iterator[ModuleType | None]:
+    """The families of methods in these modules of a package; each mistake costs the family that has it."""
+    for name in names:
         try:
             yield family(name, Path(find_spec(name).origin or name) if name != package else None)
         except DeclarationError as error:
@@ -192,4 +187,4 @@ def _said(file: Path, error: Exception) -> str:
 
 
 def _nothing(mistake: str) -> dict[str, Any]:
-    return {"methods": [], "shaders": None, "hash": "", "mistakes": [mistake]}
+    return {"methods": [], "effects": {}, "shaders": None, "hash": "", "mistakes": [mistake]}

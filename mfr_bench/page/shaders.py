@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from ..effects import Settings
+from ..effects import EFFECTS, Settings
 from ..glsl.digest import hash_of, stages_by_pass
 from ..methods import catalog
 from ..methods.spec import Variant
@@ -77,8 +77,10 @@ def _distinct(points: Iterable[Point]) -> list[_Ran]:
             continue
         seen.add(recorded)
         variant = _variant(point)
-        if variant is not None:  # records that differ in parameters added since are of one variant
-            found.setdefault((variant, effect), _Ran(variant, effect, point.cell))
+        if variant is None or effect.name not in EFFECTS:  # of a package that is not here
+            continue
+        # Records that differ in parameters added since are of one variant.
+        found.setdefault((variant, effect), _Ran(variant, effect, point.cell))
     return list(found.values())
 
 

@@ -21,7 +21,9 @@ class Job:
     cell: Cell
     key: str
     glsl_hash: str
-    package: Mapping[str, str | None] | None = None  # name, version and hash of what brings the method from outside
+    # Name, version and hash of what brings the method from outside, and of what brings the effect.
+    package: Mapping[str, str | None] | None = None
+    effect_package: Mapping[str, str | None] | None = None
 
 
 def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[str, str], timer: str,
@@ -29,8 +31,7 @@ def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[s
     """The cells with their keys, which cover the method with its GLSL and parameters, scene, settings and device.
 
     Labels are no part: cells that differ in nothing else are one measurement. The code of a package from outside is a
-    part, its version is none. `codes` keeps the hashes from call
-    to call.
+    part, its version is none. `codes` keeps the hashes from call to call.
     """
     codes = {} if codes is None else codes
     found = []
@@ -38,9 +39,10 @@ def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[s
         method = catalog[cell.method]
         stats = expected_stats(cell.scene)
         shaders = method.variant(cell.params), stats.geometry, stats.effect
+        effect_package = stats.effect.effect.package
         code = codes.get(shaders) or codes.setdefault(shaders, glsl_hash(*shaders))
         name = cell_key({"method": cell.method, "params": dict(cell.params), "glsl_hash": code,
                          "scene": cell.scene.as_dict(), "measure": cell.measure.as_dict(), "device": device,
-                         "package": method.package}, timer)
-        found.append(Job(cell, name, code, method.package))
+                         "package": method.package, "effect_package": effect_package}, timer)
+        found.append(Job(cell, name, code, method.package, effect_package))
     return found

@@ -15,6 +15,7 @@ from ..store import ResultFolder
 from ..store.arrays import read_arrays, write_arrays
 from ..store.folder import folders_with_cells
 from ..store.journal import Journal, Partial
+from ..store.record import PACKAGES
 from .events import Finished, Sampled
 from .jobs import Job
 from .settling import Copied, Kept, LeftOut, Settled, settled
@@ -132,7 +133,7 @@ class Ledger:
             "reason": finished.reason, "values": values, "glsl_hash": job.glsl_hash,
             "device": {name: self.device.get(name) for name in ("slug", "renderer", "version", "uuid", "pci")},
             "measured": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), **finished.details,
-            **({"package": dict(job.package)} if job.package else {}),
+            **{name: dict(package) for name in PACKAGES if (package := getattr(job, name))},
         }
         for sheet in self.sheets:
             if job.key in sheet.jobs and job.key not in sheet.statuses:

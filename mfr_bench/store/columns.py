@@ -132,8 +132,8 @@ COLUMNS = (
     Column("glsl_hash", "str", "", "hash of the shaders that ran", "cell", producer="run.ledger"),
     Column("key", "str", "", "name of the cell file", "cell", producer="run.ledger"),
     Column("device", "str", "", "short name of the device", "joined", producer="store.rows"),
-    Column("package", "str", "", "name, version and hash of the code that brings the method from outside; empty for "
-           "mfr-bench's own", "joined", producer="store.rows"),
+    Column("package", "str", "", "name, version and hash of the code from outside that brings method or effect; "
+           "empty for mfr-bench's own", "joined", producer="store.rows"),
     Column("msaa", "int", "samples", "samples of a pixel, as configured", "joined", "place", "store.rows"),
     Column("edge_pixels", "int", "pixels", "pixels with a fragment that covers only some of their samples, where they "
            "have several", drawn="measure", label="pixels with an edge"),

@@ -54,16 +54,19 @@ def key(parts: Mapping[str, Any]) -> str:
 GUARDS = ("hard_limit_s", "hard_limit_mb")  # settings that end a cell, and change no number of one that ends well
 
 
+PACKAGES = ("package", "effect_package")  # from outside, which bring the method and the effect of a cell
+
+
 def cell_key(cell: Mapping[str, Any], timer: str) -> str:
     """The key of a cell: its method with GLSL and parameters, scene, settings, device, driver and timer.
 
     `cell` is a record, or what it will hold: `method`, `params`, `glsl_hash`, `scene`, `measure`, `device` (`renderer`,
-    `version`), and `package` (`name`, `hash`) where a package from outside brings the method. Labels, points, UUIDs and
-    the version of a package are no part.
+    `version`), and `package` (`name`, `hash`) where a package from outside brings the method, `effect_package` where
+    one brings the effect of the scene. Labels, points, UUIDs and the version of a package are no part.
     """
-    package, device = cell.get("package"), cell.get("device")
+    device = cell.get("device")
     device = device if isinstance(device, Mapping) else {}
-    outside = {"package": [package["name"], package["hash"]]} if package else {}
+    outside = {part: [package["name"], package["hash"]] for part in PACKAGES if (package := cell.get(part))}
     settings = {name: value for name, value in cell["measure"].items() if name not in GUARDS}
     return key({**outside, "method": cell["method"], "params": cell["params"], "glsl": cell.get("glsl_hash"),
                 "scene": cell["scene"], "measure": settings, "renderer": device.get("renderer"),
@@ -192,6 +195,12 @@ def _wrong_values(cell: Cell) -> str | None:
     return None if times == sorted(times) else "values.time_ms: outside time_ms_low to time_ms_high"
 
 
+def _is_package(value: Any) -> bool:
+    """Whether it is the record of a package from outside, or none."""
+    return value is None or (isinstance(value, dict)
+                             and all(isinstance(value.get(part), str) for part in ("name", "hash")))
+
+
 def _wrong_parts(cell: Cell) -> str | None:
     """The first of a cell's parameters, place and other parts that is not of its type; None if all are."""
     params, point = cell["params"], cell["point"]
@@ -206,10 +215,7 @@ def _wrong_parts(cell: Cell) -> str | None:
               if not is_number(cell["measure"].get(name, 0))]
     wrong += [name for name in ("reason", "glsl_hash", "measured") if not isinstance(cell.get(name), (str, type(None)))]
     wrong += [name for name in ("buffers", "work") if not isinstance(cell.get(name), (dict, type(None)))]
-    package = cell.get("package")
-    if not (package is None or (isinstance(package, dict)
-                                and all(isinstance(package.get(part), str) for part in ("name", "hash")))):
-        wrong.append("package")
+    wrong += [name for name in PACKAGES if not _is_package(cell.get(name))]
     device = cell.get("device")
     if not (device is None or isinstance(device, str)
             or (isinstance(device, dict) and all(isinstance(v, (str, type(None))) for v in device.values()))):

@@ -14,7 +14,7 @@ from ..stats import median_interval
 from .columns import COLUMNS, PASS_COLUMNS
 from .files import write_file
 from .folder import ResultFolder
-from .record import Cell, places
+from .record import PACKAGES, Cell, places
 
 Row = dict[str, Any]
 
@@ -25,9 +25,9 @@ def device_name(cell: Mapping[str, Any]) -> str | None:
 
 
 def package_name(cell: Mapping[str, Any]) -> str | None:
-    """Name, version and hash of the package that brings the cell's method from outside; None for this program's own."""
-    package = cell.get("package")
-    return package_text(package) if isinstance(package, Mapping) else None
+    """Name, version and hash of each package that brings the cell's method or effect from outside; None without any."""
+    found = [package_text(package) for part in PACKAGES if isinstance(package := cell.get(part), Mapping)]
+    return "; ".join(dict.fromkeys(found)) or None
 
 
 def package_text(package: Mapping[str, Any]) -> str:

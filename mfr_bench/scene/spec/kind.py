@@ -12,7 +12,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from annotated_types import Interval
 
 from ...effects import COVERAGES, EFFECTS, MSAA, OPERATIONS, PLAIN, Settings
-from .values import Allowed, Alpha, Colours, Seed, Share, Size, Text
+from .values import Allowed, Alpha, Colours, Listed, Seed, Share, Size, Text
 
 SCENE = __package__.rpartition(".")[0]  # the package of the generators
 MAX_PRIMITIVES = 2**22  # distinct depths on the grid of 2**-23, with a free point between any two
@@ -64,7 +64,8 @@ class CommonKeys:
     animate: bool = False
     shading: Annotated[int, Interval(ge=0, le=MAX_SHADING),
                        Allowed(f"a whole number from 0 to {MAX_SHADING}")] = late(0)
-    effect: Literal[tuple(EFFECTS)] = late(PLAIN.name)
+    effect: Annotated[str, Listed(EFFECTS, "one of a package that is installed or given by --methods FOLDER")] = \
+        late(PLAIN.name)
     layer: Annotated[int, Interval(ge=0, le=MAX_LAYER),
                      Allowed(f"a whole number from 0 to {MAX_LAYER}")] = late(PLAIN.layer)
     absorption: Annotated[float, Interval(gt=0, le=MAX_ABSORPTION),

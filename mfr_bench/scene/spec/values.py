@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from typing import Annotated, Any
 
@@ -21,6 +22,30 @@ class Allowed:
 
     def __get_pydantic_json_schema__(self, core_schema, handler) -> dict[str, Any]:
         return handler(core_schema) | {"description": self.text}
+
+
+class Listed(Allowed):
+    """The type of a name that stands in a table now: packages from outside may add to the table."""
+
+    def __init__(self, table: Mapping[str, Any], others: str):
+        object.__setattr__(self, "table", table)
+        object.__setattr__(self, "others", others)  # in words, what may come into the table
+
+    @property
+    def text(self) -> str:
+        return f"{' | '.join(self.table)}, or {self.others}"
+
+    def __get_pydantic_core_schema__(self, source, handler):
+        from pydantic_core import core_schema  # only who validates pays for it
+        return core_schema.no_info_after_validator_function(self._known, handler(source))
+
+    def _known(self, name: str) -> str:
+        if name not in self.table:
+            raise ValueError(self.text)
+        return name
+
+    def __get_pydantic_json_schema__(self, core_schema, handler) -> dict[str, Any]:
+        return handler(core_schema) | {"enum": list(self.table)}
 
 
 class OneOrTwo(Allowed):
