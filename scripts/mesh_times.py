@@ -36,6 +36,7 @@ def timed(what: str) -> Iterator[None]:
 
 
 def most_mib() -> float:
+    """The most main memory that this process has had, in MiB."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 

@@ -64,6 +64,7 @@ class Model:
                    {name: 1.2 if name == FLOOR else rng.uniform(2, 12) for name in (FLOOR, *chosen)})
 
     def manifest(self, device: Mapping[str, Any], keys: Sequence[str]) -> dict[str, Any]:
+        """The manifest of one device's folder; keys: of its cells."""
         made = self.experiment
         return {"name": NAME, "title": made.title, "simulated": True, "config": f"{NAME}.yaml",
                 "scene": made.scene.as_dict(), "params": dict(made.params), "sweep": plain(made.sweep),
@@ -75,6 +76,7 @@ class Model:
 
 
 def device_of(number: int) -> dict[str, str]:
+    """A device as records and manifests name it."""
     kind = KINDS[number % len(KINDS)]
     return {"slug": f"simulated-{number:04}", "renderer": f"Simulated {kind}-{number:04}", "vendor": "no vendor",
             "version": f"4.6 simulated {number % 3}.0", "kind": "gpu", "uuid": f"simulated-{number:04}", "pci": None}
@@ -95,6 +97,7 @@ def records(model: Model, number: int, seed: int) -> Iterator[dict[str, Any]]:
 
 
 def record(job: Job, device: Mapping[str, Any], times_ms: Sequence[float], stats: Any) -> dict[str, Any]:
+    """A cell's record with these frame times in ms."""
     low, middle, high = sampled_interval(times_ms)
     cell = job.cell
     made = {"schema": SCHEMA, "experiment": NAME, "label": cell.label, "point": plain(cell.point), "key": "",

@@ -90,6 +90,7 @@ def compared(folder: Path, kind: str, number: int, given: argparse.Namespace) ->
 
 
 def rows_of(folder: Path) -> list[dict]:
+    """The lines of runs.csv so far."""
     path = folder / "runs.csv"
     with path.open(newline="") if path.exists() else open(os.devnull) as file:
         return list(csv.DictReader(file))

@@ -198,6 +198,7 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 
 def seconds(context, param, value: str | None) -> float | None:
+    """A callback of click: a duration such as 90s or 8m in seconds. Raises UsageError where it is none."""
     from ..decide.question import parsed_duration
 
     return None if value is None else parsed_duration(value)

@@ -45,6 +45,7 @@ class Kind(Settings):
 
     @property
     def devices(self) -> list[str]:
+        """The devices that its shares take in turn."""
         return [self.device] if isinstance(self.device, str) else list(self.device)
 
     @property

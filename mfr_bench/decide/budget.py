@@ -7,7 +7,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-MOST_SLOWNESS = 20.0
+MOST_SLOWNESS = 20.0  # times as long as on a quiet machine
 START_S = 0.2  # of processor time: with less, wall time over it tells nothing of the machine
 STOPPING_S, STOPPING_SHARE = 4.0, 0.3  # of a quiet machine, and of the budget at most: last images, rows, the answer
 ENDING_S, ENDING_SHARE = 1.5, 0.1  # the same, to read the rows and give the answer
@@ -52,7 +52,7 @@ def budget(seconds: float) -> Budget:
 
 
 def started() -> float:
-    """When this process started, on the monotonic clock; where the system does not tell, so long ago as it worked."""
+    """When this process started, in s of the monotonic clock; at the latest as long ago as its processor time."""
     try:
         ticks = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
         since_boot_s = float(Path("/proc/uptime").read_text().split()[0]) - ticks / os.sysconf("SC_CLK_TCK")

@@ -144,6 +144,7 @@ class BareFramebuffer:
         self.gl.glViewport(0, 0, *self.size)
 
     def release(self) -> None:
+        """Free the GL object."""
         self.gl.delete("Framebuffers", self.name)
 
 

@@ -32,6 +32,7 @@ class OnScreen:
 
     @property
     def equal(self) -> bool:
+        """Whether a screen shows no difference in any pixel, over neither backdrop."""
         return bool(self.shown.all()) and all(np.array_equal(*pair) for pair in self.pairs)
 
     def flip(self) -> float:

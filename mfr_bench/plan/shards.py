@@ -31,21 +31,26 @@ class Split:
 
 @dataclass(frozen=True)
 class Units:
-    """The parts of a run that are never shared: the forecast of each in seconds, and that of each cell.
+    """The parts of a run that one task measures whole: a scene, or a group of its methods where it takes too long.
 
-    A unit is a scene, or a group of its methods where the scene takes longer than `most_s`.
+    seconds: the forecast of each. group: by identity of a cell, its group, of cells that are in another than the first.
+    splits: the scenes that are split.
     """
 
     seconds: Mapping[Unit, float]
-    group: Mapping[tuple, int]  # of a cell that is in another group than the first
+    group: Mapping[tuple, int]
     splits: Sequence[Split]
 
     def of(self, cell: Cell) -> Unit:
+        """The unit that a cell belongs to."""
         return cell.scene, self.group.get(_identity(cell), 0)
 
 
 def units_of(plans: Plans, most_s: float | None = None) -> Units:
-    """The units of a run, by a forecast that knows no device: every machine finds the same."""
+    """The units of a run, by a forecast that knows no device: every machine finds the same.
+
+    most_s: seconds from which a scene is split by methods; None splits none.
+    """
     forecast = Forecast((), Rates())
     scenes: dict[Scene, dict[tuple, tuple[Cell, float]]] = {}
     for _, cells in plans:

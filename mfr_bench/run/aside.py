@@ -31,11 +31,13 @@ class AtOnce:
     """Does the work in this process, when it is begun."""
 
     def begin(self, work: Callable[[], T]) -> Callable[[], T]:
+        """Do the work now; the function that is returned has its value."""
         value = work()
         return lambda: value
 
     @contextmanager
     def paused(self) -> Iterator[None]:
+        """Pause nothing: no work goes on."""
         yield
 
 
@@ -54,6 +56,7 @@ class OtherProcess:
             return self._pid.result() if self._pid else None
 
     def begin(self, work: Callable[[], T]) -> Callable[[], T]:
+        """Begin the work there; the function that is returned waits for its value, or works here if that process died."""
         if self._pool is None:
             self._pool = ProcessPoolExecutor(1, get_context("spawn"), live_for, (os.getpid(),))
             self._pid = self._pool.submit(os.getpid)
@@ -73,6 +76,7 @@ class OtherProcess:
 
     @contextmanager
     def paused(self) -> Iterator[None]:
+        """Stop the process meanwhile, if it `pauses`."""
         self._signal(signal.SIGSTOP)
         try:
             yield

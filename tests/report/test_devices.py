@@ -11,8 +11,8 @@ import pytest
 from mfr_bench.report import write_together
 from mfr_bench.report.devices import Limits, answers, answers_json, answers_text, as_text, read_experiments
 from mfr_bench.report.devices.differs import differences, lacking
-from mfr_bench.report.devices.figures import MOST_DEVICES, device_figure
-from mfr_bench.report.devices.standing import Standing
+from mfr_bench.report.devices.figures import device_figure
+from mfr_bench.report.devices.standing import MOST_DEVICES, Standing
 from mfr_bench.report.devices.together import by_speed
 from mfr_bench.report.figures.files import evenly
 

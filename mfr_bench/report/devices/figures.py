@@ -14,14 +14,13 @@ from ..figures.scales import log_axis
 from ..figures.sheet import EDGE, LEGEND_LINE_IN, FigureSheet, fitted, legend_columns, styled, widest
 from .differs import differences
 from .reading import Experiment
-from .standing import Standing
+from .standing import MOST_DEVICES, Standing
 
 if TYPE_CHECKING:
     import numpy as np
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST_DEVICES = 12  # that are drawn one by one; of more, the spread
 ROW_IN, FOOT_IN, LEAST_IN = 0.26, 0.42, 0.9
 COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.VERMILION, style.SKY, style.PURPLE, "#5f6368", "#993f00",
            "#1a1a1a", "#aaaf34", "#882255", "#44aa99")
@@ -56,13 +55,14 @@ def device_figure(standing: Standing, name: str) -> Figure:
 
 @dataclass(frozen=True)
 class Chart:
-    """One figure of an experiment."""
+    """One figure of an experiment; `name`: ratios or ranks."""
 
     standing: Standing
     name: str
 
     @property
     def experiment(self) -> Experiment:
+        """The experiment whose methods stand in the rows."""
         return self.standing.experiment
 
     @property
@@ -72,13 +72,16 @@ class Chart:
 
     @property
     def one_by_one(self) -> bool:
+        """Whether each device has marks of its own; else the spread over devices is drawn."""
         return len(self.experiment.devices) <= MOST_DEVICES
 
     @property
     def rows(self) -> list[str]:
+        """Labels of the methods, the one with the least median ratio first."""
         return [entry for entry, _ in self.standing.by_entry()]
 
     def notes(self) -> list[str]:
+        """The lines below the title: what is drawn, of how much, and in what the devices differ."""
         about = (RATIOS if self.name == "ratios" else RANKS)[1]
         bars = ("" if self.name == "ranks" else ONE_BY_ONE) if self.one_by_one else SPREAD
         if not self.one_by_one and self.name == "ranks":
@@ -96,6 +99,7 @@ class Chart:
         return f"{len(self.experiment.devices)} devices, {len(self.experiment.places)} scenes and parameters"
 
     def draw(self) -> Figure:
+        """The figure with its title, notes, legend and rows."""
         names = [device.name for device in self.experiment.devices] if self.one_by_one else []
         width, rows = style.WIDTH_IN, self.rows
         columns = legend_columns(names, width - 2 * EDGE) if names else 1

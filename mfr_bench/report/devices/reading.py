@@ -49,6 +49,7 @@ class Experiment:
 
     @cached_property
     def places(self) -> list[str]:
+        """Where methods are compared, in the order of the first device that has each."""
         return list(dict.fromkeys(place for device in self.devices for place, _ in device.places))
 
     @cached_property
@@ -128,8 +129,7 @@ def _by_scene(labelled: Iterable[tuple[Cell, str]]) -> list[tuple[str, str, Cell
     """Place, entry and cell: the scene, and the label with the values of swept parameters."""
     found = []
     for cell, label in labelled:
-        own = [data.heading(name, value, " ") for name, value in cell["point"].items()
-               if not name.startswith("scene.") and name != "r"]
+        own = [data.heading(name, value, " ") for name, value in _swept_params(cell)]
         found.append((_scene(cell), ", ".join([label, *own]), cell))
     return found
 
@@ -145,8 +145,12 @@ def _by_point(labelled: Sequence[tuple[Cell, str]]) -> list[tuple[str, str, Cell
 
 
 def _params(cell: Cell) -> str:
-    return ", ".join(data.heading(name, value) for name, value in cell["point"].items()
-                     if not name.startswith("scene.") and name != "r")
+    return ", ".join(data.heading(name, value) for name, value in _swept_params(cell))
+
+
+def _swept_params(cell: Cell) -> list[tuple[str, Any]]:
+    """The swept parameters of the method with their values; those of the scene are no part of them."""
+    return [(name, value) for name, value in cell["point"].items() if not name.startswith("scene.") and name != "r"]
 
 
 def _scene(cell: Cell) -> str:

@@ -16,6 +16,7 @@ from .reading import NUMBERS, Experiment
 if TYPE_CHECKING:
     import numpy as np
 
+MOST_DEVICES = 12  # that are shown one by one; of more, how they spread
 LOW, MIDDLE, HIGH = (NUMBERS.index(name) for name in ("time_ms_low", "time_ms", "time_ms_high"))
 
 
@@ -53,10 +54,12 @@ class Standing:
 
     @property
     def ratio(self) -> np.ndarray:
+        """float64 (devices, entries, 3), as the class says."""
         return self._both[0]
 
     @property
     def rank(self) -> np.ndarray:
+        """float64 (devices, entries, 3), as the class says."""
         return self._both[1]
 
     def _on(self, number: int) -> tuple[np.ndarray, np.ndarray]:

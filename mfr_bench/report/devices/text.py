@@ -16,9 +16,8 @@ from ..tables.grid import Grid, cut
 from .answer import Answer, Row
 from .differs import MOST_VALUES, common, differences, lacking
 from .reading import Experiment
-from .standing import Standing
+from .standing import MOST_DEVICES, Standing
 
-MOST_DEVICES = 12  # whose ranks have a column each
 MOST_NAMES = 3  # devices that are named for a value
 STANDING_NOTE = ("over all scenes: ratio to the time of the device's fastest method, geometric mean; first: devices on "
                  "which it is the fastest; rank: the median over devices, and the least and the largest; the right "
