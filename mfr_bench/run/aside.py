@@ -56,7 +56,7 @@ class OtherProcess:
             return self._pid.result() if self._pid else None
 
     def begin(self, work: Callable[[], T]) -> Callable[[], T]:
-        """Begin the work there; the function that is returned waits for its value, or works here if that process died."""
+        """Begin the work there; the function that is returned waits for its value, or works here if that died."""
         if self._pool is None:
             self._pool = ProcessPoolExecutor(1, get_context("spawn"), live_for, (os.getpid(),))
             self._pid = self._pool.submit(os.getpid)
