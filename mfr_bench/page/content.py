@@ -8,12 +8,15 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..report import data
 from ..report.data import Point, Result
 from ..store.rows import package_text
 from .pictures import figure_picture, kept_images, kept_picture
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @dataclass(frozen=True)
@@ -170,13 +173,14 @@ def _figure(path: Path, options: Mapping[str, Any]) -> Picture:
 
 def _images(points: Iterable[Point]) -> tuple[Picture, ...]:
     """The kept images, each once: equal ones, such as those of all exact methods, share a picture and its caption."""
-    found: dict[tuple[str, int, int], list[str]] = {}
+    found: dict[tuple[tuple[int, ...], bytes], tuple[np.ndarray, list[str]]] = {}
     for point in points:
         image = kept_images(point.arrays)
         if image is not None:
             where = ", ".join(f"{data.short(k)} {data.plain(_tuple(v))}" for k, v in point.cell["point"].items())
-            found.setdefault(kept_picture(image), []).append(": ".join(filter(None, (point.label, where))))
-    return tuple(Picture("; ".join(names), *picture) for picture, names in found.items())
+            _, names = found.setdefault((image.shape, image.tobytes()), (image, []))
+            names.append(": ".join(filter(None, (point.label, where))))
+    return tuple(Picture("; ".join(names), *kept_picture(image)) for image, names in found.values())
 
 
 def _environment(manifest: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
