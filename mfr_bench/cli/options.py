@@ -225,8 +225,8 @@ def _use_methods(context, param, folders: tuple[str, ...]) -> None:
 
 OUTSIDE = click.option("--methods", "method_folders", multiple=True, metavar="FOLDER", is_eager=True,
                        expose_value=False, callback=_use_methods, type=click.Path(exists=True, file_okay=False),
-                       help="Take the methods and effects of this folder too, with those of installed packages; may be "
-                            "repeated.")
+                       help="Take the methods, effects and scenes of this folder too, with those of installed "
+                            "packages; may be repeated.")
 
 
 def measuring(what: str, folder: str):

@@ -265,8 +265,10 @@ def _ok_first(entry: tuple[str, int]) -> tuple[bool, str]:
 
 
 def _packages(todo) -> dict[str, Any]:
-    """The packages that bring methods and effects from outside, if there are any."""
-    found = {package["name"]: dict(package) for job in todo for package in (job.package, job.effect_package) if package}
+    """The packages that bring methods, effects and scenes from outside, if there are any."""
+    from ..store.record import PACKAGES
+
+    found = {package["name"]: dict(package) for job in todo for part in PACKAGES if (package := getattr(job, part))}
     return {"packages": list(found.values())} if found else {}
 
 

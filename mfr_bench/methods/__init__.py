@@ -46,6 +46,7 @@ def catalog() -> dict[str, Method]:
             else:
                 methods[method.id], owners[method.id] = method, each
     bring(_effects_from_outside())
+    MISTAKES.extend(_twice_as_scenes())
     return methods | _from_outside(methods)
 
 
@@ -74,6 +75,14 @@ def _effects_from_outside() -> dict[str, Effect]:
             else:
                 found[name] = effect
     return found
+
+
+def _twice_as_scenes() -> list[str]:
+    """A line for each scene from outside whose name an earlier source has."""
+    first: dict[str, outside.Loaded] = {}
+    return [f"{each.source.name}: the scene {name!r} is declared twice, first in {first[name].source.name}; allowed: a "
+            "name of its own" for each in outside.loaded() for name in each.scenes
+            if first.setdefault(name, each) is not each]
 
 
 def _owner(declared: Method | Effect | None) -> str:

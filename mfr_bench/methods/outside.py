@@ -1,4 +1,4 @@
-"""Methods and effects of packages and folders outside: found, and declared without their code running here.
+"""Methods, effects and scenes of packages and folders outside: found, and declared without their code running here.
 
 A package names itself by an entry point of the group `mfr_bench.methods`; a folder is named by `--methods` or the
 environment variable MFR_BENCH_METHODS. A process of its own imports the declarations (`mfr_bench.outside.loader`) and
@@ -23,10 +23,11 @@ from typing import Any
 from ..effects import Effect
 from ..errors import UsageError
 from .spec import Method
+from .spec.maker import Maker
 
 GROUP = "mfr_bench.methods"
 VARIABLE = "MFR_BENCH_METHODS"  # folders, with the system's separator of paths between
-PROGRAM = "import sys; sys.path[:] = sys.argv.pop().split(':'); from mfr_bench.outside.loader import main; main()"
+PROGRAM = "import sys; sys.path[:] = sys.argv.pop().split(':'); from mfr_bench.outside.{} import main; main()"
 LONGEST_S = 60.0  # for a package to declare its methods
 PLAIN = {"builtins": {"set", "frozenset", "slice", "complex", "bytearray"}, "functools": {"partial"}}
 
@@ -43,12 +44,13 @@ class Source:
 
 @dataclass(frozen=True)
 class Loaded:
-    """The declarations of a source: its methods in order, its effects by name, its folder of GLSL, and a line for each
-    mistake."""
+    """The declarations of a source: its methods in order, its effects and scenes by name, its folder of GLSL, and a
+    line for each mistake."""
 
     source: Source
     methods: tuple[Method, ...] = ()
     effects: Mapping[str, Effect] = field(default_factory=dict)
+    scenes: Mapping[str, Maker] = field(default_factory=dict)
     shaders: Path | None = None
     mistakes: tuple[str, ...] = ()
 
@@ -73,6 +75,16 @@ def loaded() -> tuple[Loaded, ...]:
     return tuple(_loaded(source) for source in sources())
 
 
+def scene_makers() -> dict[str, Maker]:
+    """What makes scenes, by name; a name that several sources have is that of the first."""
+    return {name: maker for each in reversed(loaded()) for name, maker in each.scenes.items()}
+
+
+def program(main: str, *arguments: str) -> list[str]:
+    """The command of a process that runs code from outside, by a module of mfr_bench.outside."""
+    return [sys.executable, "-c", PROGRAM.format(main), *arguments, ":".join(sys.path)]
+
+
 def shader_folders() -> list[Path]:
     """The folders of GLSL that the sources bring."""
     return [each.shaders for each in loaded() if each.shaders]
@@ -91,10 +103,10 @@ def _loaded(source: Source) -> Loaded:
     """Ask a process of its own what the source declares; whatever becomes of that process is one line."""
     place = source.folder or source.module
     with tempfile.TemporaryFile() as answer:
-        arguments = [str(answer.fileno()), "folder" if source.folder else "module", place, ":".join(sys.path)]
+        command = program("loader", str(answer.fileno()), "folder" if source.folder else "module", place)
         try:
-            ended = subprocess.run([sys.executable, "-c", PROGRAM, *arguments], stdin=subprocess.DEVNULL,
-                                   capture_output=True, pass_fds=[answer.fileno()], timeout=LONGEST_S, check=False)
+            ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True,
+                                   pass_fds=[answer.fileno()], timeout=LONGEST_S, check=False)
         except subprocess.TimeoutExpired:
             return Loaded(source, mistakes=(f"{place}:1: does not end within {LONGEST_S:g} s when it is imported",))
         answer.seek(0)
@@ -112,8 +124,10 @@ def _checked(source: Source, answer: Any) -> Loaded:
     methods = tuple(replace(method, package=package) for method in answer["methods"] if isinstance(method, Method))
     effects = {str(name): replace(effect, package=package) for name, effect in answer["effects"].items()
                if isinstance(effect, Effect)}
+    scenes = {str(name): replace(maker, package=package) for name, maker in answer["scenes"].items()
+              if isinstance(maker, Maker)}
     shaders = Path(answer["shaders"]) if answer["shaders"] else None
-    return Loaded(source, methods, effects, shaders, tuple(map(str, answer["mistakes"])))
+    return Loaded(source, methods, effects, scenes, shaders, tuple(map(str, answer["mistakes"])))
 
 
 class Reader(pickle.Unpickler):

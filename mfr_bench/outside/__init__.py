@@ -1,6 +1,8 @@
-"""Packages and folders that bring methods and effects, seen from their own side.
+"""Packages and folders that bring methods, effects and scenes, seen from their own side.
 
     loader     the process that imports one of them, and tells what it declares
     effects    the effects among that, and whether each is whole
+    scenes     the scenes among that
+    making     the process that makes the fragments of one of them
     template   the package that `mfr-bench new-method` writes
 """

@@ -1,8 +1,8 @@
 """The process that imports one package or folder of methods, and answers with what it declares, as data.
 
-Such code runs here, and in the process that measures, which imports the models of effects; apart from what an installed
-package does by itself. The answer is a pickle of plain values and declarations: `methods`, `effects`, `shaders`,
-`hash`, `mistakes`.
+Such code runs here, in the process that makes the fragments of a scene (`making`), and in the one that measures, which
+imports the models of effects; apart from what an installed package does by itself. The answer is a pickle of plain
+values and declarations: `methods`, `effects`, `scenes`, `shaders`, `hash`, `mistakes`.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from ..glsl.digest import fitted_nominally
 from ..methods.loading import DeclarationError, family, import_folder, line_of, order_of
 from ..methods.spec import Method
 from ..resources import shaders_dir
-from . import effects
+from . import effects, scenes
 
 PACKAGE = "methods_of_a_folder"  # the name under which the files of a folder are imported
 HASH_DIGITS = 12
@@ -83,9 +83,14 @@ def _told(package: str, folder: Path, place: str) -> dict[str, Any]:
                 mistakes.append(f"{_where(each, method, trouble)}: {method.id}: {trouble}")
             else:
                 methods.append(method)
-    found = (sys.modules[name] for name in names if hasattr(sys.modules.get(name), "EFFECT"))
-    return {"methods": methods, "effects": dict(effects.declared(found, place, mistakes)),
+    return {"methods": methods, "effects": dict(effects.declared(_having("EFFECT", names), place, mistakes)),
+            "scenes": dict(scenes.declared(_having("SCENE", names), place, mistakes)),
             "shaders": str(shaders) if shaders.is_dir() else None, "hash": code_hash(folder), "mistakes": mistakes}
+
+
+def _having(name: str, modules: Iterable[str]) -> list[ModuleType]:
+    """The modules, of those that were imported, that have something of this name."""
+    return [sys.modules[module] for module in modules if hasattr(sys.modules.get(module), name)]
 
 
 def _modules_of(package: str) -> list[str]:
@@ -187,4 +192,4 @@ def _said(file: Path, error: Exception) -> str:
 
 
 def _nothing(mistake: str) -> dict[str, Any]:
-    return {"methods": [], "effects": {}, "shaders": None, "hash": "", "mistakes": [mistake]}
+    return {"methods": [], "effects": {}, "scenes": {}, "shaders": None, "hash": "", "mistakes": [mistake]}

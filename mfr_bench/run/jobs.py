@@ -9,6 +9,7 @@ from ..effects import Settings
 from ..glsl.digest import glsl_hash
 from ..methods.spec import Method, Variant
 from ..plan import Cell, expected_stats
+from ..scene.kinds import kind_of
 from ..store.record import cell_key
 
 Shaders = tuple[Variant, str, Settings]  # the geometry has a vertex shader of its own, the effect a file in resolves
@@ -21,9 +22,10 @@ class Job:
     cell: Cell
     key: str
     glsl_hash: str
-    # Name, version and hash of what brings the method from outside, and of what brings the effect.
+    # Name, version and hash of what brings the method from outside, the effect, and the scene.
     package: Mapping[str, str | None] | None = None
     effect_package: Mapping[str, str | None] | None = None
+    scene_package: Mapping[str, str | None] | None = None
 
 
 def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[str, str], timer: str,
@@ -39,10 +41,11 @@ def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[s
         method = catalog[cell.method]
         stats = expected_stats(cell.scene)
         shaders = method.variant(cell.params), stats.geometry, stats.effect
-        effect_package = stats.effect.effect.package
+        packages = {"package": method.package, "effect_package": stats.effect.effect.package,
+                    "scene_package": kind_of(cell.scene).package(cell.scene)}
         code = codes.get(shaders) or codes.setdefault(shaders, glsl_hash(*shaders))
         name = cell_key({"method": cell.method, "params": dict(cell.params), "glsl_hash": code,
                          "scene": cell.scene.as_dict(), "measure": cell.measure.as_dict(), "device": device,
-                         "package": method.package, "effect_package": effect_package}, timer)
-        found.append(Job(cell, name, code, method.package, effect_package))
+                         **packages}, timer)
+        found.append(Job(cell, name, code, **packages))
     return found

@@ -132,7 +132,7 @@ COLUMNS = (
     Column("glsl_hash", "str", "", "hash of the shaders that ran", "cell", producer="run.ledger"),
     Column("key", "str", "", "name of the cell file", "cell", producer="run.ledger"),
     Column("device", "str", "", "short name of the device", "joined", producer="store.rows"),
-    Column("package", "str", "", "name, version and hash of the code from outside that brings method or effect; "
+    Column("package", "str", "", "name, version and hash of the code from outside for method, effect or scene; "
            "empty for mfr-bench's own", "joined", producer="store.rows"),
     Column("msaa", "int", "samples", "samples of a pixel, as configured", "joined", "place", "store.rows"),
     Column("edge_pixels", "int", "pixels", "pixels with a fragment that covers only some of their samples, where they "

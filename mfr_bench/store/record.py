@@ -54,15 +54,16 @@ def key(parts: Mapping[str, Any]) -> str:
 GUARDS = ("hard_limit_s", "hard_limit_mb")  # settings that end a cell, and change no number of one that ends well
 
 
-PACKAGES = ("package", "effect_package")  # from outside, which bring the method and the effect of a cell
+PACKAGES = ("package", "effect_package", "scene_package")  # from outside: of a cell's method, effect and scene
 
 
 def cell_key(cell: Mapping[str, Any], timer: str) -> str:
     """The key of a cell: its method with GLSL and parameters, scene, settings, device, driver and timer.
 
     `cell` is a record, or what it will hold: `method`, `params`, `glsl_hash`, `scene`, `measure`, `device` (`renderer`,
-    `version`), and `package` (`name`, `hash`) where a package from outside brings the method, `effect_package` where
-    one brings the effect of the scene. Labels, points, UUIDs and the version of a package are no part.
+    `version`), and `package` (`name`, `hash`) where a package from outside brings the method, `effect_package` and
+    `scene_package` where one brings the effect of the scene, or makes it. Labels, points, UUIDs and the version of a
+    package are no part.
     """
     device = cell.get("device")
     device = device if isinstance(device, Mapping) else {}

@@ -25,7 +25,7 @@ def device_name(cell: Mapping[str, Any]) -> str | None:
 
 
 def package_name(cell: Mapping[str, Any]) -> str | None:
-    """Name, version and hash of each package that brings the cell's method or effect from outside; None without any."""
+    """Name, version and hash of each package that brings the cell's method, effect or scene; None without any."""
     found = [package_text(package) for part in PACKAGES if isinstance(package := cell.get(part), Mapping)]
     return "; ".join(dict.fromkeys(found)) or None
 

@@ -89,7 +89,7 @@ ONE_LINE = [
      "F:2: scene.mean_depth: a mean_depth of 33 under a maximum of 32; allowed in"),
     (scene("kind: temple, mean_depth: 21"), "allowed in kind temple: up to 20.8"),
     (scene("kind: hairbal"),
-     "allowed: quads | fragments | hairball | histogram | mesh | needles | strands | temple; nearest: 'hairball'"),
+     "quads | fragments | hairball | histogram | mesh | needles | outside | strands | temple; nearest: 'hairball'"),
     (scene("kind: needles, layout: tiles"),
      "F:2: scene.layout: layout has no use in kind needles; allowed: with kind quads"),
     (scene("kind: hairball, slant: 0.5"),

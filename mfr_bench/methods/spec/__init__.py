@@ -8,6 +8,7 @@
     passes       passes with their state, and loops
     method       a method, and a variant: the method with every parameter chosen
     fitted       a variant bound to the statistics of its scene; memory
+    maker        a scene from outside: what makes it, and its keys
     conditions   whether a frame runs a pass, and if not, for which reason
 
 The catalog, the tables and the tests read declarations; `gpu.plan` makes plans of frames from them,

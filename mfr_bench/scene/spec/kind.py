@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from importlib import import_module
 from pathlib import Path
@@ -182,6 +182,10 @@ class Kind:
 
     def lacks(self, scene: CommonKeys) -> str | None:
         """The file or package that the scene needs and the machine lacks, with how to get it; None if there is none."""
+        return None
+
+    def package(self, scene: CommonKeys) -> Mapping[str, str | None] | None:
+        """Name, version and hash of the package that makes the scene; None for this program's own kinds."""
         return None
 
     def record(self, scene: CommonKeys) -> dict[str, Any]:

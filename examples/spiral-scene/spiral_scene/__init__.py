@@ -1,0 +1,1 @@
+"""A scene for mfr-bench, declared in spiral.py."""
