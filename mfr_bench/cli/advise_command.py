@@ -96,6 +96,8 @@ def advise(context: click.Context, targets: tuple[str, ...], max_error: float, m
 
     folders = [ResultFolder(path) for path in _results(targets)]
     if devices:
+        from .over_devices import over_devices
+
         if like:
             raise UsageError("advise: --devices with --like; allowed: one of them")
         over_devices("advise", folders, advice.METRICS[metric], max_error, memory_mb, within, as_json)
@@ -112,26 +114,6 @@ def advise(context: click.Context, targets: tuple[str, ...], max_error: float, m
             note(line)
     if not any(each.kept for each in found):
         context.exit(NOTHING_KEEPS)
-
-
-def over_devices(command: str, folders, column: str, max_error: float, memory_mb: float | None, within: float,
-                 as_json: bool) -> None:
-    """Print the best on the worst device, and what is near the best on all, for each scene of several devices.
-
-    Raises UsageError where no scene was measured by several devices; exit status 6 where nothing keeps the bounds.
-    """
-    from ..report.devices import Limits, answers, answers_json, answers_text, read_experiments
-
-    found = answers(read_experiments(folders, whole_scenes=True), Limits(column, max_error, memory_mb), within)
-    if not found:
-        raise UsageError(f"{command}: no scene of these results was measured on several devices; allowed: folders with "
-                         "one experiment of each device")
-    say(answers_json(found) if as_json else answers_text(found, width()))
-    for folder in folders:
-        for line in folder.damaged:
-            note(line)
-    if not any(answer.rows for answer in found):
-        click.get_current_context().exit(NOTHING_KEEPS)
 
 
 def _config_of(result) -> str:

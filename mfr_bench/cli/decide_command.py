@@ -115,8 +115,8 @@ def _answer_over(folders: tuple[str, ...], question, scene, within: float, as_js
     """Answer from the races for this question on several devices. Raises UsageError where there are not two."""
     from ..decide.experiment import config_of
     from ..errors import UsageError
-    from .advise_command import over_devices
     from .options import results_below
+    from .over_devices import over_devices
 
     name = config_of(question, scene, (), 1.0)["name"]
     races = [folder for folder in results_below(folders) if folder.manifest().get("name") == name]
@@ -178,35 +178,9 @@ def _measured(config: Path, supervisor, interruption, out: str | None, budget):
     With it come the candidates that have no row, and what else the budget cut, in words.
     """
     from ..decide.candidates import NOT_FINISHED, Excluded
-    from ..plan.budget import FIGURES_S
-    from ..plan.forecast import Rates
+    from .budgeted_session import BudgetedSession
     from .run_command import plans_of
-    from .session import Choices, Session, left_out
 
-    cut: list[str] = []
-
-    class Silent(Session):
-        """A session that writes its results, as far as the time allows, and prints none."""
-
-        def _deadlines(self, parts):
-            return budget.stop, budget.last
-
-        def _at_the_end(self, parts) -> None:
-            if budget.room_for(Rates().start_s):
-                super()._at_the_end(parts)
-            elif parts:
-                cut.append("the second calibration, which tells whether the machine was steady")
-
-        def _tell(self, part) -> None:
-            self.folder, self.late = part.folder, left_out(part.sheet)
-            part.manifest["left_out"] = self.late
-            if budget.room_for(FIGURES_S + Rates().report_s * len(part.sheet.jobs)):
-                self._report(part)
-            else:
-                part.folder.write_manifest(part.manifest)
-                cut.append(f"tables and figures; mfr-bench plot {part.folder.path} draws them")
-
-    session = Silent(supervisor, interruption.asked, Choices(out, False, False, False, quiet=True),
-                     time.perf_counter())
+    session = BudgetedSession(supervisor, interruption.asked, out, budget)
     session.run(plans_of([str(config)], None, None, ()))
-    return session.folder, [Excluded(label, NOT_FINISHED) for label in session.late], cut
+    return session.folder, [Excluded(label, NOT_FINISHED) for label in session.late], session.cut

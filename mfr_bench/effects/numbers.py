@@ -4,7 +4,7 @@ from __future__ import annotations
 
 # Parts of the word that effects on objects store in place of a colour, by their lowest bits: the object's number, one
 # bit for the front of a face, red, green and blue, and 8 bits of opacity.
-OBJECT_BITS, COLOUR_BITS, OPACITY_BITS = 5, 6, 8
+OBJECT_BITS, COLOUR_BITS = 5, 6
 FRONT_BIT = OBJECT_BITS
 RED_BIT = FRONT_BIT + 1
 GREEN_BIT, BLUE_BIT = RED_BIT + COLOUR_BITS, RED_BIT + 2 * COLOUR_BITS

@@ -199,6 +199,30 @@ def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 
+def recorded_by(shader, device, samples):
+    """The count and the bytes of the list that the page's shader leaves of two draw calls of two triangles each."""
+    ctx = device.ctx
+    program = ctx.program(vertex_shader=VERTICES, fragment_shader=shader)
+    count, nodes = ctx.buffer(bytes(4)), ctx.buffer(reserve=24 * 64)
+    target = BareFramebuffer(device.gl, (4, 4), samples)
+    target.use(colour=False, depth=False)
+    ctx.disable(moderngl.CULL_FACE)
+    corners = np.float32([[-1, -1], [1, -1], [-1, 1], [1, 1]])
+    program["capacity"] = 64
+    for draw, (z, tint, order) in enumerate([(0.5, (1, 0, 0, 0.5), (0, 1, 2, 2, 1, 3)),
+                                             (-0.5, (0, 1, 0, 0.25), (0, 2, 1, 2, 3, 1))]):
+        program["draw_call"] = draw
+        data = np.float32([[*corners[i], z, *tint] for i in order])
+        count.bind_to_storage_buffer(0)
+        nodes.bind_to_storage_buffer(1)
+        ctx.vertex_array(program, [(ctx.buffer(data.tobytes()), "3f 4f", "at", "tint")]).render()
+    ctx.memory_barrier()
+    found = int(np.frombuffer(count.read(), np.uint32)[0]), nodes.read()
+    for made in (count, nodes, target):
+        made.release()
+    return found
+
+
 @pytest.mark.parametrize("samples", [1, 4])
 def test_the_shader_of_the_page_records_a_file_that_is_drawn(samples, device, scene_of, tmp_path):
     """Two draw calls of two triangles each, of which the second shows its back: 16 fragments, 4 twice in samples."""
@@ -209,27 +233,9 @@ def test_the_shader_of_the_page_records_a_file_that_is_drawn(samples, device, sc
     script, = blocks("python")
     held = {}
     exec(compile(script, str(PAGE), "exec"), held)  # noqa: S102 - the page's own code
-    ctx = device.ctx
-    program = ctx.program(vertex_shader=VERTICES, fragment_shader=shader)
-    count, nodes = ctx.buffer(reserve=4), ctx.buffer(reserve=24 * 64)
-    count.write(bytes(4))
-    target = BareFramebuffer(device.gl, (4, 4), samples)
-    target.use(colour=False, depth=False)
-    ctx.disable(moderngl.CULL_FACE)
-    corners = np.float32([[-1, -1], [1, -1], [-1, 1], [1, 1]])
-    program["capacity"] = 64
-    for draw, (z, tint, order) in enumerate([(0.5, (1, 0, 0, 0.5), (0, 1, 2, 2, 1, 3)),
-                                             (-0.5, (0, 1, 0, 0.25), (0, 2, 1, 2, 3, 1))]):
-        program["draw_call"] = draw
-        data = np.float32([[*corners[i], z, *tint] for i in order])
-        held_buffer = ctx.buffer(data.tobytes())
-        count.bind_to_storage_buffer(0)
-        nodes.bind_to_storage_buffer(1)
-        ctx.vertex_array(program, [(held_buffer, "3f 4f", "at", "tint")]).render()
-    ctx.memory_barrier()
-    found = int(np.frombuffer(count.read(), np.uint32)[0])
+    found, written = recorded_by(shader, device, samples)
     path = tmp_path / "page.npz"
-    held["write_fragments"](path, (4, 4), found, nodes.read(), samples)
+    held["write_fragments"](path, (4, 4), found, written, samples)
     read = recording_of(path)
     assert found == len(read) == 2 * each
     assert read.object.tolist() == [0] * each + [1] * each
@@ -240,5 +246,3 @@ def test_the_shader_of_the_page_records_a_file_that_is_drawn(samples, device, sc
         image = on.render(catalog()["ab-array"].variant({}))
     a, b = (64 / 255, 128 / 255) if samples == 1 else (16 / 63, 32 / 63)
     np.testing.assert_allclose(image[0, 0], [(1 - a) * b, a, 0, 1 - (1 - a) * (1 - b)], atol=1e-6)
-    for held_object in (count, nodes, target):
-        held_object.release()

@@ -1,0 +1,46 @@
+"""The session of `decide`: it writes its results as far as its time budget allows, and prints none."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+
+from ..decide.budget import Budget
+from ..plan.budget import FIGURES_S
+from ..plan.forecast import Rates
+from ..store import ResultFolder
+from .session import Choices, Part, Session, left_out
+
+
+class BudgetedSession(Session):
+    """A session of one experiment that ends within a budget.
+
+    folder: that of its results. late: by label, the cells that have no row. cut: what else the budget left out, in
+    words.
+    """
+
+    folder: ResultFolder
+    late: Mapping[str, int]
+
+    def __init__(self, supervisor, asked: Callable[[], bool], out: str | None, budget: Budget):
+        super().__init__(supervisor, asked, Choices(out, False, False, False, quiet=True), time.perf_counter())
+        self.budget = budget
+        self.cut: list[str] = []
+
+    def _deadlines(self, parts: Sequence[Part]) -> tuple[float, float]:
+        return self.budget.stop, self.budget.last
+
+    def _at_the_end(self, parts: Sequence[Part]) -> None:
+        if self.budget.room_for(Rates().start_s):
+            super()._at_the_end(parts)
+        elif parts:
+            self.cut.append("the second calibration, which tells whether the machine was steady")
+
+    def _tell(self, part: Part) -> None:
+        self.folder, self.late = part.folder, left_out(part.sheet)
+        part.manifest["left_out"] = self.late
+        if self.budget.room_for(FIGURES_S + Rates().report_s * len(part.sheet.jobs)):
+            self._report(part)
+        else:
+            part.folder.write_manifest(part.manifest)
+            self.cut.append(f"tables and figures; mfr-bench plot {part.folder.path} draws them")
