@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 @click.option("--memory-mb", metavar="M", type=NumberRange(0, 2**24, min_open=True),
               help="Most memory of a method, in MiB; methods that need more are left out, and said to be.")
 @click.option("--shard", type=Share(), metavar="I/N",
-              help="Measure the I-th of N shares of the scenes: one machine each; mfr-bench merge joins them.")
+              help="Measure the I-th of N shares of the scenes: one machine each; mfr-bench merge joins them, and plot "
+                   "draws them.")
 @click.option("--split", "split_s", metavar="TIME", callback=seconds, help="With --shard: split a scene whose forecast "
               "exceeds TIME by methods, as 30m or 2h; those of a group still draw in turns.")
 @measuring("configs", "<config name>")
@@ -65,7 +66,7 @@ def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size:
     configs, overrides = with_scene(configs, overrides, overrides_of(mesh, fragments), size, memory_mb)
     statuses = carry_out(partial(plans_of, configs, profile, only, overrides, shard, split_s), device,
                          Choices(out, force, keep_failed, try_hopeless, budget_s, quiet, as_json, junit, summary,
-                                 page),
+                                 page, drawn=shard is None),
                          dry_run)
     return exit_status(statuses)
 

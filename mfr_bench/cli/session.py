@@ -11,7 +11,7 @@ from typing import Any
 
 from .output import note, say, width
 from .page_command import write_page_of
-from .report_commands import hand_over, write_report
+from .report_commands import hand_over, write_report, write_tables_of
 
 # The parts of a manifest that are of the run that measured: one that finds everything measured leaves them alone.
 OF_THE_MEASURING = ("started", "calibration", "versions", "environment", "calibration_end", "calibration_drift",
@@ -32,6 +32,7 @@ class Choices:
     junit: str | None = None
     summary: str | None = None
     page: str | None = None
+    drawn: bool = True  # figures, which of a share of a run would lack what the others measure
 
 
 def result_folders(plans, out: str | None, slug: str):
@@ -212,7 +213,7 @@ class Session:
             part.manifest["noise_floor_rel"] = part.sheet.noise_floor_rel
             part.folder.write_manifest(part.manifest)  # the tables tell it
         with self.split.work("report"):
-            written = write_report(part.folder)
+            written = (write_report if self.choices.drawn else write_tables_of)(part.folder)
         part.folder.write_manifest({"split_s": self.split.rounded()} | part.manifest)
         return written
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 
-from ..cli.conftest import TINY, mfr, on_device  # noqa: F401
+from ..cli.conftest import FIGURE, TINY, mfr, on_device  # noqa: F401
 
 
 def rows_of(path):
@@ -14,10 +14,12 @@ def rows_of(path):
 
 def test_merged_shares_are_the_whole_run(mfr, on_device, tmp_path, monkeypatch):  # noqa: F811
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "tiny.yaml").write_text(TINY.replace("sweep: {", "sweep: {scene.depth_complexity: [2, 3, 4], "))
+    (tmp_path / "tiny.yaml").write_text(TINY.replace("sweep: {", "sweep: {scene.depth_complexity: [2, 3, 4], ") + FIGURE)
     assert mfr("run", "tiny.yaml", "--out", "whole").status == 0
     for number in (1, 2):
         assert mfr("run", "tiny.yaml", "--shard", f"{number}/2", "--out", f"node{number}").status == 0
+    drawn = [folder for folder in ("whole", "node1", "node2") if (tmp_path / folder / "figures").exists()]
+    assert drawn == ["whole"]
     done = mfr("merge", "node1", "node2", "--into", "merged")
     assert done.status == 0, done.err
     assert rows_of(tmp_path / "merged") == rows_of(tmp_path / "whole")
