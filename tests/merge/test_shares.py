@@ -14,7 +14,8 @@ def rows_of(path):
 
 def test_merged_shares_are_the_whole_run(mfr, on_device, tmp_path, monkeypatch):  # noqa: F811
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "tiny.yaml").write_text(TINY.replace("sweep: {", "sweep: {scene.depth_complexity: [2, 3, 4], ") + FIGURE)
+    several = TINY.replace("sweep: {", "sweep: {scene.depth_complexity: [2, 3, 4], ")
+    (tmp_path / "tiny.yaml").write_text(several + FIGURE)
     assert mfr("run", "tiny.yaml", "--out", "whole").status == 0
     for number in (1, 2):
         assert mfr("run", "tiny.yaml", "--shard", f"{number}/2", "--out", f"node{number}").status == 0
