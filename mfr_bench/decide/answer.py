@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import shlex
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 from ..measure.elimination import CHANCE, LATE, Elimination
 from ..report import data
+from ..report.advice import chosen, written
 from ..report.data import Point, Result
 from .candidates import NOT_FINISHED, NOT_TRIED, Excluded
 from .question import Question
@@ -175,20 +176,6 @@ def _reason(point: Point) -> str:
     if point.status != "ok":
         return f"{point.sign}: {point.row.get('reason') or ''}".rstrip(": ")
     return str(point.row.get("stop_reason") or "")
-
-
-def chosen(point: Point) -> dict[str, Any]:
-    """k, and the parameters in which a cell differs from its method's defaults."""
-    from ..methods import catalog
-
-    method = catalog().get(point.method)
-    defaults: Mapping[str, Any] = method.complete({}) if method else {}
-    return {name: value for name, value in point.cell["params"].items() if name == "k" or defaults.get(name) != value}
-
-
-def written(point: Point) -> str:
-    """The method as a command takes it."""
-    return " ".join([point.method, *(f"{name}={data.plain(value)}" for name, value in chosen(point).items())])
 
 
 def answers(question: Question, result: Result, excluded: Sequence[Excluded], config: str,

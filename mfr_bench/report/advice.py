@@ -172,13 +172,13 @@ def chosen(point: Point) -> dict[str, Any]:
             if name == "k" or defaults.get(name) != value}
 
 
-def _written(point: Point) -> str:
+def written(point: Point) -> str:
     """The method as a config or a command takes it."""
     return " ".join([point.method, *(f"{name}={data.plain(value)}" for name, value in chosen(point).items())])
 
 
 def _grid(advice: Advice) -> Grid:
-    rows = [(_written(p), *(number(p.measure(name)[1]) for name in ("time_ms", "memory_mib", advice.limits.column)),
+    rows = [(written(p), *(number(p.measure(name)[1]) for name in ("time_ms", "memory_mib", advice.limits.column)),
              _spread(advice.ratio(p)) if i else "1") for i, p in enumerate(advice.kept[:MOST_SHOWN])]
     return Grid("", "", ("method", "time (ms)", "memory (MiB)", advice.limits.column, "times the fastest"), tuple(rows))
 
@@ -198,7 +198,7 @@ def _certainty(advice: Advice) -> str:
         return "Nothing else that was measured keeps the limits."
     if advice.sure:
         return f"Sure: no interval of another reaches it; {noise}."
-    names = ", ".join(_written(p) for p in advice.rivals[:MOST_SHOWN])
+    names = ", ".join(written(p) for p in advice.rivals[:MOST_SHOWN])
     more = len(advice.rivals) - MOST_SHOWN
     return f"Not told apart from {names}{f' and {more} more' if more > 0 else ''}; {noise}."
 
@@ -213,11 +213,11 @@ def _missed(advice: Advice) -> str:
     parts = ["Nothing measured keeps this."]
     if closest:
         parts.append(f"Within the memory the least {column} is {number(closest.measure(column)[1])}: "
-                     f"{_written(closest)}." if advice.limits.memory_mib is not None else
-                     f"The least {column} is {number(closest.measure(column)[1])}: {_written(closest)}.")
+                     f"{written(closest)}." if advice.limits.memory_mib is not None else
+                     f"The least {column} is {number(closest.measure(column)[1])}: {written(closest)}.")
     if smallest:
         parts.append(f"Within the error the least memory is {number(smallest.measure('memory_mib')[1])} MiB: "
-                     f"{_written(smallest)}.")
+                     f"{written(smallest)}.")
     return " ".join(parts)
 
 

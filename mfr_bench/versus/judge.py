@@ -28,6 +28,7 @@ from ..compare.judge import (
     Together,
     compared,
 )
+from ..compare.noise import HALF_NORMAL
 from ..compare.sides import Side, load_side
 from ..stats import sampled_interval
 from ..store import ResultFolder, key
@@ -35,7 +36,6 @@ from ..store.rows import derive
 from .lockstep import Half, Measured, log_ratios
 
 ERROR_RATE = 0.01  # of a whole comparison: the chance of any false alarm, were the noise as it is estimated
-HALF_NORMAL = 0.6745  # median of the absolute value of a normal variable
 CENTRE_EFFICIENCY = 1.0233  # standard error of `centre` over that of a mean, of normal samples
 LEAST = 5e-4  # deviation of a cell's ratio, logarithm: no two processes are more alike
 

@@ -12,8 +12,6 @@ from tempfile import TemporaryDirectory
 
 from ..errors import UsageError
 
-VARIABLE = "MFR_BENCH_METHODS"
-
 
 @dataclass(frozen=True)
 class Tree:
@@ -33,6 +31,8 @@ class Tree:
     @property
     def environment(self) -> Mapping[str, str]:
         """The variables that the process of the tree gets in addition to this one's environment."""
+        from ..methods.outside import VARIABLE
+
         if self.program:
             return {}
         others = os.environ.get(VARIABLE)

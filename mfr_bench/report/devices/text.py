@@ -12,7 +12,7 @@ from typing import Any
 
 from .. import data
 from ..data import number
-from ..tables.grid import Grid, cut
+from ..tables.grid import Grid, bulleted, cut
 from .answer import Answer, Row
 from .differs import MOST_VALUES, common, differences, lacking
 from .reading import Experiment
@@ -33,7 +33,7 @@ def as_text(experiment: Experiment, width: int, markdown: bool = False) -> str:
         if grid.rows:
             parts += _shown(grid, width, markdown)
     parts += [f"## {title}\n\n" + "\n".join(f"- {line}" for line in lines) if markdown else
-              "\n".join([title, *_wrapped(lines, width)]) for title, lines in _lists(experiment) if lines]
+              "\n".join([title, *bulleted(lines, width)]) for title, lines in _lists(experiment) if lines]
     return "\n\n".join(parts) + "\n"
 
 
@@ -104,11 +104,6 @@ def _named(names: Sequence[str]) -> str:
 
 def _count(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
-
-
-def _wrapped(lines: Iterable[str], width: int) -> list[str]:
-    return [part for line in lines for part in
-            textwrap.wrap(line, width, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)]
 
 
 # --- answers ---------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -63,4 +64,11 @@ class Grid:
 
 
 def cut(label: str) -> str:
+    """The label, cut at LABEL_WIDTH characters."""
     return label if len(label) <= LABEL_WIDTH else f"{label[:LABEL_WIDTH - 1]}…"
+
+
+def bulleted(lines: Iterable[str], width: int) -> list[str]:
+    """Items of a list, each wrapped at so many columns."""
+    return [part for line in lines for part in
+            textwrap.wrap(line, width, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)]

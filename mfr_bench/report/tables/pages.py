@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from ...store import ResultFolder
 from .. import data, frontier
 from ..data import Point, Result
 from .blocks import blocks_of
 from .checks import breaking_grids, image_grid, printed_grid
-from .grid import Grid
+from .grid import Grid, bulleted
 from .nodes import nodes_grid
 from .places import places_grids
 
@@ -53,11 +53,6 @@ def _head(result: Result, width: int) -> str:
     return "\n".join(part for line in _about(result) for part in textwrap.wrap(line, width, break_on_hyphens=False))
 
 
-def _wrapped(lines: Iterable[str], width: int) -> list[str]:
-    return [part for line in lines for part in
-            textwrap.wrap(line, width, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)]
-
-
 def _sections(result: Result, passes: bool) -> list[Grid]:
     blocks = blocks_of(result)
     grids = [*breaking_grids(result), image_grid(result), nodes_grid(result)]
@@ -80,7 +75,7 @@ def terminal_table(folder: ResultFolder, width: int = WIDTH) -> str:
         parts.append("\n".join([grid.title, *_notes(grid, width), tables]))
     for title, lines in (("Not ok, or not measured", _skipped(result)), ("Files not used", folder.damaged)):
         if lines:
-            parts.append("\n".join([title, *_wrapped(lines, width)]))
+            parts.append("\n".join([title, *bulleted(lines, width)]))
     return "\n\n".join(parts) + "\n"
 
 
