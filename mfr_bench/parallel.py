@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 from .environment import usable_cores
+from .orphans import die_with_parent
 
 FEWEST = 3  # items for which a process is worth its start
 
@@ -25,5 +26,5 @@ def in_processes(work: Callable[[Item], Outcome], items: Sequence[Item],
     if count < 2:
         yield from map(work, items)
         return
-    with multiprocessing.get_context("forkserver").Pool(count) as pool:
+    with multiprocessing.get_context("forkserver").Pool(count, die_with_parent) as pool:
         yield from pool.imap(work, items)

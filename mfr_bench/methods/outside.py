@@ -27,7 +27,8 @@ from .spec.maker import Maker
 
 GROUP = "mfr_bench.methods"
 VARIABLE = "MFR_BENCH_METHODS"  # folders, with the system's separator of paths between
-PROGRAM = "import sys; sys.path[:] = sys.argv.pop().split(':'); from mfr_bench.outside.{} import main; main()"
+PROGRAM = ("import sys; sys.path[:] = sys.argv.pop().split(':'); from mfr_bench.orphans import die_with; "
+           "die_with(int(sys.argv.pop())); from mfr_bench.outside.{} import main; main()")
 LONGEST_S = 60.0  # for a package to declare its methods
 PLAIN = {"builtins": {"set", "frozenset", "slice", "complex", "bytearray"}, "functools": {"partial"}}
 
@@ -81,8 +82,8 @@ def scene_makers() -> dict[str, Maker]:
 
 
 def program(main: str, *arguments: str) -> list[str]:
-    """The command of a process that runs code from outside, by a module of mfr_bench.outside."""
-    return [sys.executable, "-c", PROGRAM.format(main), *arguments, ":".join(sys.path)]
+    """The command of a child that runs code from outside, by a module of mfr_bench.outside, and ends with this process."""
+    return [sys.executable, "-c", PROGRAM.format(main), *arguments, str(os.getpid()), ":".join(sys.path)]
 
 
 def shader_folders() -> list[Path]:

@@ -17,8 +17,10 @@ from .tables import generate
 
 HERE = Path(__file__).parent
 MACHINE = HERE / "machine"
+PARENT = HERE / "parent.cpp"  # linked with every program; what a frame does is as without it
 FLAGS = ("-std=c++17", "-O2", "-fno-exceptions", "-fno-rtti", "-w")
 KEY_DIGITS = 32
+PARENT_DIGITS = 8
 COMPILERS = ("c++", "g++", "clang++")
 
 
@@ -59,11 +61,16 @@ def _own_hash() -> str:
     return hashlib.sha256(b"\0".join((*texts, version, " ".join(FLAGS).encode()))).hexdigest()
 
 
+@cache
+def _hash_of_parent() -> str:
+    return hashlib.sha256(PARENT.read_bytes()).hexdigest()[:PARENT_DIGITS]
+
+
 def build(frame: Frame) -> Built:
     """The executable of a frame, made now or kept. Raises ShaderError for GLSL that the machine does not know."""
     text, sites = generate(frame, compiler())
     key = hashlib.sha256(f"{_own_hash()}\0{text}".encode()).hexdigest()[:KEY_DIGITS]
-    program = cache_folder() / key
+    program = cache_folder() / f"{key}-{_hash_of_parent()}"
     if not program.exists():
         _make(frame, text, program)
     return Built(program, key, tuple(sites.found))
@@ -75,7 +82,8 @@ def _make(frame: Frame, text: str, program: Path) -> None:
         source = Path(folder) / "frame.cpp"
         source.write_text(text, encoding="utf-8")
         made = Path(folder) / "frame"
-        _compile([str(source), str(_machine()), "-o", str(made)], frame)
+        objects = (_object(MACHINE / "machine.cpp", _own_hash()), _object(PARENT, _hash_of_parent()))
+        _compile([str(source), *map(str, objects), "-o", str(made)], frame)
         _keep(program, made.read_bytes(), mode=0o755)
 
 
@@ -88,13 +96,13 @@ def _keep(path: Path, data: bytes, mode: int = 0o644) -> None:
     Path(name).replace(path)
 
 
-def _machine() -> Path:
-    """The machine's own object file."""
-    kept = cache_folder() / f"machine-{_own_hash()[:KEY_DIGITS]}.o"
+def _object(source: Path, digest: str) -> Path:
+    """The object file of a source of the machine, made now or kept."""
+    kept = cache_folder() / f"{source.stem}-{digest[:KEY_DIGITS]}.o"
     if not kept.exists():
         with tempfile.TemporaryDirectory() as folder:
-            made = Path(folder) / "machine.o"
-            _compile(["-c", str(MACHINE / "machine.cpp"), "-o", str(made)], None)
+            made = Path(folder) / kept.name
+            _compile(["-c", str(source), "-o", str(made)], None)
             _keep(kept, made.read_bytes())
     return kept
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -231,7 +232,8 @@ class Checker:
         """The answer of the program."""
         may = ["may-lose"] if self.promised.counted else []
         command = [str(self.built.program), *words, *may, f"scene={self.scene.seed}"]
-        done = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True, check=False)
+        done = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True, check=False,
+                              env={**os.environ, "RACE_PARENT": str(os.getpid())})
         if done.returncode:
             raise MfrError(f"{self.variant.method.id}: the race machine ended with status {done.returncode}")
         return json.loads(done.stdout)

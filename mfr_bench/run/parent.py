@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import ctypes
-import os
 import signal
 from contextlib import suppress
 from pathlib import Path
 
-PR_SET_PDEATHSIG = 1
-ORPHANED = 3  # exit status
+from ..orphans import die_with
+
 # The parent decides what becomes of these. A scheduler sends one to every process of a job: a worker that ended of it
 # before the parent had seen it would leave its cell as crashed.
 ENDS_OF_A_RUN = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -22,8 +20,6 @@ def live_for(parent: int) -> None:
     """
     for number in ENDS_OF_A_RUN:
         signal.signal(number, signal.SIG_IGN)
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-    if os.getppid() != parent:
-        os._exit(ORPHANED)
+    die_with(parent)
     with suppress(OSError):
         Path("/proc/self/oom_score_adj").write_text("1000")

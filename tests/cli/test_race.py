@@ -1,11 +1,17 @@
 """`mfr-bench race` and `shader --json`, as a user meets them."""
 
 import json
+import signal
+import subprocess
+import time
+from pathlib import Path
 
 import pytest
 
 from mfr_bench.race import build
 from mfr_bench.race.campaign import parse_replay, written
+
+from .conftest import command, environment
 
 
 def test_a_kept_promise_is_one_line(mfr):
@@ -116,3 +122,35 @@ def test_a_broken_promise_ends_with_status_3_and_can_be_replayed(mfr, plant):
     word = ended.out.rpartition("--replay ")[2].strip()
     again = mfr("race", "ab-array", "--fragments", "3", "--replay", word)
     assert again.status == 3 and f"--replay {word}" in again.out
+
+
+def at_work(pid: int) -> bool:
+    """Whether it is a compiled machine that runs."""
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+        return stat[0] != "Z" and "/mfr-bench/race/" in Path(f"/proc/{pid}/cmdline").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+
+
+def children(pid: int) -> list[int]:
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+@pytest.mark.parametrize("ending", [signal.SIGTERM, signal.SIGKILL])
+def test_the_program_of_the_machine_dies_with_the_command(ending, mfr):
+    """Its schedules would go on for minutes: nothing else ends it."""
+    assert mfr("race", "kplus-array", "--schedules", "10").status == 0  # the program is compiled
+    process = subprocess.Popen(command("race", "kplus-array", "--schedules", "100000000"), env=environment(),
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        deadline = time.monotonic() + 60
+        while not (running := [pid for pid in children(process.pid) if at_work(pid)]):
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+    finally:
+        process.send_signal(ending)
+        process.wait()
+    while any(map(at_work, running)):
+        assert time.monotonic() < deadline, "the program outlives the command"
+        time.sleep(0.05)
