@@ -15,8 +15,3 @@ def die_with(parent: int) -> None:
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:
         os._exit(ORPHANED)
-
-
-def die_with_parent() -> None:
-    """Have the kernel kill this process once its parent dies: one of a pool with the server that forks for it."""
-    die_with(os.getppid())

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 from collections.abc import Callable, Iterator, Sequence
+from threading import Thread
 from typing import TypeVar
 
 from .environment import usable_cores
-from .orphans import die_with_parent
 
 FEWEST = 3  # items for which a process is worth its start
 
@@ -26,5 +27,15 @@ def in_processes(work: Callable[[Item], Outcome], items: Sequence[Item],
     if count < 2:
         yield from map(work, items)
         return
-    with multiprocessing.get_context("forkserver").Pool(count, die_with_parent) as pool:
+    with multiprocessing.get_context("forkserver").Pool(count, _watch_parent) as pool:
         yield from pool.imap(work, items)
+
+
+def _watch_parent() -> None:
+    """Let a process of the pool end with the one that wants its outcomes, whose child it is not."""
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    multiprocessing.parent_process().join()
+    os._exit(1)

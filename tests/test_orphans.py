@@ -46,7 +46,7 @@ def test_no_process_outlives_the_one_that_it_works_for(program, count, ending, t
     (tmp_path / "program.py").write_text(program.format(path=str(at_work)))
     process = subprocess.Popen([sys.executable, str(tmp_path / "program.py")],
                                env=environment(**{outside.VARIABLE: str(folder)}))
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 15
     try:
         while len(found := [int(path.name) for path in at_work.iterdir()]) < count:
             assert time.monotonic() < deadline and process.poll() is None

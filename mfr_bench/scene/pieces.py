@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
 
 import numpy as np
 
@@ -28,7 +27,5 @@ class MaskedPieces(Pieces):
 
     coverage: uint8 (n,), a bit for each sample.
     """
-
-    geometry: ClassVar[str] = "masked"
 
     coverage: np.ndarray = field(kw_only=True)

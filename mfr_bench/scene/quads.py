@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 
@@ -26,8 +25,6 @@ class Quads(Primitives):
     each fragment that is shaded. effect: what is done with the fragments of a pixel.
     """
 
-    geometry: ClassVar[str] = "quad"
-
     viewport: tuple[int, int]
     rect: np.ndarray
     depth: np.ndarray
@@ -40,6 +37,11 @@ class Quads(Primitives):
 
     def __len__(self) -> int:
         return len(self.depth)
+
+    @property
+    def geometry(self) -> str:
+        """How the quads reach the device: with masks of all samples where a pixel has several, as they cover each."""
+        return "masked" if self.effect.msaa > 1 else "quad"
 
     @cached_property
     def bounds(self) -> tuple[int, int, int, int]:

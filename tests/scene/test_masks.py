@@ -100,3 +100,26 @@ def test_several_samples_go_with_transparency_alone():
     assert faults(effect) == ["msaa 4 with effect layers; allowed: one of them"]
     single = SceneConfig(size=(8, 8), depth_complexity=2, coverage="alpha")
     assert faults(single) == ["coverage alpha has no use with one sample a pixel; allowed: with msaa 2 | 4 | 8"]
+
+
+FLAT = ({"layout": "block", "pixel_density": 0.6}, {"layout": "random", "quad_size": (7, 5)},
+        {"fragment_probability": 0.5},
+        {"kind": "histogram", "pixels": (20, 30, 0, 60, 22, 11), "depth_complexity": 0, "order": "random"})
+
+
+@pytest.mark.parametrize("keys", FLAT, ids=lambda keys: ", ".join(map(str, keys.values())))
+def test_rectangles_of_whole_pixels_have_one_fragment_in_each_and_the_image_of_one_sample(keys, device):
+    """On any device, whatever samples it has: no diagonal shows, and no method loses a fragment to it."""
+    keys = {"size": SIZE, "depth_complexity": 5, **keys} if "kind" not in keys else {"size": (13, 11), **keys}
+    with shown(device, generate(SceneConfig(**keys))) as on:
+        plain, counts = on.truth.image(ALL), on.truth.counts
+    for coverage in COVERAGES:
+        scene = SceneConfig(**keys, msaa=8, coverage=coverage)
+        with shown(device, generate(scene)) as on:
+            assert on.stats.geometry == kind_of(scene).geometry_of(scene)
+            assert on.stats.one_sample and counts.sum() == on.stats.F and on.truth.edge_pixels == 0
+            for method in ("ab-ll", "lin-post", "kplus-array"):
+                variant = variant_of(catalog()[method])
+                assert on.errors(variant, on.render(variant))["max_abs_error"] <= EXACT_ERROR, (coverage, method)
+            colour = on.truth.image(ALL)
+        np.testing.assert_allclose(colour, plain, atol=0.02)  # colours have six bits beside a mask

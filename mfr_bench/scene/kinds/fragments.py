@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...errors import UsageError
-from ..spec.kind import CommonKeys, Described, Fault, FileKeys, Kind
+from ..spec.kind import CommonKeys, Described, Fault, FileKeys, Kind, flat_geometry
 
 UNUSED = ("pixel_density", "mean_depth", "colours", "alpha", "fragment_probability", "animate")
 
@@ -40,7 +40,6 @@ class Fragments(Kind):
 
     name = "fragments"
     noun = "fragments"
-    geometry = "quad"
     Keys = FileKeys
     generator = "recording.fragments"
     measured = True
@@ -61,7 +60,7 @@ class Fragments(Kind):
 """
 
     def geometry_of(self, scene: CommonKeys) -> str:
-        return "masked" if scene.msaa > 1 else self.geometry
+        return flat_geometry(scene)
 
     def primitives(self, scene: CommonKeys) -> int:
         return sum(count * pixels for count, pixels in enumerate(self.expected_counts(scene)))

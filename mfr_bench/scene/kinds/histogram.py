@@ -8,7 +8,7 @@ from typing import Annotated
 
 from annotated_types import Interval
 
-from ..spec.kind import MAX_PRIMITIVES, CommonKeys, Described, Fault, Kind
+from ..spec.kind import MAX_PRIMITIVES, CommonKeys, Described, Fault, Kind, flat_geometry
 from ..spec.values import MAX_SIDE, Allowed
 
 MAX_FRAGMENTS = 2**26  # about 2 GiB for the oracle's lists
@@ -52,7 +52,6 @@ class Histogram(Kind):
 
     name = "histogram"
     noun = "quads"
-    geometry = "quad"
     Keys = HistogramKeys
     generator = "histogram.histogram"
     measured = True
@@ -68,6 +67,9 @@ class Histogram(Kind):
 - Each layer is cut into rectangles of whole pixels, a quad each, as high as equal runs of pixels lie above each other.
   Every quad has a depth and a colour of its own.
 """
+
+    def geometry_of(self, scene: CommonKeys) -> str:
+        return flat_geometry(scene)
 
     def primitives(self, scene: CommonKeys) -> int:
         """About: those of a layer of scattered pixels are one for each, clusters have a few in each row."""

@@ -13,7 +13,7 @@ from annotated_types import Interval
 
 from ...hashing import hash3
 from ..spec.expected import binomial_mix, even_counts, layered_counts, placed_chances
-from ..spec.kind import MAX_PRIMITIVES, CommonKeys, Described, Fault, Kind, late, mean_depth
+from ..spec.kind import MAX_PRIMITIVES, CommonKeys, Described, Fault, Kind, flat_geometry, late, mean_depth
 from ..spec.layered import block_pixels
 from ..spec.layout import block
 from ..spec.values import Allowed, Share, Size, Unit, Whole
@@ -183,7 +183,7 @@ class Quads(Kind):
         return scene.depth_complexity
 
     def geometry_of(self, scene: CommonKeys) -> str:
-        return "quad" if is_flat(scene) else "strip"
+        return flat_geometry(scene) if is_flat(scene) else "strip"
 
     def has_mean_depth(self, scene: CommonKeys) -> bool:
         return scene.layout == "mixed"

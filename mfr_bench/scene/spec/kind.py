@@ -254,6 +254,14 @@ class Kind:
         return (("scene.mean_depth", "r", "scene.depth_complexity"), what) if scene.mean_depth > most else None
 
 
+def flat_geometry(scene: CommonKeys) -> str:
+    """The geometry of pixel-aligned rectangles of one depth, which cover every sample of a pixel or none.
+
+    They are rasterized into one sample: the two triangles of a rectangle would share the pixels of its diagonal.
+    """
+    return "masked" if scene.msaa > 1 else "quad"
+
+
 def mean_depth(scene: CommonKeys) -> float:
     """Fragments per covered pixel that a scene with a mean depth aims at."""
     return scene.mean_depth or max(1.0, 0.4 * scene.depth_complexity)
