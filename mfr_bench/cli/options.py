@@ -201,7 +201,7 @@ def seconds(context, param, value: str | None) -> float | None:
     """A callback of click: a duration such as 90s or 8m in seconds. Raises UsageError where it is none."""
     from ..decide.question import parsed_duration
 
-    return None if value is None else parsed_duration(value)
+    return None if value is None else parsed_duration(value, param.opts[0])
 
 
 TIME_BUDGET = click.option("--time-budget", "budget_s", metavar="TIME", callback=seconds,

@@ -82,7 +82,7 @@ def scene_makers() -> dict[str, Maker]:
 
 
 def program(main: str, *arguments: str) -> list[str]:
-    """The command of a child that runs code from outside, by a module of mfr_bench.outside, and ends with this process."""
+    """The command of a child that runs code from outside, by a module of mfr_bench.outside, as long as this lives."""
     return [sys.executable, "-c", PROGRAM.format(main), *arguments, str(os.getpid()), ":".join(sys.path)]
 
 
