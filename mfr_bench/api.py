@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -30,12 +31,17 @@ class Results:
     manifests: Mapping[str, Mapping[str, Any]]
 
 
+class DamagedWarning(UserWarning):
+    """A file of results was damaged, and is not among what was loaded."""
+
+
 def load(*folders: Path) -> Results:
     """The results at or below folders, in the order of their paths. Raises UsageError where there are none.
 
     A folder that 'mfr-bench table --parquet' wrote is read as it is: nothing below it counts.
 
     What was not measured is missing (`<NA>` or NaN), never 0. Times are in ms, memory in bytes, as `.attrs` says.
+    Warns with DamagedWarning of each file that cannot be used.
     Raises UsageError as well where a hand or another program put a value of another type into a cell.
     """
     from pathlib import Path as Folder
@@ -82,6 +88,8 @@ def _load_results(folders) -> Results:
             cells.append({**point.row, **{f"point.{name}": value for name, value in point.cell["point"].items()}})
             passes += pass_rows([point.cell])
             samples += [(point.cell["key"], time_ms) for time_ms in point.cell.get("samples_ms") or ()]
+        for line in result.folder.damaged:
+            warnings.warn(line, DamagedWarning, stacklevel=3)
     return Results(_frame(cells, COLUMNS), _frame(passes, PASS_COLUMNS), _samples(samples), manifests)
 
 

@@ -65,3 +65,10 @@ def test_parquet_of_another_program_is_refused(results):
     fastparquet.write("out/cells.parquet", pd.DataFrame({"a": [1]}))
     with pytest.raises(MfrError, match="is none of mfr-bench"):
         mfr_bench.load("out")
+
+
+def test_a_damaged_cell_is_left_out_and_told(results, mfr):  # noqa: F811
+    cell = min((results / "results").rglob("cells/*.json"))
+    cell.write_text("{")
+    ended = mfr("table", "results", "--parquet", "out")
+    assert ended.status == 0 and cell.name in ended.err and len(ended.out.split()) == 3

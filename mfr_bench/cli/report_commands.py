@@ -209,10 +209,16 @@ def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_j
 
 def _as_parquet(folders: tuple[str, ...], out: Path) -> None:
     """Write everything that the API loads of these folders to one folder of Parquet files."""
-    from ..api import load
+    import warnings
+
+    from ..api import DamagedWarning, load
     from ..parquet import write_parquet
 
-    found = load(*folders)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", DamagedWarning)
+        found = load(*folders)
+    for each in told:
+        note(each.message)
     frames = {"cells": found.cells, "passes": found.passes, "samples": found.samples}
     for path in write_parquet(frames, found.manifests, out):
         say(path)

@@ -29,6 +29,7 @@ MISTAKES = [
     (["run", "tiny.yaml", "--device", ""], "mfr-bench run: Invalid value for '--device': '' is no device; allowed: ",
      "or an index, UUID, PCI address or part of a name that 'mfr-bench doctor' lists; see mfr-bench run --help"),
     (["run", "tiny.yaml", "--time-budget", "5"], "--time-budget: '5' is no duration; ", ""),
+    (["run", "tiny.yaml", "--split", "5", "--shard", "1/2"], "--split: '5' is no duration; ", ""),
     (["run", "tiny.yaml", "--ot", "x"], "mfr-bench run: No such option '--ot'", "see mfr-bench run --help"),
     (["run", "tiny.yaml", "--out", ""], "mfr-bench run: Invalid value for '--out': '' is no place to write to", ""),
     (["scene", "tiny.yaml", "--out", ""], "mfr-bench scene: Invalid value for '--out': '' is no place to ", ""),
