@@ -22,9 +22,11 @@ RANGE = re.compile(r"(\d+)(?:-(\d+))?")
 
 @dataclass(frozen=True)
 class Visible:
-    """What is given: UUIDs or their beginnings, PCI addresses, CUDA numbers. `said`: the variable with its value.
+    """The GPUs that the process was given: UUIDs or their beginnings, PCI addresses, CUDA numbers.
 
-    nothing: no GPU is. parts: a part of a GPU (MIG) is, which has no OpenGL of its own.
+
+    said: the variable with its value. nothing: no GPU is given. parts: a part of a GPU (MIG) is, which has no OpenGL of
+    its own.
     """
 
     said: str

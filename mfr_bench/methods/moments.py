@@ -7,13 +7,12 @@ their 0th, and four for the shaded colour, for which the paper takes the image i
 from __future__ import annotations
 
 from .shared import CLEARED
-from .shared.screen_region import in_screen_region, without_tiles
+from .shared.screen_region import TOUCHED_BLENDED, in_screen_region
 from .spec import ADD, IMAGE, Method, Param, Pass, State, Target, when
 
 ORDER = 8
 
 MOMENTS = Param("moments", 4, "power moments of absorbance over depth", low=4, high=6, of=(4, 6))
-TOUCHED_BOUNDS = without_tiles("since a look for fragments costs as much as the resolve")
 BIAS = "share of a spread-out measure in the moments, against rounding; the paper's for single precision"
 
 METHODS = [
@@ -29,7 +28,7 @@ METHODS = [
         params=(MOMENTS,
                 Param("bias", 5e-7, BIAS, real=True, low=0, high=1, acts=when("moments", 4)),
                 Param("bias_6", 5e-6, BIAS, real=True, low=0, high=1, acts=when("moments", 6)),
-                TOUCHED_BOUNDS),
+                TOUCHED_BLENDED),
         targets=(Target("absorbance", "r32f", doc="total absorbance"),
                  Target("moments", "rg32f", layers="moments // 2", doc="power moments of the absorbance over depth"),
                  Target("shaded", "rgba32f", doc="sum of the attenuated colours and alphas")),

@@ -6,7 +6,7 @@ The weights are made for depths in units of a scene; `weight` says how ours, whi
 from __future__ import annotations
 
 from .shared import CLEARED
-from .shared.screen_region import in_screen_region, without_tiles
+from .shared.screen_region import TOUCHED_BLENDED, in_screen_region
 from .spec import ADD, IMAGE, REVEAL, Method, Param, Pass, State, Target, when
 
 ORDER = 8
@@ -16,7 +16,6 @@ WEIGHT = Param("weight", "eq10", "how a fragment's weight falls with depth, by t
                choices=("eq7", "eq8", "eq9", "eq10"))
 PRECISION = Param("precision", "16f", "targets: RGBA16F and R8 as in the paper, or RGBA32F and R32F",
                   choices=("16f", "32f"))
-TOUCHED_BOUNDS = without_tiles("since a look for fragments costs as much as the resolve")
 ACCUMULATION, REVEALAGE = "sums of the weighted colours and alphas", "product of 1 - alpha"
 HALF, FULL = (when("precision", choice) for choice in PRECISION.choices)
 
@@ -29,7 +28,7 @@ METHODS = [
         failure="colours are mixed by weight, not by what hides what; exact for one layer and where all colours are "
                 "equal, which equal alphas alone do not give; with 16f, sums round to 11 bits, opacity to 8",
         mixes=True, exact_where="n <= 1 and precision == '32f'",
-        params=(WEIGHT, PRECISION, TOUCHED_BOUNDS),
+        params=(WEIGHT, PRECISION, TOUCHED_BLENDED),
         targets=(Target("accumulation", "rgba16f", when=HALF, doc=ACCUMULATION),
                  Target("revealage", "r8", when=HALF, doc=REVEALAGE),
                  Target("accumulation", "rgba32f", when=FULL, doc=ACCUMULATION),

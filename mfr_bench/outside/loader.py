@@ -28,7 +28,8 @@ from ..glsl.digest import fitted_nominally
 from ..methods.loading import DeclarationError, family, import_folder, line_of, order_of
 from ..methods.spec import Method
 from ..resources import shaders_dir
-from . import effects, scenes
+from .effects import EFFECTS
+from .scenes import SCENES
 
 PACKAGE = "methods_of_a_folder"  # the name under which the files of a folder are imported
 HASH_DIGITS = 12
@@ -83,8 +84,8 @@ def _told(package: str, folder: Path, place: str) -> dict[str, Any]:
                 mistakes.append(f"{_where(each, method, trouble)}: {method.id}: {trouble}")
             else:
                 methods.append(method)
-    return {"methods": methods, "effects": dict(effects.declared(_having("EFFECT", names), place, mistakes)),
-            "scenes": dict(scenes.declared(_having("SCENE", names), place, mistakes)),
+    return {"methods": methods, "effects": dict(EFFECTS.of(_having(EFFECTS.constant, names), place, mistakes)),
+            "scenes": dict(SCENES.of(_having(SCENES.constant, names), place, mistakes)),
             "shaders": str(shaders) if shaders.is_dir() else None, "hash": code_hash(folder), "mistakes": mistakes}
 
 

@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 
 class Aside(Protocol):
-    """Where such work is done."""
+    """Does such work, in this process or in another."""
 
     def begin(self, work: Callable[[], T]) -> Callable[[], T]:
         """Begin the work, which pickles; the function that is returned waits for its value."""

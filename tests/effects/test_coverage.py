@@ -58,7 +58,7 @@ def on_samples(device):
 
 @pytest.mark.parametrize("method", EXACT, ids=lambda m: m.id)
 def test_every_exact_method_that_can_is_exact_in_samples(method, on_samples, device):
-    """Of all fragments, or of fewer than a pixel has; each way to use coverage in one method of each kind."""
+    """Images of all fragments, or of fewer than a pixel has: each way to use coverage, in one method of each kind."""
     variant = variant_of(method, k=6)
     if not device.features.issuperset(variant.needs):
         pytest.skip(f"needs {', '.join(variant.needs)}")

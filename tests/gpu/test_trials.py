@@ -72,7 +72,7 @@ def untried(device):
 
 @pytest.mark.parametrize("trial", [trials.uniform_blocks, trials.listed_points])
 def test_a_driver_that_needs_a_flush_gets_one(untried, monkeypatch, trial):
-    """What is drawn between a dispatch and a flush is spoilt here, as zink spoils it."""
+    """Draws between a dispatch and a flush are spoilt here, as zink spoils them."""
     dispatch, draw, flush, finish = PassRunner._dispatch, PassRunner._within, untried.gl.glFlush, untried.finish
     spoilt = []
     monkeypatch.setattr(PassRunner, "_dispatch", lambda self, at: (spoilt.append(True), dispatch(self, at)))

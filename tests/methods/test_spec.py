@@ -179,7 +179,7 @@ def test_an_empty_buffer_still_holds_one_element():
 
 @pytest.mark.parametrize(("per_pass", "occupancy"), [(4, 32), (0, 32)])
 def test_a_parameter_whose_effect_depends_on_another_is_settled_behind_it(per_pass, occupancy):
-    """With k = 4 a `per_pass` of 4 has no effect, so that occupancy culling, which needs a single pass, has one."""
+    """Occupancy culling, which needs a single pass, is allowed at k = 4, where a `per_pass` of 4 has no effect."""
     chosen = catalog()["kb"].complete({"k": 4, "per_pass": per_pass, "occupancy": occupancy})
     assert (chosen["per_pass"], chosen["occupancy"]) == (0, occupancy)
 

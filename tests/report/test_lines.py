@@ -90,7 +90,7 @@ def test_panels_share_their_axes(tmp_path):
 
 
 def test_panels_along_a_zipped_axis_are_its_points(tmp_path):
-    """Of the values beside, a heading has only those that tell panels apart, whatever else is zipped."""
+    """A heading has only those of the values beside that tell panels apart, whatever else is zipped."""
     zipped = {"scene.effect": ["layers", "csg", "csg"], "scene.operation": ["union", "union", "difference"],
               "scene.files": [["file a"], ["file b"], ["file b"]]}
     places = [dict(zip(zipped, values, strict=True)) for values in zip(*zipped.values(), strict=True)]

@@ -42,6 +42,10 @@ def without_tiles(reason: str) -> Param:
                    needs={})
 
 
+# For methods that blend sums and resolve them.
+TOUCHED_BLENDED = without_tiles("since a look for fragments costs as much as the resolve")
+
+
 def in_screen_region(*steps: Step, looped: bool = False) -> tuple[Step, ...]:
     """The steps with TOUCHED as their parameter. In each of their full-screen passes every pixel works for itself.
 

@@ -49,7 +49,7 @@ class Experiment:
 
     @cached_property
     def places(self) -> list[str]:
-        """Where methods are compared, in the order of the first device that has each."""
+        """The scenes and points at which methods are compared, in the order of the first device that has each."""
         return list(dict.fromkeys(place for device in self.devices for place, _ in device.places))
 
     @cached_property
