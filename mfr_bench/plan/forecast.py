@@ -27,6 +27,7 @@ WARMUP_FRAMES = 2
 MEDIAN_WIDTH = 1.96 * 1.2533  # half-width of the median's interval, in deviations of a mean of n normal samples
 USUAL_CV = 0.05  # of frame times, where none were measured
 WORK_PIXELS = 512 * 512  # of the calibration's image
+OTHER_WORK, GROWTH = 3000, 0.9  # of a frame beside its fragments, in fragments; power with which its time grows
 FIRST_ROUNDS = 16  # of its smallest work; each is twice the one before
 FRAGMENT_ROUNDS = 150  # what a fragment costs a multi-fragment method, in rounds of the calibration's arithmetic
 PIXEL_ROUNDS = 300  # and a pixel, in clears and the resolve
@@ -131,12 +132,12 @@ class Forecast:
 
     @staticmethod
     def _alike(records: Iterable[Record], stats: SceneStats) -> FrameTime | None:
-        """The frame of the nearest number of fragments, in proportion to that number."""
+        """The frame of the nearest number of fragments, scaled by the work that this number makes."""
         def distance(record: Record) -> float:
-            return abs(math.log((record.fragments + 1) / (stats.F + 1)))
+            return abs(math.log(_work(stats.F) / _work(record.fragments)))
 
         near = min(records, key=distance, default=None)
-        scale = near and (stats.F + 1) / (near.fragments + 1)
+        scale = near and _work(stats.F) / _work(near.fragments)
         return replace(near.frame, time_ms=near.frame.time_ms * scale) if near else None
 
     def guess(self, stats: SceneStats) -> FrameTime:
@@ -156,6 +157,11 @@ class Forecast:
             checks_s += rates.check_s(stats)
             around_s += rates.around_s(stats) + rates.report_s
         return Prediction(spent_s + around_s, spent_s, checks_s, sources)
+
+
+def _work(fragments: int) -> float:
+    """What the time of a method's frame is in proportion to: clears and draws cost more for few fragments."""
+    return (fragments + OTHER_WORK) ** GROWTH
 
 
 def frames_s(frame: FrameTime, measure: Measure) -> float:

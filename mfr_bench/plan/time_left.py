@@ -21,17 +21,18 @@ from .in_hand import InHand, parts_s
 
 NEW, AGAIN, FRAMES = "new", "again", "frames"  # kinds of work
 Seconds = dict[str, float]  # by kind
-USUAL = {NEW: 1.6, AGAIN: 1.0, FRAMES: 1.3}  # what each takes over what is foretold, before a run has shown anything
-TRUST = 0.05  # share of all that is foretold for which each kind counts as if it had taken what is usual
-COUPLED = 0.3  # power to which the factor of all kinds together raises what is usual
-COUPLED_TRUST = 0.045  # share of all that is foretold for which that factor counts as 1
+PREPARE = (NEW, AGAIN)
+USUAL = {NEW: 1.6, AGAIN: 0.5, FRAMES: 1.5}  # what each takes over what is foretold, before a run has shown anything
+TRUST = {NEW: 0.02, AGAIN: 0.02, FRAMES: 0.5}  # share of all that is foretold for which each counts as usual
+COUPLED = {NEW: 0.7, AGAIN: 0.7, FRAMES: 0.4}  # power to which the factor of alike work raises what is usual
+COUPLED_TRUST = 0.09  # share of all that is foretold for which that factor counts as 1
 GUESS, GUESSES = 0.8, 4  # what a frame takes over its guess by calibration, as if so many had been sampled
 KEPT = 0.05  # of the time to compile a program: the driver has it already
 COUNTERS = 2.5  # times to compile a program: those that count the work of a frame are programs of their own
 PREPARING = ("scene", "compile", "first frame")  # phases of events.Begun; a check before the first sample is another
 COMPILE, SAMPLING = "compile", "sampling"
-ENDING = 0.85  # of what is set aside for the end, which is on the safe side
-REFRESH_S = 1.0  # for so long a forecast stands
+ENDING = 0.83  # of what is set aside for the end, which is on the safe side
+REFRESH_S, REFRESH = 1.0, 0.05  # a forecast stands for so long, or for this share of what it says, if that is less
 
 
 @dataclass
@@ -106,8 +107,8 @@ class TimeLeft:
     # --- what is foretold ------------------------------------------------------------------------
 
     def left_s(self, elapsed_s: float) -> float:
-        """Seconds until the run has ended. A forecast stands for a second, in which the time left runs down."""
-        if self._said is None or not 0 <= elapsed_s - self._said[1] < REFRESH_S:
+        """Seconds until the run has ended. A forecast stands for a second at most, in which the time left runs down."""
+        if self._said is None or not 0 <= elapsed_s - self._said[1] < min(REFRESH_S, REFRESH * self._said[0]):
             self._said = self._forecast_s(), elapsed_s
         said_s, at_s = self._said
         return max(0.0, said_s - (elapsed_s - min(at_s, self._last_s))) + ENDING * self.end_s
@@ -132,12 +133,17 @@ class TimeLeft:
         return sum(seconds * self._factor(kind, over) for kind, seconds in to_come.items())
 
     def _factor(self, kind: str, over: Seconds) -> float:
-        """What work of a kind takes over what is foretold: as the run has shown, or else as usual."""
-        trust_s, few_s = TRUST * self._whole_s, COUPLED_TRUST * self._whole_s
-        if not trust_s:
+        """What work of a kind takes over what is foretold: as the run has shown, or else as usual.
+
+        Programs are like those of the other kind: both are slow or fast with the driver's cache. Frames are like all.
+        """
+        if not self._whole_s:
             return 1.0
-        of_all = (sum(self._spent.values()) + few_s) / (sum(over.values()) + few_s)
-        return (self._spent[kind] + trust_s * USUAL[kind] * of_all ** COUPLED) / (over[kind] + trust_s)
+        trust_s, few_s = TRUST[kind] * self._whole_s, COUPLED_TRUST * self._whole_s
+        alike = PREPARE if kind in PREPARE else tuple(USUAL)
+        of_alike = (sum(self._spent[k] for k in alike) + few_s) / (sum(over[k] for k in alike) + few_s)
+        usual = USUAL[kind] * of_alike ** COUPLED[kind]
+        return (self._spent[kind] + trust_s * usual) / (over[kind] + trust_s)
 
     def _kind(self, key: str, compiled: set[str]) -> str:
         return AGAIN if self.programs[key] in compiled else NEW

@@ -9,7 +9,9 @@ from mfr_bench.plan import Cell, expected_stats
 from mfr_bench.plan.forecast import (
     ALIKE,
     CALIBRATED,
+    GROWTH,
     MEASURED,
+    OTHER_WORK,
     Forecast,
     FrameTime,
     Rates,
@@ -52,11 +54,15 @@ def test_a_measured_cell_foretells_itself_whatever_its_shaders_were():
     assert 0 < frame.cv < 0.02
 
 
-def test_another_scene_is_in_proportion_to_the_nearest_fragments():
+def test_another_scene_takes_what_its_work_is_of_that_of_the_nearest_fragments():
+    """Twice the fragments take less than twice as long; many more fragments nearly in proportion to their number."""
     small, large = replace(SCENE, depth_complexity=8), replace(SCENE, depth_complexity=64)
     forecast = Forecast([record(time_ms=1.0, scene=small), record(time_ms=5.0)], FREE)
     frame = forecast.frame(cell(scene=large), expected_stats(large))
-    assert (frame.time_ms, frame.source) == (pytest.approx(10.0, rel=1e-3), ALIKE)
+    fragments = [expected_stats(scene).F for scene in (SCENE, large)]
+    grown = ((fragments[1] + OTHER_WORK) / (fragments[0] + OTHER_WORK)) ** GROWTH
+    assert 1.5 < grown < 2
+    assert (frame.time_ms, frame.source) == (pytest.approx(5.0 * grown, rel=1e-3), ALIKE)
 
 
 def test_a_method_that_was_never_measured_is_calibrated():
