@@ -12,7 +12,7 @@ import moderngl
 from ..errors import DeviceError, UnknownDeviceError
 from . import trials
 from .context import Device, Trials
-from .egl import EglDevice, egl_devices, library
+from .egl import EglDevice, egl_devices, is_named, library
 from .rawgl import RawGL
 from .visible import Visible, visible
 
@@ -90,16 +90,19 @@ def open_device(want: str = "auto") -> Device:
     """Open a headless OpenGL device.
 
     `want` is `gpu`, `cpu` (a software driver), `auto` (a GPU where there is one), or in this order the index, UUID or
-    PCI address of an EGL device, or a part of its renderer's name. A device that cannot be opened hides no other. Of
-    `gpu` and `auto` the GPU is one of those that CUDA_VISIBLE_DEVICES or Slurm give this process, if they give any.
+    PCI address of an EGL device (see `is_named`), or a part of its renderer's name. A device that cannot be opened
+    hides no other. Of `gpu`, `auto` and a name the GPU is one of those that CUDA_VISIBLE_DEVICES or Slurm give this
+    process, if they say anything.
+
     Raises DeviceError with what to install where there is no driver, and UnknownDeviceError with what there is where
     none matches.
     """
     entries = _entries()
-    exact = [e for e in entries if want.lower() in (str(e.index), e.uuid, e.pci)]
-    given = visible() if want in ("auto", "gpu") else None
+    exact = _exact(entries, want)
+    given = visible()
     tried: list[Listed] = []
     unsure: list[Listed] = []  # GPUs of which nothing tells whether they are given
+    barred = False  # a GPU matches that is not given
     spare: EglDevice | None = None  # a software driver, where a GPU is better
     for entry in exact or entries:
         try:
@@ -109,13 +112,15 @@ def open_device(want: str = "auto") -> Device:
             continue
         seen = Listed(entry.index, device.info)
         tried.append(seen)
-        if want.lower() in (device.info["uuid"], device.info["pci"]) or exact:
+        if exact or is_named(want, device.info["uuid"], device.info["pci"]):
             return device
         if seen.matches(want) and (want != "auto" or device.kind == "gpu"):
-            admitted = given is None or given.admits(device.info["uuid"], device.info["pci"], entry.cuda)
+            free = given is None or device.kind != "gpu"
+            admitted = free or given.admits(device.info["uuid"], device.info["pci"], entry.cuda)
             if admitted:
                 return device
             unsure += [seen] if admitted is None else []
+            barred = True
         elif want == "auto":
             spare = spare or entry
         device.release()
@@ -123,9 +128,22 @@ def open_device(want: str = "auto") -> Device:
         raise _cannot_tell(given, unsure)
     if unsure or spare:
         return _opened(next(e for e in entries if e.index == unsure[0].index) if unsure else spare)
-    if given:
+    if given and (barred or want == "gpu"):
         raise _none_given(given, tried)
     raise _none_matches(want, list_devices() if exact else tried, {e.index for e in exact})
+
+
+def _exact(entries: Sequence[EglDevice], want: str) -> list[EglDevice]:
+    """The devices that an index, UUID or PCI address names; two drivers may list one GPU.
+
+    Raises UnknownDeviceError where it is the beginning of two UUIDs.
+    """
+    exact = [e for e in entries if want == str(e.index) or is_named(want, e.uuid, e.pci)]
+    uuids = sorted({e.uuid for e in exact if e.uuid})
+    if len(uuids) > 1 and any(uuid.startswith(want.lower().removeprefix("gpu-")) for uuid in uuids):
+        raise UnknownDeviceError(f"--device {want}: is the beginning of several UUIDs; allowed: one of "
+                                 f"{', '.join(uuids)}")
+    return exact
 
 
 def _cannot_tell(given: Visible, unsure: Sequence[Listed]) -> DeviceError:

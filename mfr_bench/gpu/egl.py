@@ -16,6 +16,8 @@ DEVICE_UUID, DRM_DEVICE_FILE, DRM_RENDER_NODE = 0x335C, 0x3233, 0x3377
 EXTENSIONS, CUDA_DEVICE, CUDA_EXTENSION = 0x3055, 0x323A, "EGL_NV_device_cuda"
 UUID_BYTES = 16
 PCI = re.compile(r"[0-9a-f]{4}:[0-9a-f]{2}:[0-9a-f]{2}\.[0-7]")
+PCI_GIVEN = re.compile(r"(?:([0-9a-f]{4}|[0-9a-f]{8}):)?([0-9a-f]{2}:[0-9a-f]{2}\.[0-7])")  # lspci, nvidia-smi
+UUID_GIVEN = re.compile(r"(gpu-)?([0-9a-f][0-9a-f-]*)")  # nvidia-smi writes GPU- before it
 LIBRARY = "libEGL.so.1"
 
 
@@ -85,6 +87,17 @@ def _uuid(egl: ctypes.CDLL, handle: int) -> str | None:
     raw, size = (ctypes.c_ubyte * UUID_BYTES)(), ctypes.c_int()
     found = binary and binary(handle, DEVICE_UUID, UUID_BYTES, raw, ctypes.byref(size)) and size.value == UUID_BYTES
     return uuid_text(bytes(raw)) if found else None
+
+
+def is_named(want: str, uuid: str | None, pci: str | None) -> bool:
+    """True where `want` is a device's UUID or PCI address, in either case, as nvidia-smi, lspci or doctor write them.
+
+    GPU- may stand before a UUID, and then it may be the UUID's beginning; the domain of a PCI address may be left out.
+    """
+    if found := PCI_GIVEN.fullmatch(want.lower()):
+        return pci == f"{int(found[1] or '0', 16):04x}:{found[2]}"
+    found = UUID_GIVEN.fullmatch(want.lower())
+    return bool(found and uuid and (uuid.startswith(found[2]) if found[1] else uuid == found[2]))
 
 
 def uuid_text(raw: bytes) -> str | None:

@@ -8,22 +8,22 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import takewhile
 from pathlib import Path
 
 CUDA, SLURM = "CUDA_VISIBLE_DEVICES", ("SLURM_STEP_GPUS", "SLURM_JOB_GPUS")
-NONE = ("", "-1", "nodevfiles")  # of CUDA_VISIBLE_DEVICES: no GPU
 NVIDIA = Path("/proc/driver/nvidia/gpus")  # a folder for each GPU, by its PCI address
 MINOR = re.compile(r"^Device Minor:\s*(\d+)", re.MULTILINE)
-UUID = re.compile(r"(?:gpu-)?([0-9a-f][0-9a-f-]*)")
+UUID = re.compile(r"gpu-([0-9a-f][0-9a-f-]*)")
+NUMBER = re.compile(r"\+?(\d+)")  # also with something after it
 RANGE = re.compile(r"(\d+)(?:-(\d+))?")
 
 
 @dataclass(frozen=True)
 class Visible:
     """The GPUs that the process was given: UUIDs or their beginnings, PCI addresses, CUDA numbers.
-
 
     said: the variable with its value. nothing: no GPU is given. parts: a part of a GPU (MIG) is, which has no OpenGL of
     its own.
@@ -52,26 +52,51 @@ class Visible:
 def visible(environ: Mapping[str, str] | None = None, nvidia: Path = NVIDIA) -> Visible | None:
     """What the environment gives this process; None where it says nothing."""
     found = os.environ if environ is None else environ
-    given = found.get(CUDA)
-    names = [] if given is None else [name.strip().lower() for name in given.split(",")]
-    said = f"{CUDA}={given}"
-    if given is not None and names[0] in NONE:
-        return Visible(said, nothing=True)
-    if any(name.startswith("mig-") for name in names):
-        return Visible(said, parts=True)
-    if names and not all(name.isdecimal() for name in names):
-        return Visible(said, uuids=tuple(match[1] for match in map(UUID.fullmatch, names) if match))
-    addresses = _addresses(nvidia)
+    given = _cuda(found[CUDA]) if CUDA in found else None
+    if given and not given.numbers:
+        return given
+    numbers, addresses = given.numbers if given else (), _addresses(nvidia)
     for variable in SLURM:  # numbers of device files, whatever a job sees of them
         if minors := _numbers(found.get(variable, "")):
-            pcis = tuple(addresses[minor] for minor in minors if minor in addresses)
-            return Visible(f"{variable}={found[variable]}", pcis=pcis, numbers=tuple(map(int, names)))
-    if not names:
+            said = f"{variable}={found[variable]}" + (f", {given.said}" if given else "")
+            return Visible(said, pcis=_of_job(minors, numbers, addresses), numbers=numbers)
+    if not given:
         return None
-    numbers = tuple(map(int, names))
     ordered = sorted(addresses.values())
     by_bus = found.get("CUDA_DEVICE_ORDER") == "PCI_BUS_ID"
-    return Visible(said, pcis=tuple(ordered[n] for n in numbers if by_bus and n < len(ordered)), numbers=numbers)
+    return replace(given, pcis=tuple(ordered[n] for n in numbers if by_bus and n < len(ordered)))
+
+
+def _cuda(value: str) -> Visible:
+    """The GPUs that a value of CUDA_VISIBLE_DEVICES gives, as CUDA reads it.
+
+    Its first entry decides whether it is of UUIDs or of numbers; the list ends at the first entry that is none, such as
+    -1, and gives nothing if an entry stands twice.
+    """
+    said, names = f"{CUDA}={value}", [name.strip().lower() for name in value.split(",")]
+    if names[0].startswith("mig-"):
+        return Visible(said, parts=True)
+    pattern = UUID if names[0].startswith("gpu-") else NUMBER
+    matches = takewhile(bool, map(pattern.fullmatch if pattern is UUID else pattern.match, names))
+    entries = [match[1] if pattern is UUID else int(match[1]) for match in matches]
+    if not entries or len({*entries}) < len(entries):
+        return Visible(said, nothing=True)
+    return replace(Visible(said), **{"uuids" if pattern is UUID else "numbers": tuple(entries)})
+
+
+def _of_job(minors: Sequence[int], numbers: Sequence[int], addresses: Mapping[int, str]) -> tuple[str, ...]:
+    """PCI addresses of a job's GPUs, of those that CUDA_VISIBLE_DEVICES leaves if it has fewer numbers.
+
+    Where Slurm shuts the other GPUs off, a job counts its own from 0, and otherwise all of the node: none where both
+    readings are possible and differ.
+    """
+    job = [addresses[minor] for minor in minors if minor in addresses]
+    if not numbers or len(numbers) >= len(job):
+        return tuple(job)
+    own = [sorted(job)[n] for n in numbers if n < len(job)]
+    named = [addresses[n] for n in numbers if n in minors and n in addresses]
+    readings = {frozenset(reading) for reading in (own, named) if len(reading) == len(numbers)}
+    return tuple(sorted(readings.pop())) if len(readings) == 1 else ()
 
 
 def _numbers(text: str) -> list[int]:

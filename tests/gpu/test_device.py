@@ -89,7 +89,7 @@ def machine(monkeypatch):
 
 @pytest.mark.parametrize(("want", "index"), [
     ("auto", 1), ("gpu", 1), ("cpu", 3), ("2", 2), (UUIDS[2], 2), (UUIDS[1].upper(), 1), ("0000:02:00.0", 2),
-    ("h200", 1), ("pipe", 3)])
+    ("h200", 1), ("pipe", 3), ("GPU-" + UUIDS[2], 2), ("gpu-00000001", 1), ("00000000:02:00.0", 2), ("02:00.0", 2)])
 def test_a_device_that_cannot_be_opened_hides_no_other(machine, want, index):
     found = devices.open_device(want)
     assert found.egl.index == index
@@ -105,6 +105,9 @@ def test_a_software_driver_is_taken_where_no_gpu_can_be_opened(machine, monkeypa
 @pytest.mark.parametrize(("want", "said"), [
     ("radeon", "--device radeon: no such device; allowed: .* 1 NVIDIA H200; 2 NVIDIA H200; 3 llvmpipe"),
     ("9", "--device 9: no such device"),
+    (UUIDS[1][:8], "--device 00000001: no such device"),  # a beginning, which might be a part of a name
+    ("1:02:00.0", "--device 1:02:00.0: no such device"), ("0001:02:00.0", "--device 0001:02:00.0: no such device"),
+    ("gpu-0000000", f"--device gpu-0000000: is the beginning of several UUIDs; allowed: one of {UUIDS[0]}, {UUIDS[1]}"),
     ("20", "--device 20: no such device"),  # an index that no device has, and a part of two names
     ("0", r"--device 0: it cannot be used: eglInitialize failed \(0x3001\); allowed: .* 1 NVIDIA H200; .* 3 llvmpipe"),
 ])

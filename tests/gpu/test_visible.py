@@ -39,11 +39,37 @@ def nvidia(tmp_path):
      Visible(f"CUDA_VISIBLE_DEVICES=MIG-GPU-{UUIDS[1]}/1/0", parts=True)),
     ({"SLURM_JOB_GPUS": "0"}, Visible("SLURM_JOB_GPUS=0", pcis=(PCIS[1],))),
     ({"SLURM_JOB_GPUS": "0-1", "SLURM_STEP_GPUS": "1", "CUDA_VISIBLE_DEVICES": "0"},
-     Visible("SLURM_STEP_GPUS=1", pcis=(PCIS[0],), numbers=(0,))),
+     Visible("SLURM_STEP_GPUS=1, CUDA_VISIBLE_DEVICES=0", pcis=(PCIS[0],), numbers=(0,))),
     ({"SLURM_JOB_GPUS": "all"}, None),
+    ({"SLURM_JOB_GPUS": "7"}, Visible("SLURM_JOB_GPUS=7")),  # a device file that the driver does not list
+    ({"SLURM_JOB_GPUS": "0", "CUDA_VISIBLE_DEVICES": ""}, Visible("CUDA_VISIBLE_DEVICES=", nothing=True)),
 ])
 def test_the_environment_says_what_is_given(nvidia, environ, expected):
     assert visible(environ, nvidia) == expected
+
+
+@pytest.mark.parametrize(("value", "expected"), [
+    ("0,-1,1", {"numbers": (0,)}), ("0,,1", {"numbers": (0,)}), (" 2 , 1 ", {"numbers": (2, 1)}),
+    ("+1", {"numbers": (1,)}), ("1x,2", {"numbers": (1, 2)}), ("0,gpu-1", {"numbers": (0,)}),
+    ("GPU-1,0", {"uuids": ("1",)}), ("GPU-1,MIG-2", {"uuids": ("1",)}), ("GPU-1,gpu-2", {"uuids": ("1", "2")}),
+    ("-1,0", {"nothing": True}), ("none", {"nothing": True}), (",0", {"nothing": True}), ("0,0", {"nothing": True}),
+    ("GPU-", {"nothing": True}), ("GPU-1,GPU-1", {"nothing": True}),
+    (UUIDS[1], {"numbers": (1,)}),  # a UUID begins with GPU-
+])
+def test_a_list_ends_at_what_cuda_does_not_take(nvidia, value, expected):
+    assert visible({"CUDA_VISIBLE_DEVICES": value}, nvidia) == Visible(f"CUDA_VISIBLE_DEVICES={value}", **expected)
+
+
+@pytest.mark.parametrize(("minors", "value", "pcis"), [
+    ("0-2", "0,1,2", set(PCIS[:3])),
+    ("1,2", "0", {PCIS[0]}),  # the first of the job's on the bus, since device file 0 is no part of it
+    ("1,2", "2", {PCIS[2]}),  # a device file of the job, which has no third
+    ("0,1", "0", set()),  # the first of the job's on the bus, or device file 0, which is the second
+    ("0,1", "5", set()),
+])
+def test_a_part_of_a_jobs_gpus_is_told_where_it_can_be_read_in_one_way(nvidia, minors, value, pcis):
+    found = visible({"SLURM_JOB_GPUS": minors, "CUDA_VISIBLE_DEVICES": value}, nvidia)
+    assert set(found.pcis) == pcis and found.said == f"SLURM_JOB_GPUS={minors}, CUDA_VISIBLE_DEVICES={value}"
 
 
 @pytest.mark.parametrize(("given", "device", "admitted"), [
@@ -74,7 +100,8 @@ def machine(monkeypatch):
 
 @pytest.mark.parametrize(("value", "want", "index"), [
     ("0", "auto", 2), ("2", "gpu", 0), ("GPU-" + UUIDS[1], "auto", 1), ("", "auto", 3), ("0", "cpu", 3), ("0", "1", 1),
-    ("0", "h200", 0)])
+    ("0", "h200", 2),
+    ("0", "pipe", 3), ("0", UUIDS[0], 0)])
 def test_the_given_gpu_is_opened(machine, monkeypatch, value, want, index):
     monkeypatch.setenv("CUDA_VISIBLE_DEVICES", value)
     assert devices.open_device(want).egl.index == index
@@ -83,6 +110,8 @@ def test_the_given_gpu_is_opened(machine, monkeypatch, value, want, index):
 @pytest.mark.parametrize(("value", "want", "said"), [
     ("", "gpu", "CUDA_VISIBLE_DEVICES=: gives this process no GPU"),
     ("GPU-77", "gpu", "CUDA_VISIBLE_DEVICES=GPU-77: gives this process no GPU of those that EGL can open"),
+    ("GPU-77", "h200", "CUDA_VISIBLE_DEVICES=GPU-77: gives this process no GPU of those that EGL can open"),
+    ("0", "radeon", "--device radeon: no such device"),
     ("MIG-" + UUIDS[0], "gpu", r"a part of a GPU \(MIG\), which has no OpenGL"),
 ])
 def test_what_is_not_there_is_said(machine, monkeypatch, value, want, said):
