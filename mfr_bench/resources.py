@@ -29,9 +29,9 @@ def peers_dir() -> Path:
     return _folder("peers", "results/peers")
 
 
-def template_dir() -> Path:
-    """The folder of the package that `new-method` writes. Raises MfrError where the installation lacks it."""
-    return _folder("template", "examples/my-array")
+def template_dir(name: str) -> Path:
+    """The folder of an example that `new-method` and its siblings copy. Raises MfrError where it is missing."""
+    return _folder(f"templates/{name}", f"examples/{name}")
 
 
 def _folder(name: str, beside: str | None = None) -> Path:

@@ -16,9 +16,10 @@ import pytest
 import mfr_bench
 
 ROOT = Path(__file__).resolve().parent.parent
-SHIPPED = {"shaders": "shaders", "configs": "configs", "results/reference": "reference",
-           "results/peers": "peers",
-           "examples/my-array": "template"}  # in the tree -> in _data
+SHIPPED = {  # in the tree -> in _data
+    "shaders": "shaders", "configs": "configs", "results/reference": "reference", "results/peers": "peers",
+    "examples/my-array": "templates/my-array", "examples/spiral-scene": "templates/spiral-scene",
+    "examples/median-layer": "templates/median-layer"}
 
 
 def build(target: str, source: Path, out: Path) -> Path:

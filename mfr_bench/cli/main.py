@@ -62,7 +62,8 @@ SECTIONS = {
     "Look around": (device_commands.doctor, device_commands.methods, report_commands.configs, meshes_command.meshes,
                     scene_command.scene, device_commands.render, device_commands.shader, race_command.race,
                     twochannel_command.twochannel),
-    "Write configs and methods": (report_commands.schema, method_commands.new_method, method_commands.check),
+    "Write configs and methods": (report_commands.schema, method_commands.new_method, method_commands.new_scene,
+                                  method_commands.new_effect, method_commands.check),
 }
 WHOLE = 200  # characters of a command's line in the list, which is never cut
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..config.model import Measure
 from ..config.model import Scene as SceneConfig
+from ..methods import catalog
 from ..methods.spec import Fitted, Method, Variant
 from ..plan import Cell, judge
 from ..store.status import EXACT_ERROR
@@ -51,6 +52,26 @@ class Held:
                 yield f"{drawn.lost} fragments lost"
             if not drawn.error <= EXACT_ERROR:
                 yield f"the image is off by {drawn.error:.3g}, allowed: {EXACT_ERROR:g}"
+
+
+def of_every_family(device, scenes: Mapping[str, SceneConfig]) -> Iterator[str]:
+    """Images of the first exact method of each family that draws the scene; a line for a scene that none draws."""
+    for name, config in scenes.items():
+        drawn: set[str] = set()
+        for method in catalog().values():
+            variant = with_k(method.variant({}), 4)
+            if method.family not in drawn and method.guarantee.startswith("exact") and draws(device, variant, config):
+                drawn.add(method.family)
+                yield from Held(device, variant, {name: config}).faults
+        if not drawn:
+            yield f"{name}: no method draws it on this device"
+
+
+def draws(device, variant: Variant, config: SceneConfig) -> bool:
+    """Whether neither the device nor the method itself refuses the scene."""
+    cell = Cell("contract", variant.method.id, variant.method.id, variant.params, config, Measure(), {})
+    methods = {variant.method.id: variant.method}
+    return runs_here(device, variant) and judge(cell, methods, stats_in(device, config), device.limits) is None
 
 
 def running(device, variants: Iterable[Variant]) -> Variant | None:

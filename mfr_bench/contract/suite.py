@@ -1,4 +1,4 @@
-"""All checks of the contract for one method, each with its name and what it found."""
+"""The checks of the contract, each with its name and what it found: all those of a method."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from .cases import runs_here
 from .variants import variants
 
 Lines = Callable[[], Iterable[str]]
+Check = tuple[str, Lines]  # its name, and what gives a line for each fault
 
 
 @dataclass(frozen=True)
@@ -32,16 +33,21 @@ def skipped_variants(device, method: Method) -> int:
     return sum(not runs_here(device, variant) for variant in variants(method))
 
 
-def run(device, method: Method) -> Iterator[Outcome]:
-    """Every check in order; the first error of a check that cannot be carried out is its fault."""
-    for name, lines in (*_of_declaration(method), *_of_images(device, method)):
+def of_method(device, method: Method) -> Sequence[Check]:
+    """Every check of a method, in order."""
+    return *_of_declaration(method), *_of_images(device, method)
+
+
+def run(checks: Iterable[Check]) -> Iterator[Outcome]:
+    """The outcome of each check; the first error of one that cannot be carried out is its fault."""
+    for name, lines in checks:
         try:
             yield Outcome(name, tuple(lines()))
         except (MfrError, MemoryError) as error:
             yield Outcome(name, (str(error),))
 
 
-def _of_declaration(method: Method) -> Sequence[tuple[str, Lines]]:
+def _of_declaration(method: Method) -> Sequence[Check]:
     found = variants(method)
     return (
         ("the declaration says what a reader needs", lambda: declaration.what_a_reader_needs(method)),
@@ -63,7 +69,7 @@ def _short_shaders(found: Iterable[Variant]) -> Iterator[str]:
         yield from declaration.shader_is_short(path)
 
 
-def _of_images(device, method: Method) -> Sequence[tuple[str, Lines]]:
+def _of_images(device, method: Method) -> Sequence[Check]:
     found = variants(method)
     return (
         ("every image is as promised: layouts, orders, odd sizes", lambda: images.every_scene(device, method)),

@@ -10,7 +10,7 @@ In multisampled scenes `coverage` takes the place of an effect: it does somethin
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, Literal
 
 from ..errors import UsageError, nearest
@@ -18,9 +18,25 @@ from .numbers import DEFINES
 
 
 @dataclass(frozen=True)
+class Case:
+    """A pixel whose image is known without a model: `mfr-bench check` compares the model with it.
+
+    fragments: nearest first, each (window depth, (red, green, blue, opacity) from 0 to 255), and for an effect that
+    needs more than `nothing` also the number of its object, and whether its front is seen. shows: red, green, blue and
+    opacity from 0 to 1, premultiplied. keys: those of the scene that the effect reads, by name.
+    """
+
+    fragments: tuple[tuple[Any, ...], ...]
+    shows: tuple[float, float, float, float]
+    keys: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class Effect:
     """An effect. needs: what it reads of a fragment in addition to depth and colour. ordered: whether it distinguishes
     fragments of one depth by their order. measures: whether it takes differences of depth as distances.
+
+    cases: pixels whose image is known; those of an effect of this program are in its tests.
 
     package: name, version and hash of what brings the effect from outside, and place, its module or its folder, from
     which the process that measures imports the model. The loader of packages fills in both.
@@ -31,6 +47,7 @@ class Effect:
     ordered: bool = False
     measures: bool = False
     keys: tuple[str, ...] = ()  # of a scene, which this effect reads
+    cases: tuple[Case, ...] = ()
     package: Mapping[str, str | None] | None = None
     place: str = ""
 

@@ -20,7 +20,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from ..effects import Effect
+from ..effects import Case, Effect
 from ..errors import UsageError
 from .spec import Method
 from .spec.maker import Maker
@@ -31,6 +31,7 @@ PROGRAM = ("import sys; sys.path[:] = sys.argv.pop().split(':'); from mfr_bench.
            "die_with(int(sys.argv.pop())); from mfr_bench.outside.{} import main; main()")
 LONGEST_S = 60.0  # for a package to declare its methods
 PLAIN = {"builtins": {"set", "frozenset", "slice", "complex", "bytearray"}, "functools": {"partial"}}
+OF_EFFECTS = {"Effect": Effect, "Case": Case}  # the words of an effect's entry
 
 
 @dataclass(frozen=True)
@@ -137,8 +138,8 @@ class Reader(pickle.Unpickler):
     def find_class(self, module: str, name: str):
         if name in PLAIN.get(module, ()):
             return super().find_class(module, name)
-        if (module, name) == (Effect.__module__, Effect.__name__):
-            return Effect
+        if module == Effect.__module__ and name in OF_EFFECTS:
+            return OF_EFFECTS[name]
         if module.startswith("mfr_bench.methods.") and "." not in name:
             found = super().find_class(module, name)
             if getattr(found, "__module__", "").startswith("mfr_bench.methods."):  # not what a module has imported

@@ -22,7 +22,7 @@ def answer_of_effect(fragments: Fragments, settings: Settings, layers: int | Non
     Equal depths leave a pixel open where the effect, or the choice of fragments, tells those of one depth apart.
     """
     flat, image = fragments.counts.ravel(), np.empty((fragments.counts.size, 4))
-    model = _model_of(settings)
+    model = model_of(settings)
     for pixels, part in in_chunks(flat):
         counts, payloads, depth = flat[pixels], fragments.payloads(part), fragments.depth[part]
         if layers is not None:
@@ -36,8 +36,8 @@ def answer_of_effect(fragments: Fragments, settings: Settings, layers: int | Non
     return Answer(image, *(np.where(unlike[..., None], bound, image) for bound in (-ANY, ANY)))
 
 
-def _model_of(settings: Settings) -> Callable[[Rays, Settings], np.ndarray]:
-    """The function that gives the right image of pixels, float64 (pixels, 4)."""
+def model_of(settings: Settings) -> Callable[[Rays, Settings], np.ndarray]:
+    """The function that gives the right image of rays, float64 (pixels, 4)."""
     if settings.msaa == 1 and settings.effect.package:
         return foreign.image_of
     return import_module(f"..effects.{settings.module}", __package__).model

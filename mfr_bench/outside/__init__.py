@@ -5,5 +5,5 @@
     effects    the effects among that, and whether each is whole
     scenes     the scenes among that
     making     the process that makes the fragments of one of them
-    template   the package that `mfr-bench new-method` writes
+    template   the packages that `mfr-bench new-method` and its siblings write
 """

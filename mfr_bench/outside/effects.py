@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 from typing import get_args, get_type_hints
 
-from ..effects import Effect, Settings
+from ..effects import Case, Effect, Settings
 from ..errors import ShaderError
 from ..glsl import includes
 from ..glsl.code import code_of
@@ -24,6 +24,8 @@ def _mistakes(effect: Effect, name: str) -> Iterator[str]:
         yield f"effect {name} needs {effect.needs!r}; allowed: what in words, and needs {' | '.join(NEEDS)}"
     if not isinstance(effect.keys, tuple) or not set(effect.keys) <= set(KEYS):
         yield f"effect {name} reads the keys {effect.keys!r}; allowed: a tuple of {', '.join(KEYS)}"
+    if not isinstance(effect.cases, tuple) or not all(isinstance(case, Case) for case in effect.cases):
+        yield f"effect {name} has the cases {effect.cases!r}; allowed: a tuple of Case(fragments, shows)"
     yield from _mistakes_of_glsl(name)
 
 

@@ -96,7 +96,7 @@ def test_code_of_the_effect_is_part_of_the_keys(folder):
 
 @pytest.mark.parametrize(("path", "right", "wrong", "status", "said"), [
     (GLSL, "- 1u) / 2u", "+ 1u) / 2u", "wrong", "max_abs_error"),
-    (MODEL, "    return image", "    raise SystemExit(3)", "crashed", "median.py:19: SystemExit: 3"),
+    (MODEL, "    return image", "    raise SystemExit(3)", "crashed", "median.py:21: SystemExit: 3"),
 ], ids=["GLSL", "exit"])
 def test_an_effect_that_fails_costs_its_cells(folder, path, right, wrong, status, said):
     changed(folder, path, right, wrong)
@@ -125,9 +125,9 @@ def test_the_model_shows_the_middle_fragment(effect):
 
 @pytest.mark.parametrize(("wrong", "said"), [
     ("return image[1:]", r"array of shape \(2, 4\); allowed: \(3, 4\)"), ("return image / 0 * 0", "finite numbers"),
-    ("return imag", "median.py:19: NameError: name 'imag' is not defined"),
+    ("return imag", "median.py:21: NameError: name 'imag' is not defined"),
     ("rays.depth[:] = 0", "ValueError: assignment destination is read-only"), ("return None", "array of shape"),
-    ("return 'image'", "ValueError: could not convert string"), ("exit(3)", "median.py:19: SystemExit: 3")])
+    ("return 'image'", "ValueError: could not convert string"), ("exit(3)", "median.py:21: SystemExit: 3")])
 def test_a_model_that_fails_is_one_line(folder, effect, wrong, said):
     changed(folder, MODEL, "return image", wrong)
     with np.errstate(all="ignore"), pytest.raises(MfrError, match=said) as raised:
@@ -136,13 +136,15 @@ def test_a_model_that_fails_is_one_line(folder, effect, wrong, said):
 
 
 @pytest.mark.parametrize(("path", "right", "wrong", "where", "said"), [
-    (MODEL, "def model(", "def modell(", "median.py:10", "effect median has no model; allowed: def model"),
-    (MODEL, "ordered=True", "needs='all'", "median.py:10", "needs 'all'; allowed: what in words, and needs nothing |"),
-    (MODEL, "ordered=True", "keys=('far',)", "median.py:10", "reads the keys ('far',); allowed: a tuple of layer,"),
-    (MODEL, "EFFECT = Effect(", "EFFECT = str(", "median.py:10", "invalid keyword argument for str()"),
-    (GLSL, "effect_end", "effect_ends", "median.py:10", "effects/median.glsl has no effect_end"),
-    (GLSL, "vec3 median", "#include \"no.glsl\"\nvec3 median", "median.py:10", "no.glsl: cannot be read"),
-], ids=["model", "needs", "key", "call", "function", "include"])
+    (MODEL, "def model(", "def modell(", "median.py:11", "effect median has no model; allowed: def model"),
+    (MODEL, "ordered=True", "needs='all'", "median.py:11", "needs 'all'; allowed: what in words, and needs nothing |"),
+    (MODEL, "ordered=True", "keys=('far',)", "median.py:11", "reads the keys ('far',); allowed: a tuple of layer,"),
+    (MODEL, "cases=(Case(FRAGMENTS, shows", "cases=(dict(shows", "median.py:11",
+     "allowed: a tuple of Case(fragments, shows)"),
+    (MODEL, "EFFECT = Effect(", "EFFECT = str(", "median.py:11", "invalid keyword argument for str()"),
+    (GLSL, "effect_end", "effect_ends", "median.py:11", "effects/median.glsl has no effect_end"),
+    (GLSL, "vec3 median", "#include \"no.glsl\"\nvec3 median", "median.py:11", "no.glsl: cannot be read"),
+], ids=["model", "needs", "key", "case", "call", "function", "include"])
 def test_a_declaration_with_a_mistake_costs_the_effect_and_one_line(folder, path, right, wrong, where, said):
     changed(folder, path, right, wrong)
     done = mfr(folder, "run", "median-layer.yaml", "--methods", ".", "--dry-run")

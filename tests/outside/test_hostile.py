@@ -46,7 +46,7 @@ def test_check_never_takes_the_program_s_own_method_for_one_of_its_id(folder):  
     declared.write_text(declared.read_text().replace('id="my-array"', 'id="ab-array"'))
     done = mfr(folder, "check", "ab-array", "--methods", ".", "--no-race")
     assert done.returncode == 2 and not done.stdout
-    assert "METHOD: 'ab-array' would be another method than the one from outside" in done.stderr
+    assert "NAME: 'ab-array' would be another method than the one from outside" in done.stderr
 
 
 def test_an_empty_name_is_no_method(tmp_path):

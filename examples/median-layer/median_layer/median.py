@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from mfr_bench.effects import Effect, Settings
+from mfr_bench.effects import Case, Effect, Settings
 from mfr_bench.effects.rays import Rays
 
-EFFECT = Effect("the middle fragment of a pixel alone, opaque; of an even number the nearer of the two", ordered=True)
+FRAGMENTS = ((0.2, (255, 0, 0, 128)), (0.4, (0, 255, 0, 64)), (0.5, (0, 0, 255, 128)))
+EFFECT = Effect("the middle fragment of a pixel alone, opaque; of an even number the nearer of the two", ordered=True,
+                cases=(Case(FRAGMENTS, shows=(0.0, 1.0, 0.0, 1.0)), Case(FRAGMENTS[:2], shows=(1.0, 0.0, 0.0, 1.0))))
 
 
 def model(rays: Rays, settings: Settings) -> np.ndarray:
