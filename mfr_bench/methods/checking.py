@@ -47,7 +47,7 @@ def _wrong_resources(method: Method) -> Iterator[Mistake]:
 
 
 def _wrong_formulas(method: Method) -> Iterator[Mistake]:
-    known = dict.fromkeys([*(p.name for p in (*method.params, *method.fixed)), *ONE.names(), *CAPACITY, *FUNCTIONS])
+    known = dict.fromkeys([*(p.name for p in (*method.params, *method.fixed)), *ONE.names, *CAPACITY, *FUNCTIONS])
     for where, formula in _formulas(method):
         try:
             names = _names_in(formula)

@@ -10,7 +10,7 @@
 from .cells import Cell, expand
 from .expected import expected_stats
 from .limits import Decision, Limits, judge, overview
-from .predicted import NOT_TRIED, CellOutcome, predicted_timeout
+from .predicted import NOT_TRIED, CellOutcome, Outcomes, predicted_timeout
 
 __all__ = [
     "NOT_TRIED",
@@ -18,6 +18,7 @@ __all__ = [
     "CellOutcome",
     "Decision",
     "Limits",
+    "Outcomes",
     "expand",
     "expected_stats",
     "judge",

@@ -45,11 +45,17 @@ def expand(experiment: Experiment, catalog: Mapping[str, Method], only: Sequence
     cell. `only` keeps the methods of these ids. Raises UsageError for an id that is not in the catalog.
     """
     entries = _chosen(experiment.methods, catalog, only)
+    scenes: dict[Scene, Scene] = {}  # equal ones are one object, whose record and statistics are made once
+    measures: dict[Measure, Measure] = {}
     by_scene: dict[Scene, dict[tuple, Cell]] = defaultdict(dict)
     for point in points(experiment.sweep, experiment.zip) if entries else ():
+        scene = scene_at(experiment.scene, experiment.params, point)
+        measure = measure_at(experiment.measure, point)
+        scene, measure = scenes.setdefault(scene, scene), measures.setdefault(measure, measure)
+        cells = by_scene[scene]
         for entry in entries:
-            cell = _cell(experiment, catalog[entry.id], entry, point)
-            by_scene[cell.scene].setdefault(cell.identity, cell)
+            cell = _cell(experiment, catalog[entry.id], entry, point, scene, measure)
+            cells.setdefault(cell.identity, cell)
     return [cell for cells in by_scene.values() for cell in cells.values()]
 
 
@@ -68,10 +74,10 @@ def _chosen(entries: Sequence[MethodEntry], catalog: Mapping[str, Method],
     return [*(listed or [MethodEntry(FLOOR, catalog[FLOOR].name, {})]), *chosen]
 
 
-def _cell(experiment: Experiment, method: Method, entry: MethodEntry, point: Mapping[str, Any]) -> Cell:
+def _cell(experiment: Experiment, method: Method, entry: MethodEntry, point: Mapping[str, Any], scene: Scene,
+          measure: Measure) -> Cell:
     params = method.complete({**experiment.params, **point, **entry.params})
     with_r = "r" in experiment.params or "r" in point
     mine = {key: told(value) for key, value in point.items()
             if "." in key or (key in params and key not in entry.params) or (with_r and key in ("r", "k"))}
-    return Cell(experiment.name, entry.id, entry.label, params, scene_at(experiment.scene, experiment.params, point),
-                measure_at(experiment.measure, point), mine, method.k_saves_passes)
+    return Cell(experiment.name, entry.id, entry.label, params, scene, measure, mine, method.k_saves_passes)

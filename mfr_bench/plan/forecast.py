@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from bisect import bisect_left, insort
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from typing import Any
 
 from ..config.model import Measure
 from ..methods.spec import SceneStats
+from ..scene import Scene
 from .cells import Cell
 from .expected import expected_stats
 
@@ -31,6 +33,8 @@ OTHER_WORK, GROWTH = 3000, 0.9  # of a frame beside its fragments, in fragments;
 FIRST_ROUNDS = 16  # of its smallest work; each is twice the one before
 FRAGMENT_ROUNDS = 150  # what a fragment costs a multi-fragment method, in rounds of the calibration's arithmetic
 PIXEL_ROUNDS = 300  # and a pixel, in clears and the resolve
+
+Identity = tuple[str, str, str]  # of what was measured: the method, and the texts of its parameters and of the scene
 
 
 @dataclass(frozen=True)
@@ -78,6 +82,26 @@ class Record:
     frame: FrameTime
 
 
+class ByFragments:
+    """Records of one method by their number of fragments; of equal numbers the first. A look takes few steps."""
+
+    def __init__(self) -> None:
+        self._fragments: list[int] = []  # ascending
+        self._first: dict[int, tuple[int, Record]] = {}  # with its place among all
+
+    def add(self, record: Record) -> None:
+        """Take in a record."""
+        if record.fragments not in self._first:
+            insort(self._fragments, record.fragments)
+            self._first[record.fragments] = len(self._first), record
+
+    def nearest(self, fragments: int) -> Record:
+        """The record whose number of fragments has the ratio to this one that is nearest to 1; of two the first."""
+        at = bisect_left(self._fragments, fragments)
+        around = (self._first[number] for number in self._fragments[max(0, at - 1):at + 1])
+        return min(around, key=lambda placed: (_distance(placed[1].fragments, fragments), placed[0]))[1]
+
+
 @dataclass(frozen=True)
 class Prediction:
     """Seconds in all, of which frames and comparisons of images, and how many cells' frame times come from where."""
@@ -106,16 +130,17 @@ class Forecast:
 
     def __init__(self, records: Iterable[Mapping[str, Any]], rates: Rates):
         self.rates = rates
-        self._exact: dict[str, FrameTime] = {}
-        self._of_method: dict[str, list[Record]] = defaultdict(list)
+        self._exact: dict[Identity, FrameTime] = {}
+        self._scenes: dict[Scene, str] = {}  # texts, each made once
+        self._of_method: dict[str, ByFragments] = defaultdict(ByFragments)
         for row in records:
             self.learn(row)
 
     def learn(self, row: Mapping[str, Any]) -> None:
         """Take in the record of a cell; one that has no time predicts nothing."""
         if frame := _measured(row):
-            self._exact[_identity(row["method"], row["params"], row["scene"])] = frame
-            self._of_method[row["method"]].append(
+            self._exact[row["method"], _text(row["params"]), _text(row["scene"])] = frame
+            self._of_method[row["method"]].add(
                 Record(row["values"].get("fragments") or 0, replace(frame, source=ALIKE)))
 
     def frame(self, cell: Cell, stats: SceneStats) -> FrameTime:
@@ -124,19 +149,22 @@ class Forecast:
 
     def known(self, cell: Cell) -> FrameTime | None:
         """The time that a frame of the very cell took."""
-        return self._exact.get(_identity(cell.method, cell.params, cell.scene.as_dict()))
+        if not self._exact:
+            return None
+        if cell.scene not in self._scenes:
+            self._scenes[cell.scene] = _text(cell.scene.as_dict())
+        return self._exact.get((cell.method, _text(dict(cell.params)), self._scenes[cell.scene]))
 
     def unknown(self, method: str, stats: SceneStats, more: Iterable[Record] = ()) -> FrameTime:
         """The time of a frame that was not measured: of the method, with `more` records of it, or by calibration."""
-        return self._alike([*self._of_method.get(method, ()), *more], stats) or self.guess(stats)
+        own = self._of_method.get(method)
+        near = [own.nearest(stats.F)] if own else []
+        return self._alike([*near, *more], stats) or self.guess(stats)
 
     @staticmethod
     def _alike(records: Iterable[Record], stats: SceneStats) -> FrameTime | None:
         """The frame of the nearest number of fragments, scaled by the work that this number makes."""
-        def distance(record: Record) -> float:
-            return abs(math.log(_work(stats.F) / _work(record.fragments)))
-
-        near = min(records, key=distance, default=None)
+        near = min(records, key=lambda record: _distance(record.fragments, stats.F), default=None)
         scale = near and _work(stats.F) / _work(near.fragments)
         return replace(near.frame, time_ms=near.frame.time_ms * scale) if near else None
 
@@ -188,8 +216,12 @@ def samples_wanted(frame: FrameTime, measure: Measure) -> float:
     return min(measure.max_samples, max(measure.min_samples, needed))
 
 
-def _identity(method: str, params: Mapping[str, Any], scene: Mapping[str, Any]) -> str:
-    return json.dumps([method, dict(params), scene], sort_keys=True)
+def _distance(fragments: int, of: int) -> float:
+    return abs(math.log(_work(of) / _work(fragments)))
+
+
+def _text(value: Any) -> str:
+    return json.dumps(value, sort_keys=True)
 
 
 def _measured(row: Mapping[str, Any]) -> FrameTime | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ..environment import MIB
-from ..methods.spec import MSAA_FEATURES, SCENE_FACTS, Fitted, Method, Param, SceneStats, Variant
+from ..methods.spec import MSAA_FEATURES, SCENE_FACTS, Fitted, Method, Param, SceneStats, Variant, Variants
 from ..scene.kinds import kind_of
 from .cells import Cell
 from .expected import expected_stats
@@ -53,8 +53,13 @@ def _most(variant: Variant, param: Param, limits: Limits) -> int | None:
 
 def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: Limits | None) -> Decision | None:
     """The reason why a cell is not measured, or None. Without limits only the budget is checked."""
-    variant = catalog[cell.method].variant(cell.params)
-    fitted = Fitted(variant, stats)
+    fitted = Fitted(catalog[cell.method].variant(cell.params), stats)
+    return _judged(cell, fitted, limits)
+
+
+def _judged(cell: Cell, fitted: Fitted, limits: Limits | None) -> Decision | None:
+    """What `judge` says of a cell that is fitted to its scene already."""
+    variant, stats = fitted.variant, fitted.stats
     if lacks := kind_of(cell.scene).lacks(cell.scene):
         return "unsupported", f"needs {lacks}"
     missing = _missing(variant, stats, limits) if limits else []
@@ -91,13 +96,17 @@ def _mib(count: float) -> str:
 def overview(cells: Iterable[Cell], catalog: Mapping[str, Method],
              limits: Limits | None = None) -> list[dict[str, Any]]:
     """A row per cell for `--dry-run`: what it is, the memory it should take, and `measure` or why not."""
-    return [_row(cell, catalog, limits) for cell in cells]
+    variants, scenes, rows = Variants(catalog), {}, []
+    for cell in cells:
+        if cell.scene not in scenes:
+            scenes[cell.scene] = cell.scene.as_dict()
+        rows.append(_row(cell, scenes[cell.scene], variants, limits))
+    return rows
 
 
-def _row(cell: Cell, catalog: Mapping[str, Method], limits: Limits | None) -> dict[str, Any]:
-    stats = expected_stats(cell.scene)
-    decision = judge(cell, catalog, stats, limits)
-    memory = Fitted(catalog[cell.method].variant(cell.params), stats).memory_bytes()
+def _row(cell: Cell, scene: dict[str, Any], variants: Variants, limits: Limits | None) -> dict[str, Any]:
+    fitted = Fitted(variants.of(cell.method, cell.params), expected_stats(cell.scene))
+    decision = _judged(cell, fitted, limits)
     return {"experiment": cell.experiment, "label": cell.label, "method": cell.method, "point": dict(cell.point),
-            "scene": cell.scene.as_dict(), "memory_bytes": sum(memory.values()),
+            "scene": scene, "memory_bytes": sum(fitted.memory_bytes().values()),
             "decision": ": ".join(decision) if decision else "measure"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +11,8 @@ from ..config.model import Measure
 from ..scene.kinds import kind_of
 from ..scene.spec.kind import mean_depth
 from .cells import Cell
+
+Kind, Size = tuple[str, str, str], tuple[float, ...]  # of a cell: what it is, and how much of it
 
 NOT_TRIED = "--try-hopeless measures it all the same"  # ends the reason of every cell that was not tried
 
@@ -54,27 +57,47 @@ class CellOutcome:
 GROWING = ("pixel_density", "depth_complexity", "fragment_probability")  # more of it is more work
 
 
+class Outcomes:
+    """How cells ended, by what they are apart from their size: a cell is held to those that it can be compared with."""
+
+    def __init__(self, known: Iterable[CellOutcome] = ()):
+        self._of_kind: dict[Kind, list[tuple[Size, CellOutcome]]] = defaultdict(list)
+        for outcome in known:
+            self.add(outcome)
+
+    def add(self, outcome: CellOutcome) -> None:
+        """Take in how a cell ended."""
+        kind, size = _kind_and_size(outcome.cell)
+        self._of_kind[kind].append((size, outcome))
+
+    def predicted_timeout(self, cell: Cell) -> str | None:
+        """The reason why a cell cannot be measured within its limits: a smaller one that could not. None without one.
+
+        A smaller one shows nothing if a cell of no less work than it was measured within the limits.
+        """
+        if not self._of_kind:
+            return None
+        kind, size = _kind_and_size(cell)
+        known = self._of_kind.get(kind, ())
+        smaller = [(at, k) for at, k in known if k.over_limit(cell.measure) and _no_smaller(size, at)]
+        within = [at for at, k in known if k.within_limit(cell.measure)] if smaller else []
+        smaller = [k for at, k in smaller if not any(_no_smaller(other, at) for other in within)]
+        found = min(smaller, key=lambda k: k.time_ms is None, default=None)
+        return None if found is None else (f"{found}, where time_limit_s allows {cell.measure.time_limit_s:g} s for "
+                                           f"all frames; {NOT_TRIED}")
+
+
 def predicted_timeout(cell: Cell, known: Iterable[CellOutcome]) -> str | None:
-    """The reason why a cell cannot be measured within its limits: a smaller one that could not. None without one.
-
-    A smaller one shows nothing if a cell of no less work than it was measured within the limits.
-    """
-    known = list(known)
-    smaller = [k for k in known if k.over_limit(cell.measure) and _no_smaller(cell, k.cell)]
-    smaller = [k for k in smaller if not any(_no_smaller(other.cell, k.cell) for other in known
-                                             if other.within_limit(cell.measure))]
-    found = min(smaller, key=lambda k: k.time_ms is None, default=None)
-    return None if found is None else (f"{found}, where time_limit_s allows {cell.measure.time_limit_s:g} s for all "
-                                       f"frames; {NOT_TRIED}")
+    """The reason why a cell cannot be measured within its limits, by how these ended; see `Outcomes`."""
+    return Outcomes(known).predicted_timeout(cell)
 
 
-def _no_smaller(cell: Cell, other: Cell) -> bool:
-    """Whether a cell is at least the work of another one, and otherwise the same."""
-    (kind, size), (other_kind, other_size) = _kind_and_size(cell), _kind_and_size(other)
-    return kind == other_kind and all(a >= b for a, b in zip(size, other_size, strict=True))
+def _no_smaller(size: Size, other: Size) -> bool:
+    """Whether a cell is at least the work of another one, which is otherwise the same."""
+    return all(a >= b for a, b in zip(size, other, strict=True))
 
 
-def _kind_and_size(cell: Cell) -> tuple[tuple, tuple]:
+def _kind_and_size(cell: Cell) -> tuple[Kind, Size]:
     scene, params = cell.scene.as_dict(), dict(cell.params)
     scene["mean_depth"] = None
     mean = mean_depth(cell.scene) if kind_of(cell.scene).has_mean_depth(cell.scene) else 0

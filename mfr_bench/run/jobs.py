@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from ..config.model import Measure
 from ..effects import Settings
 from ..glsl.digest import glsl_hash
-from ..methods.spec import Method, Variant
+from ..methods.spec import Method, Variant, Variants
 from ..plan import Cell, expected_stats
+from ..scene import Scene
 from ..scene.kinds import kind_of
-from ..store.record import cell_key
+from ..store.record import canonical, key_with, settings_text
 
 Shaders = tuple[Variant, str, Settings]  # the geometry has a vertex shader of its own, the effect a file in resolves
 
@@ -36,16 +38,24 @@ def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[s
     part, its version is none. `codes` keeps the hashes from call to call.
     """
     codes = {} if codes is None else codes
-    found = []
+    variants, texts, found = Variants(catalog), _Texts(), []
     for cell in cells:
         method = catalog[cell.method]
         stats = expected_stats(cell.scene)
-        shaders = method.variant(cell.params), stats.geometry, stats.effect
+        shaders = variants.of(cell.method, cell.params), stats.geometry, stats.effect
         packages = {"package": method.package, "effect_package": stats.effect.effect.package,
                     "scene_package": kind_of(cell.scene).package(cell.scene)}
         code = codes.get(shaders) or codes.setdefault(shaders, glsl_hash(*shaders))
-        name = cell_key({"method": cell.method, "params": dict(cell.params), "glsl_hash": code,
-                         "scene": cell.scene.as_dict(), "measure": cell.measure.as_dict(), "device": device,
-                         **packages}, timer)
+        name = key_with({"method": cell.method, "params": cell.params, "glsl_hash": code, "device": device, **packages},
+                        timer, texts[cell.scene], texts[cell.measure])
         found.append(Job(cell, name, code, **packages))
     return found
+
+
+class _Texts(dict):
+    """The texts of scenes and of settings, each made once for all cells that have it, however long that takes."""
+
+    def __missing__(self, part: Scene | Measure) -> str:
+        found = part.as_dict()
+        self[part] = canonical(found) if isinstance(part, Scene) else settings_text(found)
+        return self[part]

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..measure.split import Split
-from ..plan import CellOutcome, expected_stats, predicted_timeout
+from ..plan import CellOutcome, Outcomes, expected_stats
 from ..plan.budget import coarseness
 from ..store import ResultFolder
 from ..store.arrays import read_arrays, write_arrays
@@ -37,7 +37,7 @@ class Ledger:
         self.elsewhere, self.split = list(elsewhere), split or Split()
         self._session = uuid.uuid4().hex[:12]
         self._journals = {sheet.folder.path: Journal(sheet.folder.journal_path) for sheet in sheets}
-        self._outcomes: list[CellOutcome] = []
+        self._outcomes = Outcomes()
 
     # --- before ----------------------------------------------------------------------------------
 
@@ -120,7 +120,7 @@ class Ledger:
 
     def predicted_timeout(self, job: Job) -> str | None:
         """The reason why a cell would take longer than it may, by what smaller ones took, or None."""
-        return predicted_timeout(job.cell, self._outcomes)
+        return self._outcomes.predicted_timeout(job.cell)
 
     def write(self, job: Job, finished: Finished) -> None:
         """A cell's row, into the folder of every experiment that waits for it."""
@@ -155,7 +155,7 @@ class Ledger:
         sheet.statuses[job.key] = row["status"]
         self._journal(sheet).forget(job.key)
         if outcome := CellOutcome.of(job.cell, row):
-            self._outcomes.append(outcome)
+            self._outcomes.add(outcome)
 
     def _journal(self, sheet: Sheet) -> Journal:
         return self._journals[sheet.folder.path]

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..plan import CellOutcome, predicted_timeout
+from ..plan import CellOutcome, Outcomes
 from ..store import ResultFolder
 from ..store.status import STATUSES
 from .sheet import Sheet
@@ -48,35 +48,41 @@ def settled(sheets: Sequence[Sheet], elsewhere: Iterable[ResultFolder] = (), for
     """
     if force:
         return [{} for _ in sheets]
-    kept = [{key: Kept(row) for key in sheet.jobs if (row := final(sheet.folder, key, keep_failed))}
-            for sheet in sheets]
+    kept = [{key: Kept(row) for key in _there(sheet.folder, sheet.jobs)
+             if (row := final(sheet.folder, key, keep_failed))} for sheet in sheets]
     folders = [sheet.folder for sheet in sheets]
     found = [mine | _copies(sheet, mine, [(folder, own) for folder, own in zip(folders, kept, strict=True)],
                             elsewhere, keep_failed) for sheet, mine in zip(sheets, kept, strict=True)]
     if try_hopeless:
         return found
-    outcomes = [outcome for sheet, mine in zip(sheets, found, strict=True) for key, each in mine.items()
-                if (outcome := CellOutcome.of(sheet.jobs[key].cell, each.row))]
+    outcomes = Outcomes(outcome for sheet, mine in zip(sheets, found, strict=True) for key, each in mine.items()
+                        if (outcome := CellOutcome.of(sheet.jobs[key].cell, each.row)))
     return [mine | _left_out(sheet, mine, outcomes) for sheet, mine in zip(sheets, found, strict=True)]
 
 
 def _copies(sheet: Sheet, mine: Mapping[str, Kept], own: Iterable[tuple[ResultFolder, Mapping[str, Kept]]],
             elsewhere: Iterable[ResultFolder], keep_failed: bool) -> dict[str, Copied]:
     """The rows that other folders have: those of the same run first."""
-    own, elsewhere, found = list(own), list(elsewhere), {}
-    for key in sheet.jobs.keys() - mine.keys():
-        rows = ((folder, kept[key].row) for folder, kept in own if key in kept)
-        others = ((folder, final(folder, key, keep_failed)) for folder in elsewhere)
-        first = next(((folder, row) for folder, row in (*rows, *others) if row), None)
-        if first:
-            found[key] = Copied(first[1], first[0])
+    found: dict[str, Copied] = {}
+    wanted = dict.fromkeys(key for key in sheet.jobs if key not in mine)
+    for folder, kept in own:
+        found |= {key: Copied(kept[key].row, folder) for key in wanted if key in kept and key not in found}
+    for folder in elsewhere:
+        found |= {key: Copied(row, folder) for key in _there(folder, wanted)
+                  if key not in found and (row := final(folder, key, keep_failed))}
     return found
 
 
-def _left_out(sheet: Sheet, mine: Mapping[str, Settled], outcomes: Iterable[CellOutcome]) -> dict[str, LeftOut]:
+def _there(folder: ResultFolder, keys: Iterable[str]) -> list[str]:
+    """Those of the keys that the folder has a file for: most folders have none of them, and are not asked for each."""
+    names = set(folder.names())
+    return [key for key in keys if f"{key}.json" in names]
+
+
+def _left_out(sheet: Sheet, mine: Mapping[str, Settled], outcomes: Outcomes) -> dict[str, LeftOut]:
     found = {}
     for key, job in sheet.jobs.items():
-        if key not in mine and (reason := predicted_timeout(job.cell, outcomes)):
+        if key not in mine and (reason := outcomes.predicted_timeout(job.cell)):
             row = sheet.folder.cell(key)
             same = row is not None and row["status"] == "timeout" and row["reason"] == reason
             found[key] = LeftOut(reason, row if same else None)

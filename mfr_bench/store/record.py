@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from . import columns
@@ -45,10 +46,18 @@ def is_cell_file(name: str) -> bool:
     return bool(KEY_FILE.fullmatch(name) or ARRAY_FILE.fullmatch(name))
 
 
-def key(parts: Mapping[str, Any]) -> str:
-    """Name of the cell that `parts` (JSON values) determine: 20 hexadecimal digits of a SHA-256."""
-    canonical = json.dumps(parts, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
-    return hashlib.sha256(canonical.encode()).hexdigest()[:KEY_DIGITS]
+# The text of a JSON value that equal values share: names in order, no blanks, ASCII.
+canonical = json.JSONEncoder(sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False).encode
+
+
+def key(parts: Mapping[str, Any], texts: Mapping[str, str] = MappingProxyType({})) -> str:
+    """Name of the cell that `parts` (JSON values) determine: 20 hexadecimal digits of a SHA-256.
+
+    texts: of further parts, their `canonical` texts.
+    """
+    every = {name: canonical(value) for name, value in parts.items()} | texts
+    text = ",".join(f"{canonical(name)}:{every[name]}" for name in sorted(every))
+    return hashlib.sha256(f"{{{text}}}".encode()).hexdigest()[:KEY_DIGITS]
 
 
 GUARDS = ("hard_limit_s", "hard_limit_mb")  # settings that end a cell, and change no number of one that ends well
@@ -65,13 +74,22 @@ def cell_key(cell: Mapping[str, Any], timer: str) -> str:
     `scene_package` where one brings the effect of the scene, or makes it. Labels, points, UUIDs and the version of a
     package are no part.
     """
+    return key_with(cell, timer, canonical(cell["scene"]), settings_text(cell["measure"]))
+
+
+def settings_text(measure: Mapping[str, Any]) -> str:
+    """The measurement settings as a key covers them, in the text that equal ones share."""
+    return canonical({name: value for name, value in measure.items() if name not in GUARDS})
+
+
+def key_with(cell: Mapping[str, Any], timer: str, scene: str, settings: str) -> str:
+    """`cell_key` with the texts of the scene and the settings, which many cells share."""
     device = cell.get("device")
     device = device if isinstance(device, Mapping) else {}
     outside = {part: [package["name"], package["hash"]] for part in PACKAGES if (package := cell.get(part))}
-    settings = {name: value for name, value in cell["measure"].items() if name not in GUARDS}
     return key({**outside, "method": cell["method"], "params": cell["params"], "glsl": cell.get("glsl_hash"),
-                "scene": cell["scene"], "measure": settings, "renderer": device.get("renderer"),
-                "version": device.get("version"), "timer": timer})
+                "renderer": device.get("renderer"), "version": device.get("version"), "timer": timer},
+               {"scene": scene, "measure": settings})
 
 
 def plain(value: Any) -> Any:

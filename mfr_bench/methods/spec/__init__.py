@@ -19,7 +19,7 @@ from .capacity import SPARE_CELLS, Choice, Counted, Decided, Grown, Known, Plan,
 from .conditions import REASONS, FrameState, left_out
 from .fitted import ALPHA_STEPS, LEAF_ROUNDINGS, UNIT_ROUNDOFF, Fitted
 from .formulas import doubled, evaluate
-from .method import ONE, Guarantee, Method, Promise, Variant
+from .method import ONE, Guarantee, Method, Promise, Variant, Variants
 from .params import ON_OFF, Above, Param, Params, Value, When, when
 from .passes import (
     ADD,
@@ -115,6 +115,7 @@ __all__ = [
     "Target",
     "Value",
     "Variant",
+    "Variants",
     "When",
     "doubled",
     "evaluate",

@@ -35,8 +35,11 @@ class Fitted:
 
     def value(self, formula: str) -> int:
         """The value of a pass's formula, which may also use `keep`, the method's `local`."""
-        keep = max(1, int(evaluate(self.variant.method.local, self.stats, self.scope)))
-        return int(evaluate(formula, self.stats, self.scope | {"keep": keep}))
+        return int(evaluate(formula, self.stats, self.scope | {"keep": self._keep}))
+
+    @cached_property
+    def _keep(self) -> int:
+        return max(1, int(evaluate(self.variant.method.local, self.stats, self.scope)))
 
     # --- the image ---
 
@@ -75,6 +78,10 @@ class Fitted:
 
     def decision(self) -> Choice | None:
         """The choice that the host will make in the scene, or None if it makes none."""
+        return self._decision
+
+    @cached_property
+    def _decision(self) -> Choice | None:
         decided, stats = self.variant.method.capacity, self.stats
         if not isinstance(decided, Decided):
             return None
@@ -100,6 +107,10 @@ class Fitted:
 
     def capacity(self) -> int:
         """Elements that the variable buffers have room for once the frame fits."""
+        return self._capacity
+
+    @cached_property
+    def _capacity(self) -> int:
         known = self.variant.method.capacity
         if isinstance(known, Grown):
             return doubled(self.start_capacity(), int(evaluate(known.wanted, self.stats, self.scope)))
@@ -117,6 +128,13 @@ class Fitted:
 
         The image that all methods share is not counted.
         """
+        return self._frame_bytes if capacity is None else self._bytes(capacity)
+
+    @cached_property
+    def _frame_bytes(self) -> dict[str, int]:
+        return self._bytes(None)
+
+    def _bytes(self, capacity: int | None) -> dict[str, int]:
         buffers = {b.name: b.copies * self.block_bytes(b, capacity) for b in self.variant.buffers}
         targets = {t.name: int(4 * FORMAT_WORDS[t.format]) * t.copies * self.stats.P * self.samples(t)
                    * self.layer_count(t) for t in self.variant.targets}

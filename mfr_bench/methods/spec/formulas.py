@@ -22,6 +22,7 @@ def doubled(start: int, needed: int) -> int:
 
 PURE = {"ceil": math.ceil, "floor": math.floor, "log2": math.log2, "min": min, "max": max, "doubled": doubled}
 FUNCTIONS = (*PURE, "bounded", "paged")
+PURE_SCOPE = {"__builtins__": {}, **PURE}
 
 
 @cache
@@ -31,8 +32,7 @@ def _compiled(formula: str):
 
 def evaluate(formula: str, stats: SceneStats, params: Params) -> float:
     """Value of a resource formula for one frame. Raises NameError for a name it does not know."""
-    of_the_scene = {"bounded": stats.bounded, "paged": stats.paged}
-    scope = {"__builtins__": {}} | PURE | of_the_scene | stats.names() | dict(params)
-    if "k" in params:
+    scope = {**PURE_SCOPE, "bounded": stats.bounded, "paged": stats.paged, **stats.names, **params}
+    if "f_k" in formula and "k" in params:
         scope["f_k"] = stats.bounded(int(params["k"])) / stats.P
     return eval(_compiled(formula), scope)

@@ -108,7 +108,7 @@ class Method(_Stepped):
     def variant(self, params: Params) -> Variant:
         return Variant(self, self.complete(params))
 
-    @property
+    @cached_property
     def k_saves_passes(self) -> bool:
         """Whether a loop runs less often the more fragments each round of it keeps."""
         deep = SceneStats(W=1, H=1, n=1024, F=1024, primitives=1024)
@@ -130,17 +130,17 @@ class Variant(_Stepped):
     def _active(self, items):
         return tuple(i for i in items if i.when is None or i.when.holds(self.scope))
 
-    @property
+    @cached_property
     def scope(self) -> dict[str, Value]:
         """The parameters that formulas, conditions and shaders see."""
         return {p.name: p.default for p in self.method.fixed} | self.params
 
-    @property
+    @cached_property
     def buffers(self) -> tuple[Buffer, ...]:
         """The buffers that these parameters use."""
         return self._active(self.method.buffers + tuple(b for p in self.passes for b in p.buffers))
 
-    @property
+    @cached_property
     def targets(self) -> tuple[Target, ...]:
         """The targets that these parameters use."""
         return self._active(self.method.targets + tuple(t for p in self.passes for t in p.targets))
@@ -165,18 +165,18 @@ class Variant(_Stepped):
         """The parameters that shaders see: the method's own, after those that it never varies."""
         return self.method.fixed + self.method.params
 
-    @property
+    @cached_property
     def acting(self) -> tuple[Param, ...]:
         """The method's parameters that have an effect here."""
         return tuple(p for p in self.method.params if p.acts is None or p.acts.holds(self.scope))
 
-    @property
+    @cached_property
     def needs(self) -> tuple[str, ...]:
         """Device features that these parameters need."""
         chosen = (p.need(self.params) for p in self.acting)
         return self.method.needs + tuple(f for f in chosen if f)
 
-    @property
+    @cached_property
     def asks(self) -> tuple[str, ...]:
         """Facts of a scene without which these parameters do not work."""
         chosen = {p.asked(self.params[p.name]): None for p in self.acting if p.asked(self.params[p.name])}
@@ -260,3 +260,18 @@ class Variant(_Stepped):
         cut_off = (self.method.leaves_out and self.guarantee == "approximate"
                    and isinstance(self.method.capacity, Planned))
         return bool(cut_off or (self.scope.get("occupancy") and isinstance(self.method.capacity, (Grown, Counted))))
+
+
+class Variants:
+    """The variants of methods that many cells have: each is made once, and so is all that it derives."""
+
+    def __init__(self, catalog: Mapping[str, Method]):
+        self._catalog = catalog
+        self._made: dict[tuple, Variant] = {}
+
+    def of(self, method: str, params: Params) -> Variant:
+        """The variant of a method by its id, with all parameters chosen."""
+        chosen = method, *params.items()
+        if chosen not in self._made:
+            self._made[chosen] = self._catalog[method].variant(params)
+        return self._made[chosen]

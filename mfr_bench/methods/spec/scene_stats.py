@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from ...effects import PLAIN, Settings
 
@@ -76,13 +77,20 @@ class SceneStats:
 
     def bounded(self, k: int) -> int:
         """Fragments left when each pixel keeps at most `k`: the sum of min(f, k) over the pixels."""
-        return sum(min(f, k) * pixels for f, pixels in enumerate(self.histogram))
+        return sum(min(f, k) * pixels for f, pixels in self._filled)
 
     def paged(self, page: int) -> int:
         """Cells in the pages of `page` cells that the fragments fill when no two pixels share one."""
-        return sum(math.ceil(f / page) * page * pixels for f, pixels in enumerate(self.histogram))
+        return sum(math.ceil(f / page) * page * pixels for f, pixels in self._filled)
 
-    def names(self) -> dict[str, float]:
+    @cached_property
+    def _filled(self) -> tuple[tuple[int, int], ...]:
+        """The numbers of fragments that some pixels have, each with how many do."""
+        return tuple((f, pixels) for f, pixels in enumerate(self.histogram) if pixels)
+
+    @cached_property
+    def names(self) -> Mapping[str, float]:
+        """The counts by the names that formulas have for them."""
         return {"W": self.W, "H": self.H, "P": self.P, "n": self.n, "F": self.F, "f": self.F / self.P}
 
 
