@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 from ..store import KEY_FILE, ResultFolder
-from ..store.record import NODE, Cell, cell_key, fault, other_schema, parsed
+from ..store.record import NODE, Cell, Shared, cell_key, fault, other_schema, parsed
 
 REPEATED = frozenset({  # what another run of the same cell gives anew
     "warmup_ms", "samples_ms", "passes", "measured", "device"})
@@ -35,7 +35,7 @@ class Copy:
     @cached_property
     def cell(self) -> Cell:
         """The record, parsed once."""
-        return parsed(self.content)
+        return parsed(self.content, self.source.shared)
 
     @property
     def node(self) -> tuple[str | None, ...]:
@@ -58,6 +58,7 @@ class Source:
 
     folder: ResultFolder
     manifest: Mapping[str, Any]
+    shared: Shared = field(default_factory=Shared, repr=False, compare=False)
 
     @classmethod
     def of(cls, folder: ResultFolder) -> Source:
@@ -74,11 +75,24 @@ class Source:
 
     def copies(self) -> Iterator[Copy | str]:
         """Every record of the folder, or a line on what keeps it from being one. Nothing in the folder is changed."""
-        names = self.folder.names()
+        for copy in self.files():
+            yield copy if isinstance(copy, str) else self.fault(copy) or copy
+
+    def files(self) -> Iterator[Copy | str]:
+        """Every file of a cell in the folder, unchecked, or a line on why it cannot be read."""
+        names, content = self.folder.names(), self.folder.reader()
         there = frozenset(names)
         for name in filter(KEY_FILE.fullmatch, names):
             key = name.removesuffix(".json")
-            yield self._copy(key, f"{key}.npz" in there)
+            yield self._copy(key, content, f"{key}.npz" in there)
+
+    def fault(self, copy: Copy) -> str | None:
+        """A line on what keeps a file from being a record that can be used, or None."""
+        try:
+            wrong = other_schema(copy.cell) or fault(copy.cell, copy.key)
+        except ValueError as error:
+            wrong = f"cannot be read: {error}"
+        return self._left_out(copy.key, wrong) if wrong else None
 
     def contradiction(self, copy: Copy) -> str | None:
         """The contradiction of a record with its own key or its folder, or None."""
@@ -90,19 +104,19 @@ class Source:
             return "is not what its key names (method, shaders, parameters, scene, settings, device, driver, timer)"
         return None
 
-    def _copy(self, key: str, with_arrays: bool) -> Copy | str:
-        """A record of the folder, or a line with its fault."""
+    def _copy(self, key: str, content: Callable[[str], bytes], with_arrays: bool) -> Copy | str:
         try:
-            arrays = self._arrays(key) if with_arrays else None
-            copy = Copy(key, self.folder.content(f"{key}.json"), arrays, self)
-            wrong = other_schema(copy.cell) or fault(copy.cell, key)
+            return Copy(key, content(f"{key}.json"), self._arrays(key, content) if with_arrays else None, self)
         except (OSError, ValueError) as error:
-            wrong = f"cannot be read: {error}"
-        return f"{self.folder.path}: cell {key}: {wrong}; left out" if wrong else copy
+            return self._left_out(key, f"cannot be read: {error}")
 
-    def _arrays(self, key: str) -> bytes | None:
+    def _left_out(self, key: str, wrong: str) -> str:
+        return f"{self.folder.path}: cell {key}: {wrong}; left out"
+
+    @staticmethod
+    def _arrays(key: str, content: Callable[[str], bytes]) -> bytes | None:
         try:
-            return self.folder.content(f"{key}.npz")
+            return content(f"{key}.npz")
         except (OSError, ValueError):
             return None
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..errors import UsageError
@@ -17,10 +18,14 @@ SHOWN = 20  # contradictions of one merge that are listed; of more, the number
 
 @dataclass(frozen=True)
 class Merged:
-    """The set of one experiment on one device: where it goes, and the folders that it is made of."""
+    """The set of one experiment on one device: where it goes, and the folders that it is made of.
+
+    checked: what tells the files of these folders, which were all checked and found right, from any others.
+    """
 
     folder: ResultFolder
     sources: tuple[Source, ...]
+    checked: str | None = None
 
 
 @dataclass(frozen=True)
@@ -28,13 +33,14 @@ class Decided:
     """Each key of a set with what becomes of it, the folders that it comes from, with what was in its place already.
 
     left_out: a line for each record that cannot be used; wrong: for each that contradicts its key, its folder or
-    another.
+    another. state: the files that it was decided by, as `Merged.checked` has it.
     """
 
     sources: Sequence[Source]
     cells: Mapping[str, Settled]
     left_out: Sequence[str]
     wrong: Sequence[str]
+    state: str
 
     @property
     def packed(self) -> bool:
@@ -47,23 +53,26 @@ def merged_sets(folders: Sequence[ResultFolder], into: Path) -> tuple[list[Merge
 
     A set goes to INTO/<device>/<experiment>/, as under results/; if all folders hold one experiment of one device, and
     INTO is no folder of sets, it goes to INTO itself. The order of `folders` does not matter. Every record is checked
-    here, and none is kept: what becomes of it is decided again where it is written.
+    here, and none is kept: what becomes of it is decided again where it is written, of the same files without checking
+    each anew.
 
     Raises UsageError where records contradict their keys, their folders or each other; nothing is written then.
     """
     sets = _sets([Source.of(folder) for folder in folders], into)
     left_out: list[str] = []
     wrong: list[str] = []
-    for skipped, mistakes in in_processes(_checked, sets):
+    checked = []
+    for merged, (skipped, mistakes, state) in zip(sets, in_processes(_checked, sets), strict=True):
         left_out += skipped
         wrong += mistakes
+        checked.append(replace(merged, checked=None if skipped or mistakes else state))
     refuse(wrong, "nothing was merged")
-    return sets, left_out
+    return checked, left_out
 
 
-def _checked(merged: Merged) -> tuple[Sequence[str], Sequence[str]]:
+def _checked(merged: Merged) -> tuple[Sequence[str], Sequence[str], str]:
     decided = decide(merged)
-    return decided.left_out, decided.wrong
+    return decided.left_out, decided.wrong, decided.state
 
 
 def refuse(wrong: Sequence[str], end: str) -> None:
@@ -108,18 +117,34 @@ def decide(merged: Merged) -> Decided:
         if (there.slug, there.name) != (mine.slug, mine.name):
             wrong.append(f"{target.path}: is the set {there.name} of {there.slug}, not {mine.name} of {mine.slug}")
         sources.append(there)
-    cells = _settled(_copies(sources, left_out, wrong), target, wrong)
-    return Decided(sources, cells, left_out, wrong)
+    read = [(source, list(source.files())) for source in sources]
+    state = _state(read)
+    found = _copies(read, left_out, wrong, checked=state == merged.checked)
+    return Decided(sources, _settled(found, target, wrong), left_out, wrong, state)
 
 
-def _copies(sources: Iterable[Source], left_out: list[str], wrong: list[str]) -> dict[str, dict[str, Copy]]:
-    """The sound records of all sources by key and digest."""
+Read = Sequence[tuple[Source, Sequence[Copy | str]]]  # each source with its files, or lines on why one cannot be read
+
+
+def _state(read: Read) -> str:
+    """A hash of everything that the check of these records reads."""
+    found = hashlib.sha256()
+    for source, copies in read:
+        found.update(repr((str(source.folder.path), source.slug, source.manifest.get("timer"))).encode())
+        found.update(repr([copy if isinstance(copy, str) else (copy.key, copy.digest) for copy in copies]).encode())
+    return found.hexdigest()
+
+
+def _copies(read: Read, left_out: list[str], wrong: list[str], checked: bool) -> dict[str, dict[str, Copy]]:
+    """The sound records of all sources by key and digest; checked: they were found sound before."""
     found: dict[str, dict[str, Copy]] = {}
-    for source in sources:
-        for copy in source.copies():
+    for source, copies in read:
+        for copy in copies:
             if isinstance(copy, str):
                 left_out.append(copy)
-            elif contradiction := source.contradiction(copy):
+            elif not checked and (unusable := source.fault(copy)):
+                left_out.append(unusable)
+            elif not checked and (contradiction := source.contradiction(copy)):
                 wrong.append(f"{source.folder.path}: cell {copy.key} {contradiction}")
             else:
                 found.setdefault(copy.key, {}).setdefault(copy.digest, copy)

@@ -18,6 +18,7 @@ from .record import (
     KEY_FILE,
     SCHEMA,
     Cell,
+    Shared,
     decoded,
     fault,
     is_cell_file,
@@ -102,9 +103,12 @@ class ResultFolder:
 
     def cell(self, key: str) -> Cell | None:
         """The record of a cell, or None where there is none that can be used."""
+        return self._cell(key, self.content, None)
+
+    def _cell(self, key: str, content: Callable[[str], bytes], shared: Shared | None) -> Cell | None:
         path = self.cells_path / f"{key}.json"
         try:
-            cell = parsed(self.content(path.name))
+            cell = parsed(content(path.name), shared)
         except FileNotFoundError:
             return None
         except OSError as error:
@@ -117,10 +121,14 @@ class ResultFolder:
         return self._set_aside(path, wrong) if wrong else decoded(cell)
 
     def cells(self) -> list[Cell]:
-        """Every usable cell: those of the manifest in its order, then the others by key."""
+        """Every usable cell: those of the manifest in its order, then the others by key.
+
+        What several have in common, such as a scene, may be one object: nobody changes it.
+        """
         found = sorted((name.removesuffix(".json") for name in self.names() if KEY_FILE.fullmatch(name)),
                        key=self._place())
-        return [cell for cell in map(self.cell, found) if cell is not None]
+        content, shared = self.reader(), Shared()
+        return [cell for key in found if (cell := self._cell(key, content, shared)) is not None]
 
     def in_order(self, records: Iterable[Cell]) -> list[Cell]:
         """Sound records of this folder as `cells` gives them."""
@@ -142,6 +150,11 @@ class ResultFolder:
             if pack is None:
                 raise FileNotFoundError(name) from None
             return pack.read(name)
+
+    def reader(self) -> Callable[[str], bytes]:
+        """`content` for many files: which of them are loose is found out once, now."""
+        loose, pack = set(self.loose()), self._packed()
+        return lambda name: self.content(name) if pack is None or name in loose else pack.read(name)
 
     def write_content(self, name: str, content: bytes) -> None:
         """Store a file of the cells as it is, durably: a record that was checked elsewhere, or its arrays."""

@@ -38,6 +38,10 @@ TYPES: Mapping[str, tuple[type, ...]] = {"str": (str,), "int": (int,), "float": 
 AMOUNTS = ("ms", "bytes", "pixels", "fragments", "frames")  # units of what is never negative
 ARRAY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.npz")
 FIRST_MEMBER = re.compile(rb'\{\s*"schema": (\d{1,9}),')  # as `text` writes it
+MEMBER = re.compile(r'"([a-z_]+)": ')  # the start of a line that `text` writes
+# Members that are alike in many records of a folder.
+ALIKE = frozenset(("schema", "experiment", "label", "point", "method", "params", "scene", "measure", "status",
+                   "glsl_hash", "device"))
 KEY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.json")
 
 
@@ -116,15 +120,55 @@ def _refuse_constant(name: str) -> None:
     raise ValueError(f"{name} is not JSON")
 
 
-def parsed(content: bytes) -> Any:
-    """The JSON value in a file's content. Raises ValueError if it has none."""
+_DECODER = json.JSONDecoder(parse_constant=_refuse_constant)
+
+
+def parsed(content: bytes, shared: Shared | None = None) -> Any:
+    """The JSON value in a file's content. Raises ValueError if it has none.
+
+    shared: of the records of a folder; members that are alike in many of them are then one object, which all who read
+    leave as it is.
+    """
     try:
-        value = json.loads(content.decode(), parse_constant=_refuse_constant)
-        if b"\\ud" in content.lower():
+        written = content.decode()
+        value = None if shared is None else shared.record(written)
+        value = _DECODER.decode(written) if value is None else value
+        if b"\\" in content and b"\\ud" in content.lower():
             json.dumps(value, ensure_ascii=False).encode()  # half of a pair, escaped, is a text that nothing can print
     except RecursionError:
         raise ValueError("nested too deeply") from None
     return value
+
+
+class Shared:
+    """Reads the records of a folder as `text` wrote them, a member a line: one that many have is parsed once."""
+
+    def __init__(self) -> None:
+        self._members: dict[str, tuple[str, Any]] = {}  # by line
+
+    def record(self, written: str) -> Cell | None:
+        """The record, or None where the text has another form: then it is to be parsed as a whole."""
+        if not (written.startswith("{\n") and written.endswith("\n}\n")):
+            return None
+        lines = written[2:-3].split(",\n")
+        members = [self._members.get(line) or self._member(line) for line in lines]
+        found = {} if None in members else dict(members)
+        return found if len(found) == len(lines) else None
+
+    def _member(self, line: str) -> tuple[str, Any] | None:
+        """The name and the value that a line has; None where it is no whole member."""
+        name = MEMBER.match(line)
+        if name is None:
+            return None
+        try:
+            value, end = _DECODER.scan_once(line, name.end())
+        except (StopIteration, ValueError):
+            return None
+        if end != len(line):
+            return None
+        if name[1] in ALIKE:
+            self._members[line] = name[1], value
+        return name[1], value
 
 
 def read(path: Path) -> Any:

@@ -17,6 +17,8 @@ from .folder import ResultFolder
 from .record import PACKAGES, Cell, places
 
 Row = dict[str, Any]
+ORIGINS = tuple((column.name, column.origin) for column in COLUMNS)
+WRITTEN = frozenset((str, int, float, type(None)))  # types whose values the writer of CSV turns into text by itself
 
 
 def device_name(cell: Mapping[str, Any]) -> str | None:
@@ -35,19 +37,33 @@ def package_text(package: Mapping[str, Any]) -> str:
     return " ".join(str(package[part]) for part in ("name", "version", "hash") if package.get(part))
 
 
-def _floor_key(cell: Mapping[str, Any]) -> str:
-    return json.dumps([device_name(cell), cell["values"].get("timer"), cell["scene"]], sort_keys=True)
+class Texts:
+    """The JSON texts of values, names in order: one that several records share, such as a scene, is written once."""
+
+    def __init__(self) -> None:
+        self._written: dict[int, tuple[Any, str]] = {}  # by identity, with the value: no other has it meanwhile
+
+    def of(self, value: Any) -> str:
+        """The text; equal values have equal ones."""
+        found = self._written.get(id(value))
+        if found is None:
+            found = self._written[id(value)] = value, json.dumps(value, sort_keys=True)
+        return found[1]
 
 
 class Floors:
     """The floor's cell for the scene, device and timer of any other cell."""
 
     def __init__(self, cells: Iterable[Cell]):
+        self._texts = Texts()
         measured = [c for c in cells if c["method"] == FLOOR and c["values"].get("time_ms") is not None]
-        self._cells = {_floor_key(c): c for c in reversed(measured)}
+        self._cells = {self._key(c): c for c in reversed(measured)}
 
     def of(self, cell: Cell) -> Cell | None:
-        return self._cells.get(_floor_key(cell))
+        return self._cells.get(self._key(cell))
+
+    def _key(self, cell: Cell) -> tuple[str | None, ...]:
+        return device_name(cell), cell["values"].get("timer"), self._texts.of(cell["scene"])
 
 
 def result_rows(cells: Iterable[Cell]) -> list[Row]:
@@ -63,7 +79,7 @@ def _result_row(cell: Cell, floor: Cell | None) -> Row:
               "msaa": cell["scene"].get("msaa", PLAIN.msaa), "device": device_name(cell), "package": package_name(cell),
               "floor_ms": floor["values"]["time_ms"] if floor else None}
     origins = {"cell": cell, "scene": cell["scene"], "values": cell["values"], "joined": joined}
-    return {c.name: origins[c.origin].get(c.name) for c in COLUMNS}
+    return {name: origins[origin].get(name) for name, origin in ORIGINS}
 
 
 def pass_rows(cells: Iterable[Cell]) -> list[Row]:
@@ -90,16 +106,19 @@ def csv_text(columns: Iterable[str], rows: Iterable[Mapping[str, Any]]) -> bytes
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows([_field(row.get(name)) for name in columns] for row in rows)
+    structures: dict[int, tuple[Any, str]] = {}  # what rows share is written once; see `Texts`
+    for row in rows:
+        values = map(row.get, columns)
+        writer.writerow([value if type(value) in WRITTEN else _field(value, structures) for value in values])
     return text.getvalue().encode(errors="replace")
 
 
-def _field(value: Any) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, (bool, dict, list)):
-        return json.dumps(value, ensure_ascii=False)
-    return repr(value) if isinstance(value, float) else str(value)
+def _field(value: Any, structures: dict[int, tuple[Any, str]]) -> str:
+    if not isinstance(value, (bool, dict, list)):
+        return repr(value) if isinstance(value, float) else str(value)
+    if id(value) not in structures:
+        structures[id(value)] = value, json.dumps(value, ensure_ascii=False)
+    return structures[id(value)][1]
 
 
 def derive(folder: ResultFolder, cells: Sequence[Cell] | None = None) -> None:

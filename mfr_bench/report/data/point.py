@@ -175,12 +175,13 @@ def time_ratio(over: Cell, under: Cell, confidence: float = 0.95) -> Interval:
     """
     above, below = (cell.get("samples_ms") or [] for cell in (over, under))
     least, most = (over["measure"].get(name) for name in ("min_samples", "max_samples"))
-    of_all = ratio_interval(above, below, confidence)
     if not (all(over[name] == under[name] for name in ("scene", "measure")) and least and most):
-        return of_all
+        return ratio_interval(above, below, confidence)
     in_turns = interleaved_ratio(above, below, least, most, confidence)
     hidden = None not in in_turns and in_turns[0] <= 1 <= in_turns[2]
-    return of_all if hidden and _disjoint(above, below, confidence) else in_turns
+    if hidden and _disjoint(above, below, confidence):
+        return ratio_interval(above, below, confidence)
+    return in_turns
 
 
 def _disjoint(first: Sequence[float], second: Sequence[float], confidence: float) -> bool:

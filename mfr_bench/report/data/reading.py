@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ...store import Cell, Floors, ResultFolder, device_name, places, result_rows
+from ...store import Cell, Floors, ResultFolder, Texts, device_name, places, result_rows
 from .belonging import Config
 from .point import Point
 from .result import Result
@@ -67,19 +67,19 @@ def _together(values: Iterable[Any]) -> str:
 
 def _current(cells: Sequence[Cell], planned: frozenset[str]) -> list[Cell]:
     """Without records that a planned cell of the same point replaces: other shaders, drivers, settings or defaults."""
+    texts = Texts()
     foreign = [cell for cell in cells if cell["key"] not in planned]
-    taken = {_identity(cell) for cell in cells if cell["key"] in planned} if foreign else set()
-    left = {id(cell) for cell in foreign if _identity(cell) in taken}
-    kept: dict[str, Cell] = {}
+    taken = {_identity(cell, texts) for cell in cells if cell["key"] in planned} if foreign else set()
+    left = {id(cell) for cell in foreign if _identity(cell, texts) in taken}
+    kept: dict[tuple, Cell] = {}
     for cell in cells:
         if id(cell) not in left:
-            kept.setdefault(_identity(cell, "params"), cell)
+            kept.setdefault((*_identity(cell, texts), texts.of(cell["params"])), cell)
     return list(kept.values())
 
 
-def _identity(cell: Cell, *more: str) -> str:
-    of = {name: cell[name] for name in ("method", "label", "scene", "point", *more)}
-    return json.dumps(of | {"device": device_name(cell)}, sort_keys=True)
+def _identity(cell: Cell, texts: Texts) -> tuple[str | None, ...]:
+    return (cell["method"], cell["label"], texts.of(cell["scene"]), texts.of(cell["point"]), device_name(cell))
 
 
 def labels_of(cells: Sequence[Cell]) -> list[str]:
@@ -89,20 +89,21 @@ def labels_of(cells: Sequence[Cell]) -> list[str]:
     """
     swept = {bare(name) for cell in cells for name in cell["point"]}
     entries: dict[str, dict[str, dict]] = {}
-    places: dict[str, set[str]] = {}
-    where = [_place(cell) for cell in cells]
+    places: dict[tuple, set[str]] = {}
+    texts = Texts()
+    where = [(cell["label"], texts.of(cell["point"]), texts.of(cell["scene"])) for cell in cells]
+    variants: dict[tuple[str, str], tuple[dict, str]] = {}  # by method and parameters, without those that are swept
     for cell, place in zip(cells, where, strict=True):
-        fixed = {"method": cell["method"]} | {n: v for n, v in cell["params"].items() if n not in swept}
-        text = json.dumps(fixed, sort_keys=True)
+        variant = cell["method"], texts.of(cell["params"])
+        if variant not in variants:
+            fixed = {"method": cell["method"]} | {n: v for n, v in cell["params"].items() if n not in swept}
+            variants[variant] = fixed, json.dumps(fixed, sort_keys=True)
+        fixed, text = variants[variant]
         entries.setdefault(cell["label"], {})[text] = fixed
         places.setdefault(place, set()).add(text)
     shared = {cell["label"] for cell, place in zip(cells, where, strict=True) if len(places[place]) > 1}
     return [_label(cell, list(entries[cell["label"]].values())) if cell["label"] in shared else cell["label"]
             for cell in cells]
-
-
-def _place(cell: Cell) -> str:
-    return json.dumps([cell["label"], cell["point"], cell["scene"]], sort_keys=True)
 
 
 def _label(cell: Cell, same: list[dict]) -> str:
