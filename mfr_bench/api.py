@@ -41,14 +41,18 @@ def load(*folders: Path) -> Results:
     A folder that 'mfr-bench table --parquet' wrote is read as it is: nothing below it counts.
 
     What was not measured is missing (`<NA>` or NaN), never 0. Times are in ms, memory in bytes, as `.attrs` says.
-    Warns with DamagedWarning of each file that cannot be used.
+    Warns with DamagedWarning of each file that cannot be used. Raises TypeError where an argument is no path.
     Raises UsageError as well where a hand or another program put a value of another type into a cell.
     """
     from pathlib import Path as Folder
 
     from .parquet import FIRST
 
-    places = [Folder(os.fspath(folder)) for folder in folders]
+    for folder in folders:
+        if not isinstance(folder, str | os.PathLike):
+            raise TypeError(f"load: {folder!r} is no folder; allowed: paths as str or os.PathLike, each an argument of "
+                            "its own")
+    places = [Folder(folder) for folder in folders]
     parts = [_load_parquet(place) for place in places if (place / FIRST).is_file()]
     measured = [place for place in places if not (place / FIRST).is_file()]
     if measured or not parts:

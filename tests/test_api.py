@@ -76,6 +76,13 @@ def test_what_is_not_there_is_a_usage_error(tmp_path, folder):
         mfr_bench.plot(mfr_bench.load(folder.path).cells, y="tme_ms")
 
 
+@pytest.mark.parametrize("given", [5, None, b"results", ["results", "more"]])
+def test_what_is_no_path_is_named(given):
+    with pytest.raises(TypeError, match=r"^load: .* is no folder; allowed: paths as str or os\.PathLike") as error:
+        mfr_bench.load(given)
+    assert repr(given) in str(error.value)
+
+
 @pytest.mark.parametrize(("options", "said"), [
     ({"y": "label"}, "column 'label' has no numbers; allowed: "), ({"x": "method"}, "column 'method' has no numbers; "),
     ({"log": "z"}, "log='z'; allowed: letters of 'xy'"), ({"x": "nope"}, "no column 'nope'; ")])

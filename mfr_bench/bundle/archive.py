@@ -62,6 +62,9 @@ def read_bundle(path: Path) -> dict[str, dict[str, bytes]]:
         return _read(path)
     except FileNotFoundError:
         raise UsageError(f"{path}: no such file; allowed: a bundle that 'mfr-bench submit-results' wrote") from None
+    except IsADirectoryError:
+        raise UsageError(f"{path}: a folder; allowed: a bundle, one .zip; of results in this folder it is made by: "
+                         f"mfr-bench submit-results {path} --sign-off \"YOUR NAME\" --out bundle.zip") from None
     except OSError as error:
         raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from error
     except (ValueError, zipfile.BadZipFile) as error:

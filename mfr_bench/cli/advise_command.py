@@ -15,9 +15,12 @@ from .output import note, say, width
 
 
 class Positive(click.ParamType):
-    """A number above 0, or a fraction such as 1/255."""
+    """A number above 0, up to `most`, or a fraction such as 1/255."""
 
     name = "number"
+
+    def __init__(self, most: float = math.inf):
+        self._most = most
 
     def convert(self, value, param, context):
         over, slash, under = str(value).partition("/")
@@ -25,8 +28,9 @@ class Positive(click.ParamType):
             number = float(over) / float(under if slash else 1)
         except (ValueError, ZeroDivisionError):
             number = math.nan
-        if not 0 < number < math.inf:
-            self.fail(f"{value!r} is not allowed; allowed: a number above 0")
+        if not 0 < number <= self._most or number == math.inf:
+            upper = "" if self._most == math.inf else f", up to {self._most:g}, or a fraction such as 1/255"
+            self.fail(f"{value!r} is not allowed; allowed: a number above 0{upper}")
         return number
 
 
@@ -60,13 +64,14 @@ class SceneKeys(click.ParamType):
             return text
 
 
+LARGEST_ERROR = 1.0  # between two images that a screen can show, by every metric
 DEVICES = click.option("--devices", is_flag=True, help="One answer for all devices: the best on the worst device, and "
                        "what is near the best on each.")
 
 
 @click.command()
 @click.argument("targets", nargs=-1, required=True, metavar="CONFIG|DIR...", type=ConfigName())
-@click.option("--max-error", type=Positive(), required=True, metavar="E",
+@click.option("--max-error", type=Positive(LARGEST_ERROR), required=True, metavar="E",
               help="The error that an image may have against the float64 image of all fragments, as 0.01 or 1/255.")
 @click.option("--memory-mb", type=Positive(), metavar="M", help="The MiB that a method may allocate; default: any.")
 @click.option("--metric", type=OneOf(["rmse", "flip", "max"]), default="rmse", show_default=True,

@@ -32,8 +32,9 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
     Cells are matched by config, method, parameters and scene, in all results at or below each folder.
 
     \b
-    FASTER, SLOWER  beyond the threshold, both noise floors, and what two runs
-                    of one thing differ by, corrected for the number of cells
+    FASTER, SLOWER  beyond the threshold, and what two runs of one thing differ
+                    by, as the cells show it, corrected for their number; with
+                    fewer than 20 cells also beyond both noise floors
     SAME            within the threshold, with 95 % confidence
     UNCLEAR         neither: measure again, longer, or on a quieter machine
     MISSING         in one of the two folders alone

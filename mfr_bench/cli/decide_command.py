@@ -9,7 +9,7 @@ from pathlib import Path
 import click
 
 from .endings import NOTHING_KEEPS
-from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
+from .mesh_scene import MESH_CONFIG, overrides_of, own_scene
 from .options import DEVICE, JSON, OUTSIDE, WITHIN, NumberRange, OutPath
 from .output import note, say, width
 
@@ -22,8 +22,7 @@ MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a devic
 @click.option("--layers", type=click.IntRange(1, 4096), help="Most fragments of any pixel.")
 @click.option("--covered", type=NumberRange(0, 1, min_open=True), default=1.0, show_default=True,
               help="Share of the pixels with fragments.")
-@MESH
-@FRAGMENTS
+@own_scene()
 @click.option("--config", metavar="CONFIG", help="Take the scene of this config's first cell instead.")
 @click.option("--memory-mb", type=NumberRange(0, 2**24, min_open=True), help="Most memory of the method, in MiB.")
 @click.option("--max-error", metavar="E", default="0", show_default=True,

@@ -86,6 +86,16 @@ class Commands(click.Group):
             raise click.UsageError(f"no command {args[0]!r}; {one_of(args[0], names)}")
         return super().resolve_command(context, args)
 
+    def invoke(self, context):
+        """Runs the command; a mistake in its options that names no command becomes one of this command."""
+        try:
+            return super().invoke(context)
+        except click.UsageError as error:
+            if error.ctx is None and context.invoked_subcommand:
+                name = context.invoked_subcommand
+                error.ctx = click.Context(self.commands[name], context, name)
+            raise
+
 
 click.Context.formatter_class = Formatter
 

@@ -15,11 +15,14 @@ from .output import note
 MESH_CONFIG = "meshes"  # the config that --mesh and --fragments take where none is named
 OPACITIES = [0.1, 0.6]  # of a mesh without a translucent triangle
 
-MESH = click.option("--mesh", metavar="FILE", help="Take this mesh as the scene: OBJ, PLY, STL, GLB or glTF. Without a "
-                    "CONFIG every method draws it.")
 
-FRAGMENTS = click.option("--fragments", metavar="FILE", help="Take these recorded fragments as the scene: an .npz as "
-                         "mfr-bench scene --fragments writes it. Without a CONFIG every method draws it.")
+def own_scene(remark: str = ""):
+    """The two options of a command that takes a scene of one's own. `remark`: a sentence at the end of their help."""
+    mesh = click.option("--mesh", metavar="FILE",
+                        help=f"Take this mesh as the scene: OBJ, PLY, STL, GLB or glTF.{remark}")
+    fragments = click.option("--fragments", metavar="FILE", help="Take these recorded fragments as the scene: an .npz "
+                             f"as mfr-bench scene --fragments writes it.{remark}")
+    return lambda command: mesh(fragments(command))
 
 
 def overrides_of(mesh: str | None, fragments: str | None) -> list[str]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .interruption import Interruption
-from .mesh_scene import FRAGMENTS, MESH, MESH_CONFIG, overrides_of
+from .mesh_scene import MESH_CONFIG, overrides_of, own_scene
 from .options import JSON, JUNIT, SUMMARY, ConfigName, NumberRange, OutPath, Share, measuring, seconds
 
 if TYPE_CHECKING:
@@ -20,8 +20,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("configs", nargs=-1, metavar="CONFIG...", type=ConfigName())
-@MESH
-@FRAGMENTS
+@own_scene(" Without a CONFIG every method draws it.")
 @click.option("--size", metavar="WxH", help="Viewport of the scene in pixels, such as 1280x720.")
 @click.option("--memory-mb", metavar="M", type=NumberRange(0, 2**24, min_open=True),
               help="Most memory of a method, in MiB; methods that need more are left out, and said to be.")

@@ -183,13 +183,13 @@ class _Timed:
 
     def __init__(self, pairs: Sequence[tuple[Entry, Entry]], floor: float, threshold: float, absolute: bool,
                  alike: bool):
-        self._limit, self._same, self._absolute = math.log1p(max(threshold, floor)), math.log1p(threshold), absolute
-        self._floor = floor
+        self._same, self._absolute = math.log1p(threshold), absolute
         frames = Frames(_samples(entry) for pair in pairs for entry in pair)
         shifts = {id(a): shift for b, a in pairs if (shift := _shift(b, a, frames))}
         self._index = {key: number for number, key in enumerate(shifts)}
         self._shifts = list(shifts.values())
         self._noise: Noise = estimate(self._shifts, floor, alike)
+        self._limit = math.log1p(max(threshold, self._noise.floor))
         self._critical = NormalDist().inv_cdf(1 - ERROR_RATE / 2 / max(1, len(self._shifts)))
         self._of_method: dict[Any, list[int]] = defaultdict(list)
         for number, shift in enumerate(self._shifts):
@@ -258,7 +258,7 @@ class _Timed:
         if abs(moved) <= reach:
             return UNCLEAR, "no more than what two runs of one thing differ by here"
         if abs(moved) <= self._limit:
-            return UNCLEAR, f"no more than the noise floor of {percent(self._floor)}"
+            return UNCLEAR, f"no more than the noise floor of {percent(self._noise.floor)}"
         return UNCLEAR, "no other cell of the method moved with it: measure both again"
 
 

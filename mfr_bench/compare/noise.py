@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence, Sized
 from dataclasses import dataclass
-from statistics import NormalDist, median
+from statistics import NormalDist, fmean, median
 
 COMMON_LEAST = 5  # methods in a scene, from which on what they have in common differs from what one of them did
-SPREAD_LEAST = 20  # cells, from which on they show their own spread
-PRIOR_CELLS = 10  # cells' worth of evidence that the noise floors are
+SPREAD_LEAST = 20  # cells, from which on they show their own spread, and noise floors say nothing more
 LEAST = 1e-6  # deviation: no clock tells times apart to one in a million
 HALF_NORMAL = 0.6745  # median of the absolute value of a normal variable
+OUTER = 3.0  # deviations, from which on a cell tells nothing of how far the others are apart
+INNER_VARIANCE = 0.9733  # of the normal variables within so many deviations
 MOST_STRETCH = 4.0  # Cauchy's own: cells that many deviations out have changed, and do not hide one another
 TAILS = ((0.8, 1.0), (0.9, 1.0), (0.95, 0.9))  # quantile of the distances, and its weight: the last is of few cells
 
@@ -49,6 +50,7 @@ class Noise:
     between: float
     spread: float
     stretch: float
+    floor: float  # relative; no smaller change counts. 0 where the cells show how far they are apart
 
 
 def estimate(shifts: Sequence[Shift], floor: float, alike: bool = True) -> Noise:
@@ -58,15 +60,21 @@ def estimate(shifts: Sequence[Shift], floor: float, alike: bool = True) -> Noise
     """
     if not alike:
         return Noise((0.0,) * len(shifts), tuple(max(LEAST, math.hypot(s.error, floor)) for s in shifts), floor,
-                     floor, 1.0)
+                     floor, 1.0, floor)
     common = _common(shifts)
     rest = [s.log_ratio - c for s, c in zip(shifts, common, strict=True)]
     errors = [s.error for s in shifts]
     between = _between(rest, errors, floor)
     deviations = tuple(max(LEAST, math.hypot(error, between)) for error in errors)
     distances = sorted(abs(r) / d for r, d in zip(rest, deviations, strict=True))
-    return Noise(common, deviations, max(LEAST, between), max(LEAST, _between(rest, [0.0] * len(rest), floor)),
-                 _stretch(distances) if len(distances) >= SPREAD_LEAST else 1.0)
+    spread = max(LEAST, _between(rest, [0.0] * len(rest), floor))
+    stretch, least = (_stretch(distances), 0.0) if _show_spread(distances) else (1.0, floor)
+    return Noise(common, deviations, max(LEAST, between), spread, stretch, least)
+
+
+def _show_spread(cells: Sized) -> bool:
+    """Whether cells are enough to show how far two runs are apart."""
+    return len(cells) >= SPREAD_LEAST
 
 
 def _common(shifts: Sequence[Shift]) -> tuple[float, ...]:
@@ -87,20 +95,31 @@ def _median_of(methods: dict[Hashable, list[float]], otherwise: float) -> float:
 
 
 def _between(rest: Sequence[float], errors: Sequence[float], floor: float) -> float:
-    """The deviation between runs, beyond that within them: the cells' own, drawn towards that of the noise floors.
+    """The deviation between runs, beyond that within them, as the cells show it; the noise floor where they are few.
 
-    A noise floor is where a pair of one method is at most, so half of it is a deviation; where there are too few cells
-    to show theirs, all of it.
+    A noise floor is one cell's, within one run, and the end of an interval: a few stalled frames make it ten times what
+    all the other cells show. So it counts for nothing beside them.
     """
-    if len(rest) < SPREAD_LEAST:
+    if not _show_spread(rest):
         return floor
+    cells = list(zip(rest, errors, strict=True))
+    coarse = _solved(lambda scale: median(_distances(cells, scale)) > HALF_NORMAL)
+    inner = [cell for cell, distance in zip(cells, _distances(cells, coarse), strict=True) if distance < OUTER]
+    return _solved(lambda scale: fmean(d**2 for d in _distances(inner, scale)) > INNER_VARIANCE)
+
+
+def _distances(cells: Iterable[tuple[float, float]], between: float) -> list[float]:
+    """The distances of cells, each with its error, in deviations."""
+    return [abs(r) / (math.hypot(error, between) or math.inf) for r, error in cells]
+
+
+def _solved(too_small: Callable[[float], bool]) -> float:
+    """The least deviation of which this is not true."""
     low, high = 0.0, 10.0
     for _ in range(60):
         middle = (low + high) / 2
-        wide = median(abs(r) / (math.hypot(e, middle) or math.inf) for r, e in zip(rest, errors, strict=True))
-        low, high = (middle, high) if wide > HALF_NORMAL else (low, middle)
-    own, prior = high**2, (floor / 2) ** 2
-    return math.sqrt((len(rest) * own + PRIOR_CELLS * prior) / (len(rest) + PRIOR_CELLS))
+        low, high = (middle, high) if too_small(middle) else (low, middle)
+    return high
 
 
 def _stretch(distances: Sequence[float]) -> float:

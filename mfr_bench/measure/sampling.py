@@ -1,4 +1,4 @@
-"""Decides from the samples so far whether a cell needs more: warm-up, growing batches, stop.
+"""Decides from the samples so far whether a cell needs more: warm-up, a first batch in turns, growing batches, stop.
 
 A `Sampler` is fed one time after another and says what it wants next, so that the caller can interleave the
 frames of several methods.
@@ -6,6 +6,7 @@ frames of several methods.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from statistics import median
@@ -17,6 +18,8 @@ WARMUP_FRAMES = (2, 4, 8, 16, 32)  # looked at after so many
 WARMUP_SHARE = 0.2  # of the time limit, at most
 CONFIRMED = 3  # samples, at least, where the first that reached the time limit is not like the fastest frame
 STALLED = 2.0  # times the fastest frame, from which on a sample may be a stall
+TURNS = 3  # that the first batch takes: a burst of load that hits one of them leaves the median of its samples alone
+SETTLED_MS = 10.0  # of a frame, from which on it hardly shows that other methods drew since the one before
 HALVES_AGREE = 0.05  # relative difference of the medians of two halves
 
 
@@ -37,10 +40,12 @@ class Sampler:
     stop_reason: str | None = None
     warm: bool = False
     spent_s: float = 0.0  # in frames, warm-up included
+    _settling: bool = False  # whether the next frame is drawn for the caches alone
 
     def __post_init__(self) -> None:
         self._goals = goals(self.measure.min_samples, self.measure.max_samples)
         self._goal = next(self._goals)
+        self._first = self._goal  # samples of the first batch
 
     @property
     def interval(self) -> Interval:
@@ -70,13 +75,19 @@ class Sampler:
             return 0
         if not self.warm:
             return next(n for n in WARMUP_FRAMES if n > len(self.warmup_ms)) - len(self.warmup_ms)
-        return self._goal - len(self.samples_ms)
+        left = self._goal - len(self.samples_ms)
+        return min(left, math.ceil(self._first / TURNS)) if len(self.samples_ms) < self._first else left
 
     def turn(self) -> Iterator[None]:
-        """A frame at a time of one turn: all of the warm-up with the first batch, then a batch.
+        """A frame at a time of one turn: all of the warm-up with a share of the first batch, another share, or a batch.
 
-        So the batches of methods that take turns are drawn close to each other, however long each took to warm up.
+        So the batches of methods that take turns are drawn close to each other, however long each took to warm up, and
+        the first samples of short frames do not all fall into one burst of load. A short frame that follows those of
+        another method is slower than the next, and does not count.
         """
+        self._settling = self.warm and bool(self.wanted) and median(self.samples_ms or self.warmup_ms) < SETTLED_MS
+        if self._settling:
+            yield
         while not self.warm and not self.stop_reason:
             yield
         for _ in range(self.wanted):
@@ -106,6 +117,10 @@ class Sampler:
     def add(self, time_ms: float) -> None:
         """Take one frame's time and decide what follows."""
         self.spent_s += time_ms / 1e3
+        if self._settling:
+            self._settling = False
+            self.warmup_ms.append(time_ms)
+            return
         if not self.warm:
             self.warmup_ms.append(time_ms)
             self.warm = self._warmed_up()

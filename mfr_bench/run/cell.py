@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
+from ..config.model import Measure
 from ..gpu.frame import Frame
 from ..gpu.timers import repeats_for, undisturbed_ms
 from ..gpu.work import work_of
@@ -21,6 +23,20 @@ from .jobs import Job
 from .outcome import fragment_shares, frame_values, scene_values, verdict
 from .scene_work import SceneWork
 
+PAIR_LEAST = 22  # samples of each side of an A/A pair: so many that six stalled frames do not widen its interval
+
+
+def pair_of(measure: Measure) -> tuple[Sampler, Sampler]:
+    """Two samplers of one thing that are to take turns: an A/A pair."""
+    least = min(max(PAIR_LEAST, measure.min_samples), measure.max_samples)
+    return Sampler(replace(measure, min_samples=least)), Sampler(replace(measure, min_samples=least))
+
+
+def noise_floor_rel(one: Sampler, other: Sampler) -> float | None:
+    """The largest relative difference between the two of an A/A pair; None where they have too few samples."""
+    low, _, high = interleaved_ratio(other.samples_ms, one.samples_ms, one.measure.min_samples, one.measure.max_samples)
+    return None if low is None or high is None else max(abs(low - 1), abs(high - 1))
+
 
 class CellWork:
     """A cell that passed its first check and is being sampled. `partial`: what earlier processes took of it."""
@@ -29,7 +45,7 @@ class CellWork:
         self.bench, self.scene, self.job, self.fitted, self.variant = bench, scene, job, fitted, fitted.variant
         self.sampler = Sampler(job.cell.measure)
         self.sampler.resume(partial.samples_ms)
-        self.replicate: Sampler | None = None  # the A/A replicate: the same again, for the noise floor
+        self._pair: tuple[Sampler, ...] = ()  # an A/A pair: the same twice more, for the noise floor
         self.passes = {name: list(times_ms) for name, times_ms in partial.passes.items()}
         self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
         self.done = False  # its result was sent
@@ -46,7 +62,12 @@ class CellWork:
 
     @property
     def samplers(self) -> list[Sampler]:
-        return [s for s in (self.sampler, self.replicate) if s]
+        return [self.sampler, *self._pair]
+
+    @property
+    def twice(self) -> bool:
+        """Whether an A/A pair is sampled, too."""
+        return bool(self._pair)
 
     @property
     def wanted(self) -> bool:
@@ -73,6 +94,10 @@ class CellWork:
                 frame.release()
                 raise
         return frame
+
+    def sample_twice(self) -> None:
+        """From now on sample an A/A pair too, in turns with each other and with the cells of the scene."""
+        self._pair = pair_of(self.job.cell.measure)
 
     def batch(self, sampler: Sampler) -> None:
         """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed."""
@@ -152,7 +177,8 @@ class CellWork:
         arrays = self.images.to_keep()
         if "discarded" in arrays and self.scene.shown.F:
             values["culled_share"] = float(arrays["discarded"].sum() / self.scene.shown.F)
-        return Finished(self.job.key, status, reason, values, self._details(), arrays, self._noise_floor_rel())
+        return Finished(self.job.key, status, reason, values, self._details(), arrays,
+                        noise_floor_rel(*self._pair) if self._pair else None)
 
     def _values(self) -> dict[str, Any]:
         """The values of the row's columns, but for what needs the kept arrays or further frames."""
@@ -179,12 +205,3 @@ class CellWork:
         if self.job.cell.measure.counters:
             found["work"] = work_of(self.frame)
         return found
-
-    def _noise_floor_rel(self) -> float | None:
-        """The largest relative difference between the cell and its A/A replicate; None without one."""
-        if self.replicate is None:
-            return None
-        measure = self.job.cell.measure
-        low, _, high = interleaved_ratio(self.replicate.samples_ms, self.sampler.samples_ms, measure.min_samples,
-                                         measure.max_samples)
-        return None if low is None or high is None else max(abs(low - 1), abs(high - 1))

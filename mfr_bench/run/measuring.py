@@ -153,25 +153,29 @@ class Measuring:
             race = Race(running, self._guarded, self._shuffle, lambda: self.bench.emit(Synced()), self._deadline)
             race.run(self._finish)
             running = race.apart
-        self._start_replicate(running)
-        entries = [(cell, s) for cell in running for s in cell.samplers]
+        entries = [(cell, cell.sampler) for cell in running]
         while entries:
             self._shuffle(entries)
             for cell, sampler in entries:
                 self._guarded(cell, partial(self._batch, sampler=sampler))
+            self._start_pairs(running)
             self.bench.emit(Synced())
             for cell in running:
                 if not cell.wanted:
                     self._guarded(cell, self._finish)
-            entries = [(cell, s) for cell, s in entries if s.wanted and not cell.done]
+            entries = [(cell, s) for cell in running if not cell.done for s in cell.samplers if s.wanted]
 
-    def _start_replicate(self, running: list[CellWork]) -> None:
-        """Sample one cell of each experiment twice: the difference is the noise floor."""
-        for cell in running:
-            served = [keys for keys in self._replicates if cell.job.key in keys]
-            if served and cell.images.promised and not cell.sampler.samples_ms:
-                cell.replicate = Sampler(cell.job.cell.measure)
-                self._replicates = [keys for keys in self._replicates if keys not in served]
+    def _start_pairs(self, running: Sequence[CellWork]) -> None:
+        """Let one cell of each experiment be sampled twice more; what the two differ by is the noise floor.
+
+        It is the one in the middle of the frame times, which all have shown by now: the shortest frames scatter most.
+        """
+        for keys in self._replicates:
+            able = [cell for cell in running if cell.job.key in keys and not cell.done and cell.images.promised]
+            if able and not any(cell.twice for cell in able):
+                sorted(able, key=_fastest_first)[len(able) // 2].sample_twice()
+        taken = {cell.job.key for cell in running if cell.twice}
+        self._replicates = [keys for keys in self._replicates if not taken & keys]
 
     def _guarded(self, cell: CellWork, step: Callable[[CellWork], None]) -> None:
         """Run a step of a cell that is not done; what goes wrong in it costs that cell alone."""

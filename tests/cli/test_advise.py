@@ -64,7 +64,10 @@ def test_nothing_measured_says_what_to_run(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize(("arguments", "says"), [
     (["tiny.yaml"], "Missing option '--max-error'"),
-    (["tiny.yaml", "--max-error", "0"], "'0' is not allowed; allowed: a number above 0"),
+    (["tiny.yaml", "--max-error", "0"], "'0' is not allowed; allowed: a number above 0, up to 1, or "),
+    (["tiny.yaml", "--max-error", "2"], "'2' is not allowed; allowed: a number above 0, up to 1, or a fraction "),
+    (["tiny.yaml", "--max-error", "256/255"], "'256/255' is not allowed; allowed: a number above 0, up to 1, or "),
+    (["tiny.yaml", "--max-error", "1", "--memory-mb", "inf"], "'inf' is not allowed; allowed: a number above 0; "),
     (["tiny.yaml", "--max-error", "1/0"], "'1/0' is not allowed; allowed: a number above 0"),
     (["tiny.yaml", "--max-error", "1/"], "'1/' is not allowed; allowed: a number above 0"),
     (["tiny.yaml", "--max-error", "nan"], "'nan' is not allowed; allowed: a number above 0"),

@@ -54,6 +54,14 @@ def test_help_breaks_no_word_on_a_narrow_terminal(arguments, columns):
     assert all(len(line) <= columns or len(line.split()) <= 2 for line in narrow.splitlines())
 
 
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_speaks_of_a_config_only_where_one_is_given(name):
+    """The options of a scene of one's own are shared by `run`, which takes a CONFIG, and `decide`, which does not."""
+    command = cli.commands[name]
+    takes = any("CONFIG" in (p.metavar or "") for p in command.params if isinstance(p, click.Argument))
+    assert takes or not [p.opts[0] for p in command.params if "a CONFIG" in (getattr(p, "help", None) or "")]
+
+
 def test_a_complaint_breaks_no_word_on_a_narrow_terminal(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "60")
     said = "mfr-bench run: No such option '--forc'. Did you mean '--force', '--time-budget'?; see mfr-bench run --help"

@@ -67,6 +67,21 @@ def test_twice_the_time_is_found_from_7_samples_a_side(runs):
     assert found >= 0.95 * SEEDS and alarms <= SEEDS / 20
 
 
+def with_floor(side, number):
+    """The run with a noise floor as real runs have it: 17 % in the median, 2 to 80 % in all but a few."""
+    return replace(side, noise=float(0.17 * np.exp(0.75 * np.random.default_rng([number, 17]).standard_normal())))
+
+
+@pytest.mark.parametrize(("factor", "least"), [(1.0, 0), (2.0, 0.95 * SEEDS)])
+def test_wide_noise_floors_hide_nothing_that_the_cells_show(factor, least):
+    """Each is of one pair of samples of one cell; the 28 cells show that the runs are 1 % apart."""
+    runs = Runs(MACHINES["usual"], METHODS)
+    runs.side, runs.slowed = (lambda seed, *given, made=made: with_floor(made(seed, *given), seed)
+                              for made in (runs.side, runs.slowed))
+    found, alarms = gates(runs, factor, before=7, after=7, slowed=7)
+    assert found >= least and alarms <= SEEDS / 20
+
+
 @pytest.mark.parametrize("factor", [10.0, 100.0])
 @pytest.mark.parametrize("counts", [{"slowed": 1}, {"before": 1, "after": 1, "slowed": 1}],
                          ids=["one-sample-of-the-slow-cell", "one-sample-of-each"])

@@ -49,7 +49,7 @@ def test_the_threshold_is_the_smallest_difference_that_matters():
 
 
 @pytest.mark.parametrize("noisy", ["before", "after"])
-def test_nothing_below_either_noise_floor_is_called_a_change(noisy):
+def test_nothing_below_either_noise_floor_is_called_a_change_where_cells_are_few(noisy):
     before = side(cells(), noise=0.2 if noisy == "before" else 0.002)
     after = side(cells({"a": 1.1, "b": 2.0}), noise=0.2 if noisy == "after" else 0.002)
     assert set(verdicts(compare(before, after)).values()) <= {SAME, UNCLEAR}

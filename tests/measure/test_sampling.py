@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mfr_bench.config.model import Measure
-from mfr_bench.measure.sampling import WARMUP_FRAMES, Sampler, halves_agree
+from mfr_bench.measure.sampling import TURNS, WARMUP_FRAMES, Sampler, halves_agree
 from mfr_bench.stats import interleaved_ratio
 
 
@@ -29,21 +29,21 @@ def noise(seed, deviation):
 
 def test_steady_frames_stop_as_soon_as_there_are_enough():
     sampler = fed(Sampler(Measure()), steady())
-    assert (len(sampler.warmup_ms), len(sampler.samples_ms)) == (WARMUP_FRAMES[0], 10)
+    assert (len(sampler.warmup_ms), len(sampler.samples_ms)) == (WARMUP_FRAMES[0] + TURNS - 1, 10)
     assert sampler.stop_reason == "precise"
     assert not sampler.noisy
     assert sampler.interval == (1, 1, 1)
 
 
 def test_warm_up_goes_on_until_its_halves_agree():
-    sampler = fed(Sampler(Measure()), [9, 5, 3, *[1.0] * 23])
-    assert len(sampler.warmup_ms) == 16  # at 2, 4 and 8 frames the later half was still faster
+    sampler = fed(Sampler(Measure()), [9, 5, 3, *[1.0] * 25])
+    assert len(sampler.warmup_ms) == 16 + TURNS - 1  # at 2, 4 and 8 frames the later half was still faster
     assert set(sampler.samples_ms) == {1.0}
 
 
 def test_warm_up_ends_though_the_halves_never_agree():
     falling = (1.0 / frame for frame in range(1, 10**6))
-    assert len(fed(Sampler(Measure(target_rel_ci=0.5)), falling).warmup_ms) == WARMUP_FRAMES[-1]
+    assert len(fed(Sampler(Measure(target_rel_ci=0.5)), falling).warmup_ms) == WARMUP_FRAMES[-1] + TURNS - 1
 
 
 def test_warm_up_takes_no_more_than_its_share_of_the_time():
@@ -68,14 +68,12 @@ def test_halves_agree_within_5_percent_of_their_medians(times, agree):
 
 def test_batches_grow():
     sampler = Sampler(Measure(target_rel_ci=1e-6, max_samples=60))
-    asked = []
-    for time in noise(1, 0.1):
-        if sampler.warm:
-            asked.append(len(sampler.samples_ms) + sampler.wanted)
-        sampler.add(time)
-        if not sampler.wanted:
-            break
-    assert list(dict.fromkeys(asked)) == [10, 15, 22, 33, 49, 60]
+    times, ends = iter(noise(1, 0.1)), []
+    while sampler.wanted:
+        for _ in sampler.turn():
+            sampler.add(next(times))
+        ends.append(len(sampler.samples_ms))
+    assert ends == [4, 8, 10, 15, 22, 33, 49, 60]
     assert sampler.stop_reason == "most samples"
     assert sampler.noisy
 
@@ -120,18 +118,32 @@ def test_an_interruption_does_not_hide_why_it_had_stopped():
     assert sampler.stop_reason == "precise"
 
 
-def test_a_turn_is_the_warm_up_with_the_first_batch_then_a_batch():
+@pytest.mark.parametrize(("frame_ms", "settling"), [(1.0, 1), (20.0, 0)])
+def test_a_turn_is_the_warm_up_with_a_share_of_the_first_batch_another_share_then_a_batch(frame_ms, settling):
+    """From the second turn on a short frame comes first that does not count."""
     sampler, turns = Sampler(Measure(target_rel_ci=1e-6)), []
-    times = iter([9, 5, 3, *noise_of("lognormal", 0.1, 1).tolist()])
-    while len(turns) < 4:
+    times = iter([9 * frame_ms, 5 * frame_ms, 3 * frame_ms, *(frame_ms * noise_of("lognormal", 0.1, 1)).tolist()])
+    while len(turns) < 6:
         turns.append(sum(1 for _ in sampler.turn() if sampler.add(next(times)) is None))
-    assert turns == [len(sampler.warmup_ms) + 10, 5, 7, 11]
+    warm = len(sampler.warmup_ms) - 5 * settling
+    assert turns == [warm + 4, *(settling + share for share in (4, 2, 5, 7, 11))]
+
+
+def test_a_burst_of_load_that_a_turn_falls_into_does_not_move_the_median():
+    """So does not what is slow right after other methods drew."""
+    sampler, number = Sampler(Measure(min_samples=7, max_samples=7)), 0
+    while sampler.wanted:
+        for at, _ in enumerate(sampler.turn()):
+            sampler.add(1.6 if number == 1 or (number and not at) else 1.0)
+        number += 1
+    assert number == 3 and sorted(sampler.samples_ms) == [1.0] * 4 + [1.6] * 3
 
 
 # --- planted noise: how often the interval holds the truth ---------------------------------------
 
 TRIALS = 400
 FRAMES = 1100  # most samples, and the longest warm-up
+LONG = 16.0  # ms, of a frame so long that every one counts; a power of two: times so many, a number keeps all its bits
 
 
 def trend_of(kind, cv, random):
@@ -187,8 +199,8 @@ def median_of_the_period(kind, cv, seed, sampler):
 def coverage(kind, cv, **measure):
     held = 0
     for seed in range(TRIALS):
-        sampler = fed(Sampler(Measure(time_limit_s=1000, **measure)), noise_of(kind, cv, seed).tolist())
-        low, _, high = sampler.interval
+        sampler = fed(Sampler(Measure(time_limit_s=1000, **measure)), (LONG * noise_of(kind, cv, seed)).tolist())
+        low, _, high = (end / LONG for end in sampler.interval)
         held += low <= median_of_the_period(kind, cv, seed, sampler) <= high
     return held / TRIALS
 
@@ -214,14 +226,14 @@ def leaning(seed, correlation=0.4, cv=0.05):
     random, value, times = np.random.default_rng(seed), 0.0, []
     for step in random.standard_normal(FRAMES):
         value = correlation * value + (1 - correlation**2) ** 0.5 * step
-        times.append(float(np.exp(cv * value)))
+        times.append(LONG * float(np.exp(cv * value)))
     return times
 
 
 def test_frames_that_lean_on_their_neighbours_are_not_taken_for_independent():
     """82 % of the intervals would hold the median if they were."""
     samplers = [fed(Sampler(Measure(time_limit_s=1000)), leaning(seed)) for seed in range(TRIALS)]
-    assert sum(s.interval[0] <= 1 <= s.interval[2] for s in samplers) / TRIALS >= 0.88
+    assert sum(s.interval[0] <= LONG <= s.interval[2] for s in samplers) / TRIALS >= 0.88
 
 
 # --- ratios --------------------------------------------------------------------------------------
@@ -233,7 +245,7 @@ def in_turns(kind, cv, seed, ratio=1.5):
     trend = trend_of(kind, cv, random)
     pair = []
     for factor in (ratio, 1.0):
-        times = factor * np.exp(trend + cv * random.standard_normal(FRAMES))
+        times = LONG * factor * np.exp(trend + cv * random.standard_normal(FRAMES))
         pair.append(fed(Sampler(Measure(time_limit_s=1000)), times.tolist()).samples_ms)
     return pair
 

@@ -39,15 +39,20 @@ def test_a_row_has_everything_that_was_measured(run, tmp_path):
 
 
 def test_frames_are_interleaved(run):
-    """Every method's first turn, the warm-up of 2 frames with a batch of 7, comes before any method's second."""
+    """Every method's turn comes before any method's next: of 2 frames to warm up and 3, of 1 that settles and 3, of 2.
+
+    One of them has an A/A pair from the second round on.
+    """
     order = []
     timer = Clock(0.01)
     frame_ms = timer.frame_ms
     timer.frame_ms = lambda draw, repeats: (order.append(draw.__self__.variant.method.id), frame_ms(draw))[1]
     longer = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=15)
     run([cell(m, measure=longer) for m in ("floor", "zbuffer", "ab-array")], timer)
-    assert sorted(order.count(m) for m in set(order)) == [17, 17, 34]  # one of them has an A/A replicate
-    assert sorted(order[:36].count(m) for m in set(order)) == [9, 9, 18]
+    alone, pair = 2 + 3 + (1 + 3) + (1 + 1) + (1 + 3) + (1 + 5), 2 * (2 + 5 + (1 + 5) + (1 + 5))
+    assert sorted(order.count(m) for m in set(order)) == [alone, alone, alone + pair]
+    assert sorted(order[:15].count(m) for m in set(order)) == [5, 5, 5]
+    assert sorted(order[15:41].count(m) for m in set(order)) == [4, 4, 4 + 14]
 
 
 def test_frames_too_short_for_the_clock_are_drawn_several_times_in_a_sample(run):
@@ -64,6 +69,23 @@ def test_the_same_cell_twice_gives_the_noise_floor(run):
     assert made.sheet.noise_floor_rel == 0  # the planted clock has no noise
     _, made = run([cell("floor", measure=Measure(min_samples=3, max_samples=3))])
     assert made.sheet.noise_floor_rel is None
+
+
+def test_the_noise_floor_is_that_of_the_cell_in_the_middle_of_the_frame_times(run):
+    """22 samples a side, though the cells themselves need 7; the floor, which promises no image, is none of them."""
+    took_ms, drawn, timer = {"floor": 0.25, "ab-sb": 0.5, "ab-array": 2.0, "ab-ll": 8.0}, [], Clock()
+
+    def frame_ms(draw, repeats):
+        drawn.append(draw.__self__.variant.method.id)
+        return took_ms[drawn[-1]] * (1 + 0.01 * (len(drawn) % 3))
+
+    timer.frame_ms = frame_ms
+    rows, made = run([cell(m, measure=Measure(target_rel_ci=0.05, min_samples=7)) for m in took_ms], timer)
+    assert 0 < made.sheet.noise_floor_rel < 0.05
+    alone = 2 + 3 + (1 + 3) + (1 + 1)
+    pair = 2 * (2 + 8 + (1 + 8) + (1 + 6))
+    assert {m: drawn.count(m) - alone for m in took_ms} == {"floor": 0, "ab-sb": 0, "ab-array": pair, "ab-ll": 0}
+    assert all(len(row["samples_ms"]) == 7 for row in rows.values())
 
 
 def test_each_experiment_has_a_noise_floor_of_its_own(device, tmp_path):
@@ -98,11 +120,11 @@ def interrupt():
 
 
 def test_an_interruption_keeps_every_cell_with_samples_enough(run, tmp_path):
-    """Three samplers (one cell is sampled twice) with 2 warm-up frames each; then the cells' samples begin."""
+    """Two cells, from the second round on with the A/A pair of one, 22 samples a side: 60 frames in three rounds."""
     measure = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=1000)
     cells = [cell("floor", measure=measure), cell("ab-array", measure=measure)]
     with pytest.raises(KeyboardInterrupt):
-        run(cells, Clock(0.01, at={3 * (2 + 7) + 4: interrupt}))
+        run(cells, Clock(0.01, at={62: interrupt}))
     kept = {c["method"]: c for c in ResultFolder(tmp_path).cells()}
     assert set(kept) == {"floor", "ab-array"}
     assert all(c["status"] == "ok" and c["values"]["stop_reason"] == "interrupted" for c in kept.values())
@@ -120,7 +142,7 @@ def test_a_cell_that_was_done_waits_for_no_other(run, tmp_path):
     """Its sampler has stopped in the round that is interrupted: it is finished all the same."""
     slow = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=1000)
     with pytest.raises(KeyboardInterrupt):
-        run([cell("floor", measure=MEASURE), cell("ab-array", measure=slow)], Clock(0.01, at={3 * (2 + 7): interrupt}))
+        run([cell("floor", measure=MEASURE), cell("ab-array", measure=slow)], Clock(0.01, at={50: interrupt}))
     kept = {c["method"]: c["values"]["stop_reason"] for c in ResultFolder(tmp_path).cells()}
     assert kept.get("floor", "most samples") == "most samples"
     assert kept
