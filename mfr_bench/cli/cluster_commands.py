@@ -79,17 +79,18 @@ def _cells_by_share(configs, profile, overrides, kinds) -> dict[tuple[int, int, 
 
     Scenes that are split are named, for each kind of device.
     """
-    from ..plan.shards import shard, split_lines, units_of
+    from ..plan.shards import shards, split_lines, units_of
     from .run_command import plans_of
 
     plans = plans_of(configs, profile, None, overrides)
     found: dict[tuple[int, int, int], tuple[int, str]] = {}
     for name, kind in kinds.items():
         split_s = kind.split_s if kind.shares > 1 else None
-        for line in split_lines(units_of(plans, split_s).splits):
+        units = units_of(plans, split_s)
+        for line in split_lines(units.splits):
             note(f"{name}: {line}")
-        for number in range(1, kind.shares + 1):
-            found[number, kind.shares, kind.split_s] = _counted(shard(plans, number, kind.shares, split_s))
+        for number, share in enumerate(shards(plans, units, kind.shares), 1):
+            found[number, kind.shares, kind.split_s] = _counted(share)
     return found
 
 

@@ -138,14 +138,15 @@ def plans_of(configs: Sequence[str], profile: str | None, only: str | None, over
 def _shared(plans, number: int, count: int, split_s: float | None):
     """The share of a run. Raises UsageError where it has no cell: a scene is shared only where it is split."""
     from ..errors import UsageError
-    from ..plan.shards import shard, split_lines, units_of
+    from ..plan.shards import shards, split_lines, units_of
     from .output import note
 
-    mine = shard(plans, number, count, split_s)
-    for line in split_lines(units_of(plans, split_s).splits):
+    units = units_of(plans, split_s)
+    mine = shards(plans, units, count)[number - 1]
+    for line in split_lines(units.splits):
         note(line)
     if not any(cells for _, cells in mine):
-        scenes = len(units_of(plans, split_s).seconds)
+        scenes = len(units.seconds)
         raise UsageError(f"--shard {number}/{count}: has no cell, since a scene is never shared; allowed: shares of "
                          f"{scenes} scenes, such as {number}/{scenes}" if number <= scenes else
                          f"--shard {number}/{count}: has no cell; allowed: at most {scenes} shares, one for each scene")

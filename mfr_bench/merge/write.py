@@ -50,8 +50,7 @@ def write_set(merged: Merged) -> Written:
         write_pack(folder.pack_path, {**there, **files})
         remove([folder.cells_path / name for name in folder.loose() if name in {**there, **files}])
     elif not decided.packed:
-        for name, content in new.items():
-            folder.write_content(name, content)
+        folder.write_contents(new)
     manifest = joined_manifest(source.manifest for source in decided.sources)
     if manifest != folder.manifest():
         folder.write_manifest(manifest)

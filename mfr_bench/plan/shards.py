@@ -103,15 +103,18 @@ def _identity(cell: Cell) -> tuple:
     return cell.method, tuple(sorted(cell.params.items())), cell.scene, cell.measure
 
 
-def shard(plans: Plans, number: int, count: int, most_s: float | None = None) -> Plans:
-    """The share `number`, from 1, of `count`: each unit of all experiments falls to one share, whatever the device is.
+def shards(plans: Plans, units: Units, count: int) -> list[Plans]:
+    """All shares of a run: each unit of all experiments falls to one share, whatever the device is.
 
     Units go to the share that has least to do, the longest first: every machine that is asked finds the same shares.
-    most_s: seconds from which a scene is split. An experiment without cells in the share stays, empty.
+    An experiment without cells in a share stays in it, empty.
     """
-    units = units_of(plans, most_s)
-    mine = _shares(units.seconds, count)[number - 1]
-    return [(experiment, [cell for cell in cells if units.of(cell) in mine]) for experiment, cells in plans]
+    share = {unit: number for number, mine in enumerate(_shares(units.seconds, count)) for unit in mine}
+    found: list[Plans] = [[(experiment, []) for experiment, _ in plans] for _ in range(count)]
+    for i, (_, cells) in enumerate(plans):
+        for cell in cells:
+            found[share[units.of(cell)]][i][1].append(cell)
+    return found
 
 
 def cell_s(forecast: Forecast, cell: Cell) -> float:

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..errors import StoreError, UsageError, nearest
 from . import columns
-from .files import locked, write_file
+from .files import locked, write_file, write_files
 from .manifest import sound
 from .pack import Pack, remove, write_pack
 from .record import (
@@ -156,9 +156,9 @@ class ResultFolder:
         loose, pack = set(self.loose()), self._packed()
         return lambda name: self.content(name) if pack is None or name in loose else pack.read(name)
 
-    def write_content(self, name: str, content: bytes) -> None:
-        """Store a file of the cells as it is, durably: a record that was checked elsewhere, or its arrays."""
-        write_file(self.cells_path / name, content, durable=True)
+    def write_contents(self, files: Mapping[str, bytes]) -> None:
+        """Store files of the cells as they are, durably: records that were checked elsewhere, and their arrays."""
+        write_files(self.cells_path, files)
 
     def write_replicate(self, key: str, content: bytes) -> None:
         """Keep the record that one of several devices gave of a cell, under a name that its content determines."""
@@ -236,9 +236,7 @@ class ResultFolder:
         if self._packed() is None and self.pack_path.exists():
             raise StoreError(f"{self.pack_path}: cannot be read; nothing was unpacked")
         files, loose = self._read_packed(), set(self.loose())
-        for name, content in files.items():
-            if name not in loose:
-                write_file(self.cells_path / name, content, durable=True)
+        self.write_contents({name: content for name, content in files.items() if name not in loose})
         if files:
             remove([self.pack_path])
         return sum(name.endswith(".json") for name in files)

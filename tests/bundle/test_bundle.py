@@ -129,7 +129,7 @@ def test_a_damaged_array_is_odd(tmp_path):
     write_arrays(source, made["key"], {"image": np.zeros((2, 3, 4)), "error": np.zeros((2, 3))})
     packed = zipfile.ZipFile(source.arrays_path(made["key"]))
     broken = zipped({"image.npy": packed.read("image.npy")[:-5], "error.npy": packed.read("error.npy")})
-    source.write_content(f"{made['key']}.npz", broken)
+    source.write_contents({f"{made['key']}.npz": broken})
     (found,) = findings(tmp_path, source)
     assert found.startswith("its kept arrays cannot be read:")
 

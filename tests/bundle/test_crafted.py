@@ -103,7 +103,7 @@ def test_arrays_that_are_none_are_refused(tmp_path, content):
 @pytest.mark.parametrize("content", [header((200_000, 200_000, 4)), b"no array", b"\x93NUMPY\x01\x00\x04\x00{bad"])
 def test_an_array_that_cannot_be_used_is_named(tmp_path, content):
     made = ResultFolder(tmp_path)
-    made.write_content("0" * 20 + ".npz", npz("image.npy", content))
+    made.write_contents({"0" * 20 + ".npz": npz("image.npy", content)})
     assert read_arrays(made, "0" * 20) == {} and "left in place" in made.damaged[0]
 
 

@@ -8,7 +8,7 @@ from mfr_bench.config import load
 from mfr_bench.methods import catalog
 from mfr_bench.plan import expand
 from mfr_bench.plan.forecast import Forecast, Rates
-from mfr_bench.plan.shards import cell_s, shard, split_lines, units_of
+from mfr_bench.plan.shards import cell_s, shards, split_lines, units_of
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +20,7 @@ def plans():
 
 @pytest.mark.parametrize("count", [1, 2, 3, 7])
 def test_every_cell_falls_to_one_share_with_its_scene(plans, count):
-    shares = [shard(plans, number, count) for number in range(1, count + 1)]
+    shares = shards(plans, units_of(plans), count)
     for position, (_, cells) in enumerate(plans):
         found = [cell for share in shares for cell in share[position][1]]
         assert len(found) == len(cells) and {id(cell) for cell in found} == {id(cell) for cell in cells}
@@ -34,7 +34,7 @@ def test_no_share_has_more_than_it_must(plans):
     def spent(share):
         return sum(cell_s(forecast, cell) for _, cells in share for cell in cells)
 
-    loads = [spent(shard(plans, number, 4)) for number in range(1, 5)]
+    loads = list(map(spent, shards(plans, units_of(plans), 4)))
     scenes = {}
     for _, cells in plans:
         for cell in cells:
@@ -43,14 +43,14 @@ def test_no_share_has_more_than_it_must(plans):
 
 
 def test_shares_are_the_same_on_every_machine(plans):
-    first, again = (shard(plans, 2, 3) for _ in range(2))
+    first, again = (shards(plans, units_of(plans), 3) for _ in range(2))
     assert first == again
 
 
 @pytest.mark.parametrize("most_s", [0.5, 3.0, 1e9])
 def test_a_scene_that_takes_too_long_is_split_by_methods(plans, most_s):
     units = units_of(plans, most_s)
-    shares = [shard(plans, number, 3, most_s) for number in range(1, 4)]
+    shares = shards(plans, units_of(plans, most_s), 3)
     for position, (_, cells) in enumerate(plans):
         found = [id(cell) for share in shares for cell in share[position][1]]
         assert sorted(found) == sorted(map(id, cells))
@@ -73,4 +73,4 @@ def test_a_scene_that_takes_too_long_is_split_by_methods(plans, most_s):
 
 
 def test_without_a_limit_no_scene_is_split(plans):
-    assert not units_of(plans).splits and shard(plans, 1, 2) == shard(plans, 1, 2, 1e9)
+    assert not units_of(plans).splits and shards(plans, units_of(plans), 2) == shards(plans, units_of(plans, 1e9), 2)

@@ -7,6 +7,7 @@ import errno
 import json
 import math
 import os
+import re
 import shutil
 
 import numpy as np
@@ -190,6 +191,32 @@ def test_a_full_disk_is_one_line_and_keeps_the_earlier_cell(folder, monkeypatch,
     assert str(path_of(folder, record)) in message and "free some space" in message and "\n" not in message
     assert path_of(folder, record).read_bytes() == before
     assert os.listdir(folder.cells_path) == [path_of(folder, record).name]
+
+
+@pytest.mark.parametrize("call", ["fsync", "replace"])
+def test_of_many_files_each_is_whole_or_as_it_was(folder, monkeypatch, call):
+    folder.write_contents({f"{i:020x}.json": b"old" for i in range(3)})
+    real, calls = getattr(os, call), []
+
+    def third_fails(*arguments):
+        calls.append(arguments)
+        return failing(errno.ENOSPC)() if len(calls) == 3 else real(*arguments)
+
+    monkeypatch.setattr(os, call, third_fails)
+    with pytest.raises(StoreError, match="free some space"):
+        folder.write_contents({f"{i:020x}.json": b"new" for i in range(40)})
+    monkeypatch.undo()
+    found = {path.name: path.read_bytes() for path in folder.cells_path.iterdir()}
+    assert {f"{i:020x}.json" for i in range(3)} <= found.keys() and {*found.values()} <= {b"old", b"new"}
+    assert all(re.fullmatch("[0-9a-f]{20}.json", name) for name in found)
+
+
+def test_many_files_are_on_disk_before_their_folder_is_and_that_once(folder, monkeypatch):
+    real, synced = os.fsync, []
+    monkeypatch.setattr(os, "fsync", lambda handle: (synced.append(os.path.isdir(f"/proc/self/fd/{handle}")),
+                                                     real(handle)))
+    folder.write_contents({f"{i:020x}.json": b"" for i in range(40)})
+    assert synced[-41:] == [False] * 40 + [True]
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
