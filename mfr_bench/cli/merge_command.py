@@ -48,10 +48,13 @@ def merge_into(folders, into: Path) -> None:
 def _written(merged) -> tuple[list[str], list[str]]:
     """Write a set and its tables; lines for stderr and for stdout."""
     from ..merge import write_set
+    from ..report.devices import write_digest
     from .report_commands import write_tables_of
 
     with merged.folder.lock() as unlocked:
         written = write_set(merged)
-    write_tables_of(merged.folder, written.records)
+    records = merged.folder.cells() if written.records is None else written.records
+    write_tables_of(merged.folder, records)
+    write_digest(merged.folder, records)
     counts = f"cells: {written.cells}, new: {written.new}, merged folders: {written.folders}"
     return [unlocked] if unlocked else [], [*written.said, f"{merged.folder.path}: {counts}"]

@@ -195,6 +195,15 @@ class ResultFolder:
         except OSError as error:
             raise StoreError(f"{self.cells_path}: cannot be read: {error.strerror}") from error
 
+    def fingerprint(self) -> str:
+        """A hash of the manifest and of everything in cells/ and in the pack: what derives from them can state it."""
+        found = hashlib.sha256()
+        loose = [self.cells_path / name for name in self.loose()]
+        for path in (self.path / "manifest.json", self.pack_path, *loose):
+            content = path.read_bytes() if path.is_file() else b""
+            found.update(f"{path.name} {len(content)}\n".encode() + content)
+        return found.hexdigest()
+
     def _packed(self) -> Pack | None:
         """The pack, read once; None where there is none that can be used, which is named."""
         try:

@@ -1,5 +1,7 @@
 """Predicted times: of planted measurements, by the sampling rules, by calibration."""
 
+import math
+import random
 from dataclasses import replace
 
 import pytest
@@ -12,9 +14,11 @@ from mfr_bench.plan.forecast import (
     GROWTH,
     MEASURED,
     OTHER_WORK,
+    ByFragments,
     Forecast,
     FrameTime,
     Rates,
+    Record,
     calibrated,
     duration,
     frames_s,
@@ -106,3 +110,16 @@ def test_rates_are_those_of_earlier_runs_each_counted_once():
                                                (9000, "2.5 h")])
 def test_a_forecast_has_no_more_digits_than_it_is_worth(seconds, text):
     assert duration(seconds) == text
+
+
+def test_the_nearest_record_is_found_among_many():
+    """The same one as by a look at each, the first of those that are equally near."""
+    rng = random.Random(3)  # noqa: S311 - numbers of fragments, not secrets
+    numbers = [rng.choice((0, rng.randrange(1, 40), rng.randrange(1, 10**7))) for _ in range(300)]
+    records = [Record(number, FrameTime(float(place), 0.1, ALIKE)) for place, number in enumerate(numbers)]
+    known = ByFragments()
+    for record_of in records:
+        known.add(record_of)
+    for wanted in [0, 1, 5, 10**8, *(rng.randrange(1, 10**7) for _ in range(100)), *numbers[:50]]:
+        ratio = [abs(math.log((each.fragments + OTHER_WORK) / (wanted + OTHER_WORK))) for each in records]
+        assert known.nearest(wanted) is records[ratio.index(min(ratio))]

@@ -1,5 +1,6 @@
 """Cells: which, in what order, and what a device or a budget forbids."""
 
+from collections import Counter
 from dataclasses import replace
 
 import pytest
@@ -10,9 +11,11 @@ from mfr_bench import plan
 from mfr_bench.config import Experiment, Measure, MethodEntry, Scene
 from mfr_bench.errors import UsageError
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Fitted, SceneStats
+from mfr_bench.methods.spec import Fitted, Method, SceneStats
 from mfr_bench.oracle.composite import fragment_counts
+from mfr_bench.run import jobs as making
 from mfr_bench.scene import generate
+from mfr_bench.store.record import cell_key
 
 from ..config.fakes import CATALOG
 
@@ -320,3 +323,35 @@ def test_a_k_that_the_device_lacks_a_feature_for_is_told_with_the_largest_that_i
     variant = catalog()[method].variant({"k": 1000})
     cell = plan.Cell("planted", method, method, variant.params, SCENE, Measure(), {})
     assert plan.judge(cell, catalog(), plan.expected_stats(SCENE), limits) == ("unsupported", reason)
+
+
+def counting(made, of, name):
+    """The method of a class, which counts its calls."""
+    real = getattr(of, name)
+
+    def counted(self, *parts):
+        made[f"{of.__name__}.{name}"] += 1
+        return real(self, *parts)
+
+    return counted
+
+
+def test_a_plan_makes_scenes_texts_and_variants_once(monkeypatch):
+    """The work on a cell of a long sweep is that on its own numbers: what cells share is not made for each anew."""
+    made = Counter()
+    for of, name in ((Scene, "as_dict"), (Measure, "as_dict"), (Method, "variant")):
+        monkeypatch.setattr(of, name, counting(made, of, name))
+    monkeypatch.setattr(making, "glsl_hash", lambda *shaders: "code")
+    device = {"renderer": "r", "version": "v"}
+    found = cells("ab-array", "kplus-array", sweep={"k": (4, 8), "scene.seed": (1, 2, 3)})
+    rows = plan.overview(found, CATALOG, LIMITS)
+    made_by_rows = dict(made)
+    made.clear()
+    jobs = making.jobs(found, CATALOG, device, "wall")
+    assert made_by_rows == {"Scene.as_dict": 3, "Method.variant": 4}
+    assert made == {"Scene.as_dict": 3, "Measure.as_dict": 1, "Method.variant": 4}
+    assert len({job.key for job in jobs}) == len(found) == len(rows) == 12
+    for job, row in zip(jobs, rows, strict=True):
+        whole = {"method": job.cell.method, "params": dict(job.cell.params), "glsl_hash": "code", "device": device,
+                 "scene": row["scene"], "measure": job.cell.measure.as_dict()}
+        assert job.key == cell_key(whole, "wall")

@@ -16,6 +16,7 @@ import pytest
 from mfr_bench import store
 from mfr_bench.errors import StoreError, UsageError
 from mfr_bench.store.columns import VALUES
+from mfr_bench.store.record import Shared, parsed
 
 SCENE = {"kind": "quads", "size": [8, 6], "pixel_density": 0.5, "depth_complexity": 4, "layout": "block",
          "order": "random", "fragment_probability": 1.0, "seed": 7}
@@ -330,3 +331,37 @@ def test_a_path_without_results_is_a_usage_error_for_each(tmp_path):
     with pytest.raises(UsageError) as caught:
         store.find_results([tmp_path, tmp_path / "absent"])
     assert len(caught.value.lines) == 2 and "no such folder" in caught.value.lines[1]
+
+
+SHARED_LINE = '"scene": {"size": [1, 2]}'
+
+
+@pytest.mark.parametrize("written", [
+    '{\n"a": 1,\n' + SHARED_LINE + "\n}\n",
+    '{\n"a": [1,\n2],\n' + SHARED_LINE + "\n}\n",
+    '{\n"a": {"b": 1,\n' + SHARED_LINE + ',\n"d": 2},\n"d": 3\n}\n',
+    '{\n"a": {"b": 1,\n' + SHARED_LINE + ',\n"d": 2}, "d": 3\n}\n',
+    '{\n"a": 1, "b": 2,\n' + SHARED_LINE + "\n}\n",
+    "{\n" + SHARED_LINE + ',\n"scene": 2\n}\n',
+    "{\n" + SHARED_LINE + " \n}\n",
+    "{" + SHARED_LINE + "}",
+    "{\n\n}\n",
+    '[\n"a",\n"b"\n]\n',
+])
+def test_a_record_is_parsed_alike_line_by_line_and_as_a_whole(written):
+    """Whatever the form of its text is, and whichever lines other records had."""
+    shared = Shared()
+    parsed(("{\n" + SHARED_LINE + "\n}\n").encode(), shared)
+    for _ in range(2):
+        assert parsed(written.encode(), shared) == parsed(written.encode())
+
+
+@pytest.mark.parametrize("written", ["{\n" + SHARED_LINE + ',\n"a": NaN\n}\n', "{\n" + SHARED_LINE + ',\n"a": \n}\n',
+                                     "{\n" + SHARED_LINE + ",\n}\n", '{\n"a": "\\ud800"\n}\n', "{\n"])
+def test_a_record_that_is_no_json_is_refused_alike(written):
+    said = []
+    for shared in (None, Shared()):
+        with pytest.raises(ValueError, match=r".") as error:
+            parsed(written.encode(), shared)
+        said.append(str(error.value))
+    assert said[0] == said[1]

@@ -1,6 +1,7 @@
 """One experiment on many devices: how each method stands on each, and how the devices differ.
 
-    reading   what a comparison needs of each folder, read by several processes
+    digest    what a comparison needs of a folder's cells, from them or from the file that a merge left
+    reading   the digests of all folders, read by several processes
     standing  ratios to the fastest and ranks of the methods on each device, with intervals
     differs   what differs between the devices besides their times
     answer    the best on the worst device, and what is near the best on all
@@ -13,9 +14,10 @@ times, errors and memory are kept.
 """
 
 from .answer import Answer, Limits, answers
+from .digest import write_digest
 from .reading import Experiment, read_experiments
 from .text import answers_json, answers_text, as_text
 from .together import write_together
 
 __all__ = ["Answer", "Experiment", "Limits", "answers", "answers_json", "answers_text", "as_text", "read_experiments",
-           "write_together"]
+           "write_digest", "write_together"]

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from .reading import NUMBERS, Experiment
+from .digest import NUMBERS
+from .reading import Experiment
 from .standing import MIDDLE
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from .reading import NUMBERS, Experiment
+from .digest import NUMBERS
+from .reading import Experiment
 
 if TYPE_CHECKING:
     import numpy as np
