@@ -1,12 +1,17 @@
-"""A planted result folder with figures and kept images, and its page."""
+"""A planted result folder with figures and kept images, its page, and a real Chromium."""
+
+import shutil
 
 import numpy as np
 import pytest
+from selenium import webdriver
 
 from mfr_bench.page import write_page
 from mfr_bench.store.arrays import write_arrays
 
 from ..report import planted
+
+CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 
 
 def image(level: int) -> np.ndarray:
@@ -36,3 +41,17 @@ def page(results, tmp_path_factory):
     path = tmp_path_factory.mktemp("html") / "report.html"
     write_page([results], path)
     return path
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Chromium, where it is there with its driver; it keeps what the page says on the console."""
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    started = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    started.set_script_timeout(60)
+    yield started
+    started.quit()

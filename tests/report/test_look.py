@@ -4,6 +4,7 @@ import re
 import struct
 import subprocess
 import sys
+import zlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -47,6 +48,25 @@ def test_every_format_has_the_width(written, name):
     box_of_pgf = r"pgfpathrectangle\{\\pgfpointorigin\}\{\\pgfqpoint\{([\d.]+)in\}"
     shown = re.search(box_of_pgf, written[name, ".pgf"].read_text())
     assert float(shown[1]) == pytest.approx(WIDTH_IN, rel=1e-5)
+
+
+def test_lines_of_a_page_reach_its_end(written):
+    """Straight lines, which are stroked and not filled, go as far to the right as the layout has them."""
+    content = written["planted-2", ".pdf"].read_bytes()
+    streams = [zlib.decompress(found) for found in re.findall(rb"stream\n(.*?)\nendstream", content, re.DOTALL)
+               if found[:1] == b"x"]
+    ends = [float(x) for found in streams for x in re.findall(rb"[\d.]+ [\d.]+ m\n([\d.]+) [\d.]+ l\n+S", found)]
+    assert 72 * WIDTH_IN < max(ends) < 72 * WIDTH_IN * 8 / FONT_PT  # in units that are scaled afterwards
+
+
+def test_turned_texts_end_at_their_bars_in_every_font(written):
+    """The names under bars end at the axis, and the axis's own name is centred, however wide TeX's font is."""
+    turned = re.findall(r"\\pgftext\[[^]]*?,(\w*),(\w*),rotate=90[^]]*\].*\}(.+)\}\}%$",
+                        written["planted-1", ".pgf"].read_text(), re.MULTILINE)
+    places = {name: (along, across) for along, across, name in turned}
+    assert places["time (ms)"][0] == ""
+    below = {place for name, place in places.items() if "B-" in name}
+    assert below == {("right", "")} and len(places) > len(planted.METHODS)
 
 
 def test_text_has_the_size_that_is_asked_for(written):

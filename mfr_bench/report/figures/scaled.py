@@ -18,6 +18,7 @@ from .sheet import styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from matplotlib.text import Text
 
 
 def write_scaled(folder: ResultFolder, look: Look) -> list[Path]:
@@ -64,6 +65,7 @@ def _pdf(figure: Figure, look: Look, path: Path) -> None:
     with mpl.rc_context({"pdf.fonttype": 42}):
         file = PdfFile(content, metadata={"CreationDate": None, "Creator": None, "Producer": None})
         file.newPage(width * look.scale, height * look.scale)
+        file.width, file.height = width, height  # to which lines are clipped, in the layout's units
         file.output(look.scale, 0, 0, look.scale, 0, 0, Op.concat_matrix)
         figure.dpi = 72  # the points of a PDF
         renderer = MixedModeRenderer(figure, width, height, dpi, RendererPdf(file, dpi, height, width))
@@ -72,6 +74,29 @@ def _pdf(figure: Figure, look: Look, path: Path) -> None:
         file.finalize()
         file.close()
     write_file(path, content.getvalue())
+
+
+class _Turned:
+    """A text turned by 90 degrees, with the alignment that TeX gives it before it is turned.
+
+    matplotlib tells TeX where such a text begins: one that is wider or narrower in the document's font would end
+    elsewhere, and run into what it stands under.
+    """
+
+    MODE = "anchor"
+
+    def __init__(self, text: Text):
+        self.get_unitless_position, self.get_transform = text.get_unitless_position, text.get_transform
+        self._across, self._along = text.get_horizontalalignment(), text.get_verticalalignment()
+
+    def get_rotation_mode(self) -> str:
+        return self.MODE
+
+    def get_horizontalalignment(self) -> str:
+        return {"top": "right", "center": "center"}.get(self._along, "left")
+
+    def get_verticalalignment(self) -> str:
+        return {"left": "top", "right": "bottom"}.get(self._across, "center")
 
 
 def _pgf(figure: Figure, look: Look, path: Path) -> None:
@@ -99,6 +124,8 @@ def _pgf(figure: Figure, look: Look, path: Path) -> None:
             super().draw_path(gc, drawn, IdentityTransform(), rgbFace)
 
         def draw_text(self, gc, x, y, s, prop, angle, ismath=False, mtext=None):
+            if mtext and angle == 90 and mtext.get_rotation_mode() != _Turned.MODE:
+                mtext = _Turned(mtext)
             super().draw_text(gc, x, y, escaped(s), prop, angle, ismath, mtext)
 
     try:
