@@ -278,6 +278,9 @@ def manifest(experiment, todo, ready) -> dict[str, Any]:
     from .. import environment
     from ..scene.spec.values import told
 
+    places: dict[str, int] = {}
+    for job in todo:
+        places.setdefault(job.key, job.cell.place)
     return {
         "name": experiment.name, "title": experiment.title, "source": dict(experiment.source),
         "config": experiment.path.name, "scene": experiment.scene.as_dict(), "params": dict(experiment.params),
@@ -286,7 +289,7 @@ def manifest(experiment, todo, ready) -> dict[str, Any]:
         "zip": {name: [told(value) for value in values] for name, values in experiment.zip.items()},
         "methods": [{"id": m.id, "label": m.label, "params": dict(m.params)} for m in experiment.methods],
         "measure": experiment.measure.as_dict(), "figures": [f.as_dict() for f in experiment.figures],
-        "cells": list(dict.fromkeys(job.key for job in todo)), "device": dict(ready.device),
+        "cells": list(places), "places": list(places.values()), "device": dict(ready.device),
         **_packages(todo), "timer": ready.timer, "calibration": dict(ready.calibration),
         "versions": environment.versions(), "environment": environment.at_the_start(ready.device),
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),

@@ -72,17 +72,30 @@ def joined_manifest(manifests: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     first = dict(ordered[0])
     if len(ordered) == 1:
         return first
-    joined = first | {
-        "cells": list(dict.fromkeys(key for part in ordered for key in part.get("cells") or ())),
+    one_design = all(part.get(name) == first.get(name) for part in ordered for name in DESIGN)
+    joined = first | _cells(ordered, one_design) | {
         "figures": _distinct(figure for part in ordered for figure in part.get("figures") or ()),
         "noise_floor_rel": max(part.get("noise_floor_rel") or 0.0 for part in ordered) or None,
         "split_s": _sums([part.get("split_s") or {} for part in ordered]), "merged": ordered}
-    if any(part.get(name) != first.get(name) for part in ordered for name in DESIGN):
+    if not one_design:
         joined.pop("methods", None)  # without them every cell belongs to the set
     if any(part.get("device") != first.get("device") for part in ordered):
         joined["device"] = {name: value for name, value in dict(first.get("device") or {}).items()
                             if all((part.get("device") or {}).get(name) == value for part in ordered)}
     return joined
+
+
+def _cells(parts: Sequence[Mapping[str, Any]], one_design: bool) -> dict[str, Any]:
+    """The planned cells of all parts in the order of the whole plan, with their places in it.
+
+    They are in the order of the parts where these do not tell places of one plan, as of a run with --only.
+    """
+    keys = list(dict.fromkeys(key for part in parts for key in part.get("cells") or ()))
+    placed = {pair for part in parts for pair in zip(part.get("places") or (), part.get("cells") or (), strict=False)}
+    plan = dict(sorted(placed))
+    if not one_design or not len(plan) == len(placed) == len(keys):
+        return {"cells": keys, "places": []}
+    return {"cells": list(plan.values()), "places": list(plan)}
 
 
 def _digest(part: Mapping[str, Any]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from ..config.axes import measure_at, points, scene_at
@@ -20,7 +20,8 @@ from ..scene.spec.values import told
 class Cell:
     """One point to measure: a method, all its parameters, a scene. `point` is where the axes that matter to it are.
 
-    `k_saves_passes`: more k is not more work, for the geometry is drawn less often.
+    `k_saves_passes`: more k is not more work, for the geometry is drawn less often. `place`: the number of the cell in
+    the whole plan of its experiment, of which a share of a run has a part.
     """
 
     experiment: str
@@ -31,6 +32,7 @@ class Cell:
     measure: Measure
     point: Mapping[str, Any]
     k_saves_passes: bool = False
+    place: int = field(default=0, compare=False)
 
     @property
     def identity(self) -> tuple:
@@ -56,7 +58,8 @@ def expand(experiment: Experiment, catalog: Mapping[str, Method], only: Sequence
         for entry in entries:
             cell = _cell(experiment, catalog[entry.id], entry, point, scene, measure)
             cells.setdefault(cell.identity, cell)
-    return [cell for cells in by_scene.values() for cell in cells.values()]
+    found = [cell for cells in by_scene.values() for cell in cells.values()]
+    return [replace(cell, place=place) for place, cell in enumerate(found)]
 
 
 def _chosen(entries: Sequence[MethodEntry], catalog: Mapping[str, Method],

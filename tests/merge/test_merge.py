@@ -113,6 +113,27 @@ def test_configs_of_one_name_that_differ_keep_all_their_cells(tmp_path):
     assert {p.cell["method"] for p in result.points} == {"ab-array", "ab-ll"}
 
 
+def test_cells_of_shares_stand_in_the_order_of_the_whole_plan(tmp_path):
+    a, b, c, d = (record(f"m{i}") for i in range(4))
+    shares = (folder(tmp_path / "n1", a, d, places=[0, 3]),
+              folder(tmp_path / "n2", b, c, places=[1, 2], started="2027"))
+    for order in itertools.permutations((*shares, shares[0])):
+        at = tmp_path / "-".join(each.path.name for each in order)
+        for each in order:
+            merge(at, each)
+        found = ResultFolder(at)
+        assert [each["key"] for each in found.cells()] == [each["key"] for each in (a, b, c, d)]
+        assert found.manifest()["places"] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("other", [{"places": [0]}, {"places": []}, {"places": [1], "sweep": {"k": [1]}}])
+def test_cells_of_another_plan_stand_behind(tmp_path, other):
+    a, b = record("ab-array"), record("ab-ll")
+    merge(tmp_path / "all", folder(tmp_path / "n1", a, places=[0], started="2027"), folder(tmp_path / "n2", b, **other))
+    manifest = ResultFolder(tmp_path / "all").manifest()
+    assert manifest["cells"] == [b["key"], a["key"]] and manifest["places"] == []
+
+
 def refused(into, *folders):
     with pytest.raises(UsageError) as error:
         merge(into, *folders)

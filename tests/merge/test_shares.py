@@ -9,7 +9,7 @@ from ..cli.conftest import FIGURE, TINY, mfr, on_device  # noqa: F401
 
 def rows_of(path):
     with open(path / "results.csv", newline="", encoding="utf-8") as file:
-        return sorted((row["method"], row["depth_complexity"], row["k"], row["status"]) for row in csv.DictReader(file))
+        return [(row["key"], row["method"], row["depth_complexity"], row["status"]) for row in csv.DictReader(file)]
 
 
 def test_merged_shares_are_the_whole_run(mfr, on_device, tmp_path, monkeypatch):  # noqa: F811
