@@ -53,7 +53,7 @@ class Allocation:
 
     def check_room(self, elements: int, wanted: int) -> None:
         """Raise CapacityError where a storage block cannot have so many elements, of which a frame `wanted` some."""
-        most = self._device.limits.max_block_bytes
+        most = self._device.max_block_bytes
         for buffer in self._fitted.variant.buffers:
             if (size := self._fitted.block_bytes(buffer, elements)) > most:
                 raise CapacityError(f"{wanted} fragments do not fit: {buffer.name} would grow to {size} bytes, "

@@ -13,7 +13,7 @@ import moderngl
 from ..environment import draws_in_software, processor
 from ..errors import DeviceError, ShaderError
 from ..glsl import FEATURE_EXTENSIONS, StageSource
-from ..methods.spec import LISTED, MSAA_FEATURES, SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS
+from ..methods.spec import LISTED, MSAA_FEATURES, NEAREST_33, SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS
 from ..plan import Limits
 from .egl import EglDevice, uuid_text
 from .rawgl import RawGL
@@ -76,12 +76,12 @@ class Device:
 
     @cached_property
     def offered(self) -> frozenset[str]:
-        """Features that the driver claims, by an extension of `glsl.FEATURE_EXTENSIONS` or a number."""
+        """Features that the driver claims, by an extension of `glsl.FEATURE_EXTENSIONS`, a number, or OpenGL."""
         shading = {f for f, names in FEATURE_EXTENSIONS.items() if self.extensions.intersection(names)}
         samples = {f for f, count in SAMPLE_FEATURES.items() if count in self._sample_counts}
         routing = {SAMPLE_STENCIL} if "samples_4" in samples else set()
         points = {TILE_POINTS} if self.ctx.info["GL_POINT_SIZE_RANGE"][1] >= LISTED else set()
-        return frozenset(shading | samples | routing | points | self._rasterized_samples)
+        return frozenset(shading | samples | routing | points | self._rasterized_samples | {NEAREST_33})
 
     @cached_property
     def failed_trials(self) -> dict[str, str]:
@@ -119,7 +119,7 @@ class Device:
 
     @property
     def missing_features(self) -> frozenset[str]:
-        return frozenset({*FEATURE_EXTENSIONS, *SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS,
+        return frozenset({*FEATURE_EXTENSIONS, *SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS, NEAREST_33,
                           *MSAA_FEATURES.values()}) - self.features
 
     @property

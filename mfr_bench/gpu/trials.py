@@ -15,7 +15,7 @@ import numpy as np
 from .. import glsl
 from ..config.model import Scene as SceneConfig
 from ..errors import MfrError
-from ..methods import kplus
+from ..methods import kplus, lists
 from ..methods.shared import ATOMIC64
 from ..methods.spec import (
     ADD,
@@ -26,6 +26,7 @@ from ..methods.spec import (
     LISTED,
     MAX,
     MSAA_FEATURES,
+    NEAREST_33,
     OVER,
     REVEAL,
     SAMPLE_STENCIL,
@@ -54,6 +55,8 @@ from .trial_triangles import triangles
 SCENE = SceneConfig(size=(24, 20), depth_complexity=3)
 TILES_SCENE = SceneConfig(size=(3 * LISTED, 2 * LISTED), depth_complexity=5)
 TILED = {"touched": "tiles", "k": 8, "sync": "spin", "sort": "insertion"}
+SELECTED_SCENE = SceneConfig(size=(9, 6), depth_complexity=32)
+SELECTED = {"k": 33, "sort": "register"}
 INVOCATIONS = 64
 # Formats of targets with how methods blend in them; the image is rgba32f.
 BLENDED: tuple[tuple[tuple[Format, ...], State], ...] = (
@@ -312,11 +315,27 @@ def uniform_blocks(device: Device) -> Outcome:
 
 def listed_points(device: Device) -> Outcome:
     """Whether points that a dispatch has listed show what an earlier pass stored: a k+-buffer, resolved by tiles."""
-    scene = generate(TILES_SCENE)
-    with _drawn(device, TILES_SCENE, kplus.METHODS[0], **TILED) as frame:
+    passed, detail = _shown(device, TILES_SCENE, kplus.METHODS[0], **TILED)
+    return passed, f"{detail} that points show after a dispatch{_flushed(device)}"
+
+
+def selected(device: Device) -> Outcome:
+    """Whether the nearest 33 of a list, sorted in registers, are all of the 32 that a pixel has.
+
+    This is the method of linked lists that keeps the k nearest: with less in its program, or another k, the fault that
+    it shows is gone.
+    """
+    passed, detail = _shown(device, SELECTED_SCENE, lists.METHODS[-1], **SELECTED)
+    return passed, f"{detail} that keep the nearest 33 of a list, sorted in registers"
+
+
+def _shown(device: Device, config: SceneConfig, method: Method, **params) -> Outcome:
+    """Whether the method's image of the scene is that of all its fragments, and in how many pixels."""
+    scene = generate(config)
+    with _drawn(device, config, method, **params) as frame:
         wrong = conformance(frame.image(), Answer.only(composite(scene)))["wrong_pixels"]
     pixels = scene.viewport[0] * scene.viewport[1]
-    return wrong == 0, f"{pixels - wrong} of {pixels} pixels right that points show after a dispatch{_flushed(device)}"
+    return wrong == 0, f"{pixels - wrong} of {pixels} pixels right"
 
 
 def _flushed(device: Device) -> str:
@@ -343,7 +362,7 @@ def _drawn(device: Device, config: SceneConfig, method: Method, **more) -> Itera
             for name, words in arrays.items():
                 frame.fill(name, words)
             device.finish()  # what is asked for before hides some faults
-            frame.draw()
+            frame.draw_fitting()
             yield frame
         finally:
             frame.release()
@@ -358,6 +377,7 @@ TRIALS = (
     Trial("interlock", interlock, "fragment_shader_interlock"),
     Trial("uniform blocks after a dispatch", uniform_blocks),
     Trial("points after a dispatch", listed_points, TILE_POINTS),
+    Trial("nearest 33 in registers", selected, NEAREST_33),
     *(Trial(f"coverage masks of {count} samples", partial(samples.tried, samples=count), feature)
       for count, feature in MSAA_FEATURES.items()),
     Trial("stencil of each sample", partial(routed, multisampling="off"), SAMPLE_STENCIL),

@@ -31,7 +31,7 @@ from .shared import (
 )
 from .shared.clearing import Expand
 from .shared.screen_region import TOUCHED, in_screen_region
-from .spec import ON_OFF, SPARE_CELLS, Buffer, Grown, Method, Param, Params, Pass, when
+from .spec import NEAREST_33, ON_OFF, SPARE_CELLS, Buffer, Grown, Method, Param, Params, Pass, when
 
 ORDER = 3
 
@@ -53,6 +53,8 @@ COLOURS = Buffer("payload", "capacity", type="PAYLOAD", coherent=True, doc="colo
 FETCH = "methods/list/fetch.glsl"
 FETCH_PACKED = "methods/list/fetch_packed.glsl"
 
+# The one k whose program a driver is known to compile wrongly (docs/drivers.md).
+SELECTED_K = replace(K, needs={"33": NEAREST_33}, needs_where=when("sort", "auto", "register"))
 PACKED = Param("packed", "off", "depth and link in one 64-bit record", choices=ON_OFF)
 INSERT = Param("insert", "cas32", "sorted insertion by 32-bit compare-and-swap or by 64-bit atomic maximum",
                choices=("cas32", "max64"))
@@ -178,7 +180,8 @@ METHODS = [
         summary="unsorted linked lists of all fragments; the resolve picks the k nearest",
         guarantee="exact k nearest", words="3*f + 1", beside=SPARE_CELLS,
         ties="kept, the first in the list wins the last place",
-        params=(K, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD), fixed=(ONE_BY_ONE, ONE_LIST), capacity=GROWN,
+        params=(SELECTED_K, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD), fixed=(ONE_BY_ONE, ONE_LIST),
+        capacity=GROWN,
         local="k",
         buffers=(COUNTER, NEXT, CELLS),
         steps=in_screen_region(clear("next", shared=("cell_counter",)),

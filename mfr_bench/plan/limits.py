@@ -43,11 +43,13 @@ def _missing(variant: Variant, stats: SceneStats, limits: Limits) -> list[str]:
 
 
 def _most(variant: Variant, param: Param, limits: Limits) -> int | None:
-    """The largest value below the chosen one that the device allows."""
+    """The largest value below the chosen one that the device allows; None where it allows the next one as well."""
     def allowed(value: int) -> bool:
         feature = param.need({**variant.params, param.name: value})
         return feature is None or feature in limits.features
 
+    if allowed(int(variant.params[param.name]) + 1):
+        return None
     return next(filter(allowed, range(int(variant.params[param.name]), int(param.low) - 1, -1)), None)
 
 

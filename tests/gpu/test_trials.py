@@ -12,7 +12,7 @@ from mfr_bench.gpu.pass_runner import PassRunner
 from mfr_bench.gpu.single import shown
 from mfr_bench.gpu.trials import TRIALS, Trial, failed
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import TILE_POINTS, Fitted
+from mfr_bench.methods.spec import NEAREST_33, TILE_POINTS, Fitted
 from mfr_bench.plan import Cell, Limits, expected_stats, judge
 from mfr_bench.scene import generate
 
@@ -47,6 +47,7 @@ def outcome(device, name):
     ("uniform blocks after a dispatch", "probe/after_dispatch.frag", "float(height)", "float(height + 1u)", "0 of 480"),
     ("points after a dispatch", "common/list_tiles.comp", "if (tile_has_fragments(tile)) list(tile)", "",
      "pixels right"),
+    ("nearest 33 in registers", "common/local.glsl", "fragment.x >= furthest", "fragment.x < furthest", "pixels right"),
     ("triangles", "scene/triangle.vert", "gl_Position = in_corner;", "gl_Position = in_corner + vec4(0.004, 0, 0, 0);",
      "impossible"),
     ("triangles", "scene/triangle.vert", "gl_Position = in_corner;",
@@ -114,6 +115,19 @@ def test_a_feature_that_fails_its_trial_is_missing_with_the_trials_name(monkeypa
     limits = Limits(features=frozenset(), max_block_bytes=2**27, max_texture_size=4096, failed_trials=found)
     assert judge(cell, catalog(), expected_stats(cell.scene), limits) == (
         "unsupported", "needs points_16, which fails the trial 'points after a dispatch' (3 of 9 pixels right)")
+
+
+@pytest.mark.parametrize(("params", "refused"), [
+    ({"k": 33}, True), ({"k": 33, "sort": "register"}, True), ({"k": 33, "sort": "hybrid"}, False),
+    ({"k": 32}, False), ({"k": 34}, False)])
+def test_where_33_in_registers_fail_their_trial_no_other_k_and_no_other_sort_is_refused(params, refused):
+    found = "the trial 'nearest 33 in registers' (0 of 54 pixels right)"
+    limits = Limits(features=frozenset(), max_block_bytes=2**27, max_texture_size=4096,
+                    failed_trials={NEAREST_33: found})
+    cell = Cell("test", "kb-ab-ll", "kb-ab-ll", catalog()["kb-ab-ll"].complete(params),
+                SceneConfig(size=(8, 8), depth_complexity=3), Measure(), {})
+    said = ("unsupported", f"needs nearest_33, which fails {found}") if refused else None
+    assert judge(cell, catalog(), expected_stats(cell.scene), limits) == said
 
 
 def test_every_trial_says_what_a_failure_costs():

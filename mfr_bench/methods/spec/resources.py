@@ -13,6 +13,7 @@ EMPTY = 0xFFFFFFFF  # no fragment, no next node: above the bits of every depth i
 SAMPLE_FEATURES: Mapping[str, int] = {f"samples_{count}": count for count in (4, 8, 16, 32)}  # of multisample targets
 MSAA_FEATURES: Mapping[int, str] = {count: f"msaa_{count}" for count in MSAA if count > 1}  # of rasterizing a scene
 SAMPLE_STENCIL = "sample_stencil"  # the feature of testing each sample's stencil with multisampling off
+NEAREST_33 = "nearest_33"  # the feature of picking a list's nearest 33 and sorting them in registers: docs/drivers.md
 # FRAGMENT is a depth with its payload, PAYLOAD a payload; formulas count them with the plain payload of one word.
 ELEMENT_WORDS: Mapping[str, int] = {"uint": 1, "uvec2": 2, "uint64_t": 2, "int64_t": 2, "vec4": 4, "FRAGMENT": 2,
                                     "PAYLOAD": 1}
