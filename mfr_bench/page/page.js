@@ -78,6 +78,26 @@
     apply();
   }
 
+  // --- colours ---
+  // A method's colour is that of the figures, which are white: on another ground it is mixed with white or black until it
+  // stands out, by the contrast that WCAG 2 asks of graphics.
+  const CONTRAST = 3;
+  const channels = (text) => (text[0] === "#" ? [1, 3, 5].map((i) => parseInt(text.slice(i, i + 2), 16))
+    : text.match(/\d+/g).slice(0, 3).map(Number));
+  const luminance = (rgb) => {
+    const [r, g, b] = rgb.map((c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  function standingOut(colour) {
+    const ground = channels(getComputedStyle(document.body).backgroundColor), back = luminance(ground);
+    const end = back > 0.18 ? 0 : 255;
+    for (let share = 0; share < 1; share += 0.05) {
+      const mixed = channels(colour).map((c) => Math.round(c + share * (end - c))), front = luminance(mixed);
+      if ((Math.max(front, back) + 0.05) / (Math.min(front, back) + 0.05) >= CONTRAST) return `rgb(${mixed.join(", ")})`;
+    }
+    return `rgb(${end}, ${end}, ${end})`;
+  }
+
   // --- charts ---
   // Lines of one column by another: a series for each method and for every other place that tells its cells apart.
   function explorer(details, table) {
@@ -132,6 +152,7 @@
       logX.disabled = words || xs[0] <= 0;
       const column = (line, i) => places.map((place) => line.points.get(place)?.[i] ?? null);
       const ink = getComputedStyle(document.body).color;
+      const colourOf = (line) => (colours[line.method] ? standingOut(colours[line.method]) : ink);
       const positive = lines.every((line) => [...line.points.values()].every(([middle]) => middle > 0));
       logY.disabled = !positive;
       const axis = { stroke: ink, grid: { stroke: "#8884", width: 1 }, ticks: { stroke: "#8884" } };
@@ -146,7 +167,7 @@
                  values: (_, splits) => splits.map((v) => (v === null ? "" : words ? places[v] ?? "" : `${v}`)) },
                { ...axis, label: y.value, size: 70 }],
         series: [{ label: x.value, value: (_, v) => (v === null ? "" : words ? places[v] : `${v}`) },
-          ...lines.map((line, i) => ({ label: line.name, stroke: colours[line.method] ?? ink, width: 1.6, spanGaps: true,
+          ...lines.map((line, i) => ({ label: line.name, stroke: colourOf(line), width: 1.6, spanGaps: true,
             dash: dashes[i % dashes.length], points: { show: true, size: 6 },
             value: (_, v) => (v === null ? "" : (+v.toPrecision(4)).toString()) }))],
         cursor: { drag: { x: true, y: true, uni: 20 }, focus: { prox: 24 } },
@@ -155,7 +176,7 @@
           drawSeries: [(u, i) => {
             if (!i || !u.series[i].show) return;
             u.ctx.save();
-            u.ctx.strokeStyle = u.series[i]._stroke ?? colours[lines[i - 1].method] ?? ink;
+            u.ctx.strokeStyle = u.series[i]._stroke ?? colourOf(lines[i - 1]);
             u.ctx.lineWidth = 1.2 * devicePixelRatio;
             u.ctx.beginPath();
             lines[i - 1].points.forEach(([, low, high], place) => {
@@ -196,6 +217,7 @@
     controls.addEventListener("change", show);
     reset.addEventListener("click", show);
     addEventListener("resize", () => plot && show());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => plot && show());
   }
 
   // --- kept images ---

@@ -1,6 +1,7 @@
 """The page in a real Chromium: it draws, filters and compares, asks nothing of a network, and is readable."""
 
 import json
+import re
 
 import pytest
 from axe_core_python.base import AXE_SCRIPT
@@ -107,6 +108,39 @@ def test_charts_are_drawn_zoomed_and_changed(opened):
     webdriver.ActionChains(opened).move_to_element_with_offset(over, -80, -60).click_and_hold().move_by_offset(
         160, 120).release().perform()
     until(opened, lambda: opened.get_screenshot_as_base64() != before)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_lines_of_charts_stand_out_from_the_page(opened, scheme):
+    """Each has the contrast of 3 to 1 that WCAG 2 asks of graphics, also once the scheme changes."""
+    unfold(opened, "details.explore")
+    until(opened, lambda: opened.find_elements(By.CSS_SELECTOR, ".chart canvas"))
+    for each in ({"light": "dark", "dark": "light"}[scheme], scheme):
+        opened.execute_cdp_cmd("Emulation.setEmulatedMedia",
+                               {"features": [{"name": "prefers-color-scheme", "value": each}]})
+
+    def found():
+        return opened.execute_script(
+            "return [getComputedStyle(document.body).backgroundColor,"
+            "[...document.querySelectorAll('.u-legend .u-marker')].map(m => getComputedStyle(m).borderTopColor)]")
+
+    def all_stand_out():  # once the browser has told the page of the scheme
+        ground, colours = found()
+        return all(contrast(colour, ground) >= 3 for colour in colours)
+
+    until(opened, all_stand_out)
+    ground, colours = found()
+    assert (contrast(ground, "rgb(0, 0, 0)") < 3) == (scheme == "dark") and len(set(colours)) > 5
+
+
+def contrast(*colours):
+    """The contrast of two colours as browsers write them (WCAG 2.2, relative luminance)."""
+    def luminance(colour):
+        shares = [int(value) / 255 for value in re.findall(r"\d+", colour)[:3]]
+        linear = [v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4 for v in shares]
+        return sum(weight * value for weight, value in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
+    low, high = sorted(map(luminance, colours))
+    return (high + 0.05) / (low + 0.05)
 
 
 def test_kept_images_are_compared(opened):
