@@ -68,8 +68,8 @@ def submit(configs: tuple[str, ...], settings: str, profile: str | None, overrid
 def _crowded(cluster) -> list[str]:
     """A line for each kind whose tasks would draw on one device of this machine at the same time."""
     crowded = {name: kind for name, kind in cluster.kinds.items()
-               if cluster.engine == "local" and kind.shares > len(kind.devices)}
-    return [f"{name}: {kind.shares} tasks draw on {len(kind.devices)} device{'s' * (len(kind.devices) > 1)} of this "
+               if cluster.engine == "local" and kind.shares > len(kind.device)}
+    return [f"{name}: {kind.shares} tasks draw on {len(kind.device)} device{'s' * (len(kind.device) > 1)} of this "
             "machine at the same time, and their times are longer for it; allowed: one share for each device, as in "
             "device: [UUID, UUID]" for name, kind in crowded.items()]
 

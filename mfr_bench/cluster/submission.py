@@ -185,6 +185,6 @@ def _parameters(cluster: Cluster, kind: Kind) -> dict[str, Any]:
 def command_of(submission: Submission, task: Share, kind: Kind) -> list[str]:
     """The command that measures a task's share; the same by hand, on a machine without an engine."""
     share = [] if task.count == 1 else ["--shard", f"{task.number}/{task.count}", "--split", f"{kind.split_s}s"]
-    device = kind.devices[(task.number - 1) % len(kind.devices)]
+    device = kind.device[(task.number - 1) % len(kind.device)]
     return [sys.executable, "-m", "mfr_bench", "run", *submission.run, *share, "--device", device, "--quiet",
             "--out", str(submission.folder(task) / "results")]

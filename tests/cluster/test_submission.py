@@ -96,7 +96,7 @@ def test_a_job_is_a_process_of_the_engine_and_no_other_of_its_number():
 def test_a_store_that_no_folder_can_be_is_one_line(place, mfr, store):  # noqa: F811
     (place / "cluster.yaml").write_text(CLUSTER.replace("store: store", f"store: {store}"))
     done = mfr("submit", "run.yaml", "--cluster", "cluster.yaml", "--dry-run")
-    assert done.status == 2 and done.err.startswith("cluster.yaml: store: string should")
+    assert done.status == 2 and done.err.startswith("cluster.yaml:2: store: is no text")
 
 
 def test_a_printed_command_is_quoted_for_a_shell(place, mfr):  # noqa: F811

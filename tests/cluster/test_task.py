@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
@@ -17,6 +18,7 @@ child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
 print(child.pid, file=open(sys.argv[1], "w"), flush=True)
 time.sleep(600)
 """
+DEAF = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)"
 RUNNER = "import sys; from mfr_bench.cluster.task import Task; sys.exit(Task(sys.argv[1:])())"
 LIMIT_S = 60
 
@@ -34,6 +36,11 @@ def alive(pid):
             return file.read().rpartition(")")[2].split()[0] != "Z"
     except FileNotFoundError:
         return False
+
+
+def parent_of(pid):
+    with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
+        return int(file.read().rpartition(")")[2].split()[1])
 
 
 @pytest.fixture
@@ -59,6 +66,35 @@ def test_sigterm_ends_the_whole_group(node):
     process, child = node
     os.kill(process.pid, signal.SIGTERM)
     until(lambda: process.poll() is not None and not alive(child))
+
+
+def test_a_run_ends_with_its_worker_though_that_is_killed(node):
+    process, child = node
+    run = parent_of(child)
+    assert parent_of(run) == process.pid
+    os.kill(process.pid, signal.SIGKILL)
+    until(lambda: not alive(run))
+    os.kill(child, signal.SIGKILL)  # a run ends its own children, as tests of it show; this stand-in does not
+
+
+def test_a_run_that_does_not_end_when_asked_is_killed(tmp_path, monkeypatch):
+    said = tmp_path / "pid"
+    monkeypatch.setattr("mfr_bench.cluster.task.PATIENCE_S", 0.5)
+    task = Task([sys.executable, "-c", DEAF + SLEEPER, str(said)])
+
+    def asked(number, frame):
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    before = signal.signal(signal.SIGALRM, asked)
+    try:
+        waiter = threading.Thread(target=lambda: (until(lambda: said.exists() and said.read_text().strip()),
+                                                  os.kill(os.getpid(), signal.SIGALRM)))
+        waiter.start()
+        assert task() == -signal.SIGKILL
+        waiter.join()
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    until(lambda: not alive(int(said.read_text())))
 
 
 def test_a_checkpoint_ends_the_run_and_asks_to_go_on(tmp_path):
