@@ -15,7 +15,7 @@ from .report_commands import hand_over, write_report, write_tables_of
 
 # The parts of a manifest that are of the run that measured: one that finds everything measured leaves them alone.
 OF_THE_MEASURING = ("started", "calibration", "versions", "environment", "calibration_end", "calibration_drift",
-                    "split_s", "noise_floor_rel")
+                    "split_s", "beside_s", "noise_floor_rel")
 
 
 @dataclass(frozen=True)
@@ -103,18 +103,20 @@ class Session:
         self.split = Split()
         self.split.seconds["start-up"] = time.perf_counter() - self.started
         folders = result_folders(plans, self.choices.out, ready.device["slug"])
-        parts = self._parts(plans, folders, ready)
+        with self.split.work("plan"):
+            parts = self._parts(plans, folders, ready)
         with ExitStack() as stack:
             for part in parts:
                 if unlocked := stack.enter_context(part.folder.lock()):
                     note(unlocked)
-            self.beside = sources(plans, folders, self.choices)
-            ledger = Ledger([part.sheet for part in parts], ready.device, self.beside, split=self.split)
-            stack.callback(ledger.close)
-            ledger.settle(self.choices.force, self.choices.keep_failed, self.choices.try_hopeless)
-            for part in parts:
-                part.write_manifest_at_start()
-            self._measure(parts, ledger)
+            with self.split.work("plan"):
+                self.beside = sources(plans, folders, self.choices)
+                self.ledger = Ledger([part.sheet for part in parts], ready.device, self.beside, split=self.split)
+                stack.callback(self.ledger.close)
+                self.ledger.settle(self.choices.force, self.choices.keep_failed, self.choices.try_hopeless)
+                for part in parts:
+                    part.write_manifest_at_start()
+            self._measure(parts)
         return {status for part in parts for status in part.sheet.statuses.values()}
 
     def _parts(self, plans, folders, ready) -> list[Part]:
@@ -130,12 +132,13 @@ class Session:
                 parts.append(Part(experiment, Sheet(folder, todo), manifest(experiment, todo, ready)))
         return parts
 
-    def _measure(self, parts: Sequence[Part], ledger) -> None:
+    def _measure(self, parts: Sequence[Part]) -> None:
         """Measure what is pending, then report each experiment."""
         from ..errors import DeviceError, Interrupted
+        from ..measure.split import told
         from .progress import Progress
 
-        budget_s = self.choices.budget_s
+        ledger, budget_s = self.ledger, self.choices.budget_s
         groups = ledger.groups(coarse_first=budget_s is not None)
         deadlines = self._deadlines(parts)
         measuring = [part for part in parts if part.sheet.pending]
@@ -149,6 +152,8 @@ class Session:
             for part in parts:
                 self._tell(part)
             folders = [part.folder for part in parts]
+            if measuring and not self.choices.as_json:
+                say(told(self._spent()["split_s"]))
             hand_over(folders, self.choices.as_json, self.choices.junit, self.choices.summary)
             if self.choices.page:
                 write_page_of(folders, self.choices.page, say if not self.choices.as_json else note)
@@ -190,7 +195,8 @@ class Session:
         from ..environment import passing
         from ..measure.calibration import disagreement
 
-        again = self.supervisor.calibrate_again() if parts else None
+        with self.split.work("calibration"):
+            again = self.supervisor.calibrate_again() if parts else None
         for part in parts:
             part.manifest["environment"]["end"] = passing(part.manifest["device"])
             if again:
@@ -214,8 +220,13 @@ class Session:
             part.folder.write_manifest(part.manifest)  # the tables tell it
         with self.split.work("report"):
             written = (write_report if self.choices.drawn else write_tables_of)(part.folder)
-        part.folder.write_manifest({"split_s": self.split.rounded()} | part.manifest)
+        part.folder.write_manifest(self._spent() | part.manifest)
         return written
+
+    def _spent(self) -> dict[str, dict[str, float]]:
+        """Where the time of the command went until now, and what the process beside the device did meanwhile."""
+        beside_s = {kind: round(seconds, 3) for kind, seconds in self.ledger.beside_s.items()}
+        return {"split_s": self.split.whole(time.perf_counter() - self.started), "beside_s": beside_s}
 
     def _kept(self, parts: Sequence[Part]) -> str:
         """Write what is derived from the cells so far; how many those are, and where."""

@@ -19,6 +19,8 @@ from .targets import Canvas
 CHUNK_BYTES = 64 * 2**20  # of one storage block and read-back
 NODE_BYTES = 8
 
+Captured = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray | None]
+
 FOUND = Buffer("found", "P", clear="0u", coherent=True)
 
 
@@ -39,8 +41,14 @@ STORE_MASKS = _capture(
 
 
 def capture(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> Fragments:
-    """The fragments of the scene on the device.
+    """The fragments of the scene on the device. Raises as `captured` does."""
+    return Fragments.of(scene_buffer.scene, *captured(device, scene_buffer, canvas))
 
+
+def captured(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> Captured:
+    """The fragments of the scene on the device, pixel by pixel, in any order within a pixel.
+
+    Their counts int64 (H, W), depths uint32 (F,), primitives uint32 (F,), and coverage masks uint8 (F,) or None.
     Raises DeviceError where a pass does not see what the other saw: nothing is lost without notice. MemoryError where
     there is no room.
     """
@@ -55,7 +63,7 @@ def capture(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> Fragme
             depth[part], primitive[part] = nodes[:, 0], nodes[:, 1]
             if masks is not None:
                 masks[part] = found
-    return Fragments.of(scene_buffer.scene, counts, depth, primitive, masks)
+    return counts, depth, primitive, masks
 
 
 def _uncounted(scene: Geometry) -> SceneStats:

@@ -76,7 +76,8 @@ def joined_manifest(manifests: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
     joined = first | _cells(ordered, one_design) | {
         "figures": _distinct(figure for part in ordered for figure in part.get("figures") or ()),
         "noise_floor_rel": max(part.get("noise_floor_rel") or 0.0 for part in ordered) or None,
-        "split_s": _sums([part.get("split_s") or {} for part in ordered]), "merged": ordered}
+        "merged": ordered,
+        **{name: _sums([part.get(name) or {} for part in ordered]) for name in ("split_s", "beside_s")}}
     if not one_design:
         joined.pop("methods", None)  # without them every cell belongs to the set
     if any(part.get("device") != first.get("device") for part in ordered):

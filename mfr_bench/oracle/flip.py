@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import hashlib
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,8 +28,21 @@ class OnScreen:
     @classmethod
     def of(cls, image: np.ndarray, oracle: np.ndarray) -> OnScreen:
         """Images are (H, W, 4), premultiplied."""
-        shown = np.all(np.isfinite(image) & (image >= -TOLERANCE) & (image <= 1 + TOLERANCE), axis=-1)
-        return cls(tuple((displayed(oracle, backdrop), displayed(image, backdrop)) for backdrop in BACKDROPS), shown)
+        return cls.beside(image, displays(oracle))
+
+    @classmethod
+    def beside(cls, image: np.ndarray, references: Sequence[np.ndarray]) -> OnScreen:
+        """An image, as above, and what a screen shows of its oracle, as `displays` gives it."""
+        shown = np.all((image >= -TOLERANCE) & (image <= 1 + TOLERANCE), axis=-1)  # false of what is no number
+        return cls(tuple(zip(references, displays(image), strict=True)), shown)
+
+    @property
+    def digest(self) -> bytes:
+        """Tells what a screen shows of the image from what it shows of others."""
+        found = hashlib.sha256(np.packbits(self.shown))
+        for _, image in self.pairs:
+            found.update(image)
+        return found.digest()
 
     @property
     def equal(self) -> bool:
@@ -38,6 +52,11 @@ class OnScreen:
     def flip(self) -> float:
         """Mean of FLIP's map over black or over white, whichever is larger; a pixel that is not shown counts as 1."""
         return max(float(np.where(self.shown, flip_map(*pair), 1.0).mean()) for pair in self.pairs)
+
+
+def displays(image: np.ndarray) -> tuple[np.ndarray, ...]:
+    """What a screen shows of an image, (H, W, 4) and premultiplied, over each of BACKDROPS."""
+    return tuple(displayed(image, backdrop) for backdrop in BACKDROPS)
 
 
 def displayed(image: np.ndarray, backdrop: float) -> np.ndarray:
@@ -50,8 +69,39 @@ def displayed(image: np.ndarray, backdrop: float) -> np.ndarray:
 def flip_map(reference: np.ndarray, test: np.ndarray) -> np.ndarray:
     """FLIP of each pixel of two uint8 (H, W, 3) images: float32 (H, W).
 
-    It is 0 where no pixel within REACH differs. If few do, the blocks around them are cut out with what the filters
-    see, and evaluated side by side as one image: a call takes 0.1 s, however small its image is.
+    Of rows and columns that repeat, as where large quads show, no more are evaluated than the filters tell apart.
+    """
+    rows = _evaluated_lines(reference, test)
+    reference, test = (image[rows.kept] for image in (reference, test))
+    columns = _evaluated_lines(*(image.swapaxes(0, 1) for image in (reference, test)))
+    found = _around_what_differs(*(np.ascontiguousarray(image[:, columns.kept]) for image in (reference, test)))
+    return found[rows.of][:, columns.of]
+
+
+@dataclass(frozen=True)
+class _Lines:
+    """Which lines of an image are evaluated, and which of them each line of the image looks like to the filters."""
+
+    kept: np.ndarray
+    of: np.ndarray
+
+
+def _evaluated_lines(*images: np.ndarray) -> _Lines:
+    """Of lines that repeat in all images, REACH at either end and one for all between, whose surroundings are equal."""
+    new = np.ones(len(images[0]), dtype=bool)
+    new[1:] = np.any([(image[1:] != image[:-1]).any(axis=(1, 2)) for image in images], axis=0)
+    starts = np.flatnonzero(new)
+    lengths = np.diff(starts, append=len(new))
+    place = np.arange(len(new)) - np.repeat(starts, lengths)
+    kept = (place <= REACH) | (np.repeat(lengths, lengths) - place <= REACH)
+    return _Lines(np.flatnonzero(kept), np.cumsum(kept) - 1)
+
+
+def _around_what_differs(reference: np.ndarray, test: np.ndarray) -> np.ndarray:
+    """The map, 0 where no pixel within REACH differs.
+
+    If few do, the blocks around them are cut out with what the filters see, and evaluated side by side as one image: a
+    call takes 0.1 s, however small its image is.
     """
     found = np.zeros(reference.shape[:2], np.float32)
     differ = np.argwhere(np.any(reference != test, axis=-1))

@@ -54,6 +54,12 @@ class Answer:
         """Whether one image alone is right."""
         return self.low is self.high
 
+    @property
+    def bytes(self) -> int:
+        """The memory of the images that are kept, each counted once."""
+        arrays = {id(a): a.nbytes for a in (self.image, self.low, self.high)}
+        return sum(arrays.values()) + (self.losing.bytes if self.losing else 0)
+
     @cached_property
     def tied(self) -> np.ndarray:
         """bool (H, W): pixels in which fragments of one depth and different colours leave the image open."""

@@ -255,7 +255,7 @@ def rates_of(runs: Iterable[tuple[Mapping[str, Any], Sequence[Mapping[str, Any]]
     if not cells:
         return rates
     return replace(rates, start_s=spent["start-up"] / len(starts), compile_s=spent["compile"] / cells,
-                   pixel_s=(spent["check"] + spent["oracle"] + spent["scene"]) / pixels,
+                   pixel_s=sum(spent[kind] for kind in ("check", "flip", "oracle", "scene")) / pixels,
                    store_s=spent["store"] / cells, report_s=spent["report"] / cells)
 
 

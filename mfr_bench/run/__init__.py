@@ -4,7 +4,8 @@
     device_process, process           the worker that has the device, replaced where it dies; its link and its end
     ledger, settling, sheet           what is kept, shared, written: rows, and samples of unfinished cells
     jobs, events, memory              what both sides know, and what they say to each other
-    parent, aside                     ties a process to its parent; work of the host in one more process
+    parent, aside, shared             ties a process to its parent; work of the host in one more process; memory of both
+    answers, ahead                    that work: right images, comparisons, compressed arrays; the next scene
     worker                            the process that measures: device, timer, its end of the link
     measuring, eliminating            on the device: the cells of a scene in turns, or in rounds that the slower leave
     cell, images, outcome             one cell sampled, its images checked, its status and values

@@ -2,33 +2,61 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field
 from typing import Any
 
 from ..gpu.context import Device
 from ..gpu.timers import Timer
 from ..measure.split import Split
+from ..scene import Scene
+from ..scene.kinds import kind_of
+from .ahead import Ahead
+from .answers import Answers
 from .aside import Aside, AtOnce
 from .events import CHECK, Begun
 
 Emit = Callable[[Any], None]
+BESIDE_PIXELS = 2**16  # of a scene, from which on it is worth what another process takes to start and to be asked
 
 
 @dataclass
 class Bench:
     """The device and the timer of every cell, and `emit`, which receives the events of its measurement.
 
-    aside: does what no frame waits for.
+    answers: what this process knows of scenes. beside: another process, which does what no frame waits for; None where
+    there is none.
     """
 
     device: Device
     timer: Timer
     emit: Emit
     interrupted: Callable[[], bool] = lambda: False
-    split: Split = field(default_factory=Split)
-    aside: Aside = field(default_factory=AtOnce)
+    answers: Answers = field(default_factory=Answers)
+    beside: Aside | None = None
+
+    def __post_init__(self) -> None:
+        self.here = AtOnce(self.answers)
+        self.ahead = Ahead(self.answers, self.aside_for)
+
+    @property
+    def split(self) -> Split:
+        """The wall time of this process by kind of work."""
+        return self.answers.split
+
+    def aside_for(self, scene: Scene) -> Aside:
+        """What does the work on a scene that no frame waits for: this process for small scenes.
+
+        It does for those of packages from outside as well, which it alone has imported.
+        """
+        foreign = kind_of(scene).package(scene) or scene.settings.effect.package
+        return self.here if self.beside is None or foreign or math.prod(scene.size) < BESIDE_PIXELS else self.beside
+
+    def paused(self):
+        """Within this no other process takes a core that draws."""
+        return self.beside.paused() if self.beside else nullcontext()
 
     def stop_if_asked(self) -> None:
         if self.interrupted():

@@ -1,4 +1,4 @@
-"""One cell on the device: prepared, checked against the oracle, sampled batch by batch, finished as its row."""
+"""One cell on the device: prepared, sampled batch by batch, ended; its row, once its images are compared."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def noise_floor_rel(one: Sampler, other: Sampler) -> float | None:
 
 
 class CellWork:
-    """A cell that passed its first check and is being sampled. `partial`: what earlier processes took of it."""
+    """A cell that has drawn its first image and is being sampled. `partial`: what earlier processes took of it."""
 
     def __init__(self, bench: Bench, scene: SceneWork, job: Job, fitted: Fitted, partial: Partial):
         self.bench, self.scene, self.job, self.fitted, self.variant = bench, scene, job, fitted, fitted.variant
@@ -48,7 +48,7 @@ class CellWork:
         self._pair: tuple[Sampler, ...] = ()  # an A/A pair: the same twice more, for the noise floor
         self.passes = {name: list(times_ms) for name, times_ms in partial.passes.items()}
         self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
-        self.done = False  # its result was sent
+        self.done = False  # nothing more is drawn for it
         self.repeats = 1  # frames in a sample
         self.pass_frames = PASS_FRAMES  # frames whose passes are timed
         self._emitted = len(self.sampler.samples_ms)  # samples already sent
@@ -102,7 +102,7 @@ class CellWork:
     def batch(self, sampler: Sampler) -> None:
         """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed."""
         self._phases.begin("sampling")
-        with self.bench.aside.paused():
+        with self.bench.paused():
             for _ in sampler.turn():
                 self.bench.stop_if_asked()
                 self.frame.show(self.scene.show(len(sampler.samples_ms)))
@@ -116,7 +116,7 @@ class CellWork:
         self._phases.begin("sampling")
         for _ in range(frames):
             self.bench.stop_if_asked()
-            with self.bench.split.work("warm-up"):
+            with self.bench.paused(), self.bench.split.work("warm-up"):
                 self.sampler.warmup_ms.append(self._sample(warm=False))
 
     def round(self) -> float:
@@ -124,7 +124,7 @@ class CellWork:
         self._phases.begin("sampling")
         self.bench.stop_if_asked()
         self.frame.show(self.scene.show(len(self.sampler.samples_ms)))
-        with self.bench.split.work("measure"):
+        with self.bench.paused(), self.bench.split.work("measure"):
             time_ms = undisturbed_ms(self.bench.timer, self.frame.draw, self.repeats)
         self.sampler.take(time_ms)
         return time_ms
@@ -164,27 +164,42 @@ class CellWork:
                     new[name] = (*new.get(name, ()), time_ms)
         return new
 
-    def finish(self) -> Finished:
-        """Time the passes, check the image once more: the row."""
+    def end(self) -> None:
+        """Time the passes and draw the last images; nothing is drawn for the cell afterwards."""
         self._phases.begin("passes")
-        with self.bench.aside.paused():
+        with self.bench.paused():
             self._time_passes(self.pass_frames)
         self._phases.begin("last frames")
-        self.images.check_again()
-        distinct = self.images.distinct()
-        values = self._values() | {"distinct_images": distinct}
+        with self.bench.split.work("last frames"):
+            self.images.draw_again()
+            self.images.draw_several()
+            self.images.keep()
+            if self.fitted.stats.effect.msaa > 1:
+                self.images.count_edges()
+            self._measured, self._also = self._values(), self._details()
+
+    @property
+    def ready(self) -> bool:
+        """Whether all images of a cell that has ended are compared."""
+        return self.images.ready
+
+    def finished(self) -> Finished:
+        """The row of a cell that has ended; waits for its images to be compared."""
+        values, distinct, kept = self._measured | self.images.errors(), self.images.distinct(), self.images.kept()
+        values["distinct_images"] = distinct
+        if self.fitted.stats.effect.msaa > 1:
+            values["edge_pixels"] = self.images.edge_pixels()
+        if kept.discarded is not None and self.scene.first.F:
+            values["culled_share"] = kept.discarded / self.scene.first.F
         status, reason = verdict(self.fitted, values, self.images.lost, distinct or 1)
-        arrays = self.images.to_keep()
-        if "discarded" in arrays and self.scene.shown.F:
-            values["culled_share"] = float(arrays["discarded"].sum() / self.scene.shown.F)
-        return Finished(self.job.key, status, reason, values, self._details(), arrays,
+        return Finished(self.job.key, status, reason, values, self._also, kept.content,
                         noise_floor_rel(*self._pair) if self._pair else None)
 
     def _values(self) -> dict[str, Any]:
-        """The values of the row's columns, but for what needs the kept arrays or further frames."""
+        """The values of the row's columns, but for what is found by comparing images."""
         sampler = self.sampler
         low, middle, high = sampler.interval
-        found = scene_values(self.fitted) | self.images.errors() | {
+        found = scene_values(self.fitted) | {
             "samples": len(sampler.samples_ms), "timer": self.bench.timer.name, "time_ms": middle, "time_ms_low": low,
             "time_ms_high": high, "noisy": sampler.noisy, "stop_reason": sampler.stop_reason,
             "repeats": self.repeats, "memory_bytes": self.memory_bytes,
@@ -193,8 +208,6 @@ class CellWork:
         }
         if self.variant.two_channel:
             found |= twochannel.errors(self.scene.scene_buffer.scene.rgba)
-        if self.fitted.stats.effect.msaa > 1:
-            found["edge_pixels"] = self.scene.truth.edge_pixels
         return found | fragment_shares(self.frame, self.variant, self.scene.shown)
 
     def _details(self) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..plan import Limits
+from ..scene import Scene
 from ..store.journal import Partial
 from .jobs import Job
 
@@ -18,7 +19,8 @@ class Group:
     """Measure these cells of one scene. `partials`: samples by key that earlier processes took.
 
     One cell of each set of keys in `replicates` is sampled twice, for the noise floor. most_bytes: main memory that the
-    process may take. until: when `Stop` will be sent, on the monotonic clock, which is the same in every process.
+    process may take. until: when `Stop` will be sent, on the monotonic clock, which is the same in every process. then:
+    the scene of the group that is likely to follow.
     """
 
     jobs: tuple[Job, ...]
@@ -26,6 +28,7 @@ class Group:
     replicates: tuple[frozenset[str], ...] = ()
     most_bytes: float = float("inf")
     until: float = float("inf")
+    then: Scene | None = None
 
 
 @dataclass(frozen=True)
@@ -99,7 +102,7 @@ class Synced:
 class Finished:
     """A cell's row, but for what the parent knows better. `details`: warm-ups, samples, passes, buffers.
 
-    `arrays`: those that the cell keeps, by name.
+    `arrays`: those that the cell keeps, as the contents of a .npz.
     """
 
     key: str
@@ -107,13 +110,17 @@ class Finished:
     reason: str | None
     values: Mapping[str, Any]
     details: Mapping[str, Any] = field(default_factory=dict)
-    arrays: Mapping[str, Any] = field(default_factory=dict)
+    arrays: bytes = b""
     noise_floor_rel: float | None = None
 
 
 @dataclass(frozen=True)
 class Ended:
-    """The group is over. `split_s`: where the time went since the last group."""
+    """The group is over. `split_s`: where the time went since the last group.
+
+    beside_s: processor time of the process beside the device, by kind of work.
+    """
 
     split_s: Mapping[str, float]
     interrupted: bool = False
+    beside_s: Mapping[str, float] = field(default_factory=dict)

@@ -1,4 +1,7 @@
-"""The images of a cell: checked against what its method promises, counted where they differ, stored where asked for."""
+"""The images of a cell: checked against what its method promises, counted where they differ, stored where asked for.
+
+They are compared while other frames are drawn, so that what is found of them is asked for at the end.
+"""
 
 from __future__ import annotations
 
@@ -9,95 +12,129 @@ import numpy as np
 from ..gpu.frame import Frame
 from ..gpu.work import admitted_map
 from ..methods.spec import Variant
-from ..oracle import quality
-from ..oracle.ties import Answer
+from .answers import Compared, Packed
+from .aside import Pending
 from .bench import Bench, Phases
 from .jobs import Job
 from .scene_work import SceneWork
 
+OF_IMAGES = ("image", "error", "loss")  # arrays that a cell keeps of its last image
+
 
 class Images:
-    """The images of one cell; `conformance` and `lost` are the worst of all that were checked.
+    """The images of one cell. promised: whether the method promises any. lost: fragments that were dropped in a frame.
 
-    quality: errors of the first image against all fragments, but FLIP. Both are empty for a method that promises no
-    image. lost: fragments that were dropped in a frame.
+    The worst of all images that are checked counts.
     """
 
     def __init__(self, bench: Bench, phases: Phases, scene: SceneWork, job: Job, variant: Variant, frame: Frame):
         self._bench, self._phases, self._scene, self._measure = bench, phases, scene, job.cell.measure
         self._method, self._variant, self._frame = job.cell.method, variant, frame
         self.promised = variant.guarantee != "none"
-        image = frame.image()
+        self._compared: list[Pending[Compared]] = []  # the first with the errors against all fragments
+        self._packed: Pending[Packed] | None = None
+        self._edges: Pending[int] | None = None
+        self._several = False  # whether images of one scene were drawn to see whether they differ
+        image = self._read()
         self.lost = frame.lost_in_a_frame()
-        with phases.checking():
-            self.conformance = self._conformance(image)
-            self.quality = scene.quality(image) if self.promised else {}
-            self._flip = scene.flip(image, bench.aside) if self.promised and not self._measure.eliminate else None
+        self._compare(image, quality=True, flip=not self._measure.eliminate)
 
-    def errors(self) -> dict[str, float | int | None]:
-        """`conformance` and `quality` with FLIP, which may have to be waited for."""
-        if self._flip is None:
-            return self.conformance | self.quality
-        with self._phases.checking():
-            return self.conformance | self.quality | {"flip": self._flip()}
+    def _read(self) -> np.ndarray:
+        with self._bench.split.work("read-back"):
+            return self._frame.image()
 
-    def check_again(self) -> None:
+    def _compare(self, image: np.ndarray, **more: bool) -> None:
+        if self.promised:
+            with self._phases.checking():
+                self._compared.append(self._scene.compare(self._variant, image, **more))
+
+    # --- the last frames -------------------------------------------------------------------------
+
+    def draw_again(self) -> None:
         """Draw and check another frame, the last: it must be as right as the first."""
         self._frame.show(self._scene.show(0))
         self._frame.draw()
         self._count_lost()
         self._bench.device.check(f"{self._method}: sampling")
-        if self.conformance:
-            self._check_against_promise(self._frame.image())
+        if self.promised:
+            self._compare(self._read())
 
-    def distinct(self) -> int | None:
-        """Different images of the scene on the device, where more than one frame is asked for and images compare.
+    def draw_several(self) -> None:
+        """Draw the scene on the device again where more than one image is asked for and images compare.
 
-        Each of them is checked against the promise. Images that differ in tied pixels alone count as one.
+        Each that differs from those before is checked against the promise.
         """
         wanted = self._measure.repeat_images
-        if wanted == 1 or not self.conformance:
-            return None
+        if wanted == 1 or not self.promised:
+            return
         images: set[bytes] = set()
-        untied: set[bytes] = set()
+        self._several, self._first_of_several = True, len(self._compared)
         for _ in range(wanted):
             self._bench.stop_if_asked()
             self._frame.draw()
-            image = self._frame.image()
+            image = self._read()
             seen = len(images)
             with self._phases.checking():
                 images.add(hashlib.sha256(image).digest())
             if len(images) > seen:
-                self._check_against_promise(image)
-                untied.add(hashlib.sha256(self._scene.untied(self._variant, image)).digest())
+                self._compare(image)
         self._count_lost()
-        return len(untied)
 
-    def to_keep(self) -> dict[str, np.ndarray]:
-        """The arrays that `measure.keep` asks for and the method has, of the last image and the scene on the device."""
-        wanted, truth = self._measure.keep, self._scene.truth
-        found = {}
-        if "fragments" in wanted:
-            found["fragments"] = truth.counts
-        if "discarded" in wanted and (admitted := admitted_map(self._frame)) is not None:
-            found["discarded"] = truth.counts - admitted
-        if self.promised and {"image", "error", "loss"}.intersection(wanted):
-            image = self._frame.image()
+    def keep(self) -> None:
+        """Begin to pack the arrays that `measure.keep` asks for and the method has: of the last image and the scene."""
+        wanted = self._measure.keep
+        admitted = admitted_map(self._frame) if "discarded" in wanted else None
+        image = self._read() if self.promised and set(OF_IMAGES).intersection(wanted) else None
+        if "fragments" in wanted or admitted is not None or image is not None:
             with self._phases.checking():
-                made = {"image": np.rint(255 * np.clip(image, 0, 1)),
-                        "error": quality.pixel_errors(image, self._scene.promised(self._variant)),
-                        "loss": quality.pixel_errors(image, Answer.only(self._scene.reference))}
-            found |= {name: made[name] for name in made if name in wanted}
-        return found
+                self._packed = self._scene.keep(self._variant, wanted, image, admitted)
 
-    def _conformance(self, image: np.ndarray) -> dict[str, float | int]:
-        return self._scene.conformance(self._variant, image) if self.promised else {}
-
-    def _check_against_promise(self, image: np.ndarray) -> None:
-        """Check an image against the promise; the worst of all images that are checked counts."""
+    def count_edges(self) -> None:
+        """Begin to count the pixels at edges."""
         with self._phases.checking():
-            again = self._conformance(image)
-        self.conformance = {name: max(value, again[name]) for name, value in self.conformance.items()}
+            self._edges = self._scene.edge_pixels()
 
     def _count_lost(self) -> None:
         self.lost = max(self.lost, self._frame.lost_in_a_frame())
+
+    # --- what was found --------------------------------------------------------------------------
+
+    @property
+    def ready(self) -> bool:
+        """Whether nothing has to be waited for."""
+        return all(pending.ready for pending in (*self._compared, self._packed, self._edges) if pending)
+
+    @property
+    def quality(self) -> dict[str, float | int | None]:
+        """Errors of the first image against all fragments; empty for a method that promises no image."""
+        if not self.promised:
+            return {}
+        with self._phases.checking():
+            return dict(self._compared[0]().quality)
+
+    def errors(self) -> dict[str, float | int | None]:
+        """Errors against the promise, the worst of all images, and those of `quality`; empty without a promise."""
+        quality = self.quality
+        with self._phases.checking():
+            every = [pending().conformance for pending in self._compared]
+        worst = {name: max(found[name] for found in every) for name in every[0]} if every else {}
+        return worst | quality
+
+    def distinct(self) -> int | None:
+        """Different images among those of one scene, where several were drawn; tied pixels alone tell none apart."""
+        if not self._several:
+            return None
+        with self._phases.checking():
+            return len({pending().untied for pending in self._compared[self._first_of_several:]})
+
+    def kept(self) -> Packed:
+        """The arrays that the cell keeps."""
+        if self._packed is None:
+            return Packed(b"", None)
+        with self._phases.checking():
+            return self._packed()
+
+    def edge_pixels(self) -> int:
+        """The pixels at edges, which were counted."""
+        with self._phases.checking():
+            return self._edges()

@@ -12,7 +12,7 @@ from ..measure.split import Split
 from ..plan import CellOutcome, Outcomes, expected_stats
 from ..plan.budget import coarseness
 from ..store import ResultFolder
-from ..store.arrays import read_arrays, write_arrays
+from ..store.arrays import read_arrays, write_arrays, write_packed
 from ..store.folder import folders_with_cells
 from ..store.journal import Journal, Partial
 from ..store.record import PACKAGES
@@ -35,6 +35,7 @@ class Ledger:
                  report: Report = lambda row: None, split: Split | None = None):
         self.sheets, self.device, self.report = sheets, device, report
         self.elsewhere, self.split = list(elsewhere), split or Split()
+        self.beside_s: dict[str, float] = {}  # processor time of the process beside the device, by kind of work
         self._session = uuid.uuid4().hex[:12]
         self._journals = {sheet.folder.path: Journal(sheet.folder.journal_path) for sheet in sheets}
         self._outcomes = Outcomes()
@@ -107,10 +108,11 @@ class Ledger:
         with self.split.work("store"):
             self._home(batch.key).add(batch.key, self._session, batch.samples_ms, batch.passes)
 
-    def add_split(self, seconds: Mapping[str, float]) -> None:
-        """The worker's time by kind of work."""
-        for kind, spent_s in seconds.items():
-            self.split.seconds[kind] = self.split.seconds.get(kind, 0.0) + spent_s
+    def add_split(self, seconds: Mapping[str, float], beside_s: Mapping[str, float]) -> None:
+        """The worker's time by kind of work, and the processor time of the process beside it."""
+        for total, more in ((self.split.seconds, seconds), (self.beside_s, beside_s)):
+            for kind, spent_s in more.items():
+                total[kind] = total.get(kind, 0.0) + spent_s
 
     def sync(self) -> None:
         """Let the samples so far outlive a loss of power."""
@@ -138,7 +140,7 @@ class Ledger:
         for sheet in self.sheets:
             if job.key in sheet.jobs and job.key not in sheet.statuses:
                 with self.split.work("store"):
-                    write_arrays(sheet.folder, job.key, finished.arrays)
+                    write_packed(sheet.folder, job.key, finished.arrays)
                     sheet.folder.write_cell(sheet.placed(job.key, row))
                 self._done(sheet, sheet.jobs[job.key], row)
         if finished.noise_floor_rel is not None:

@@ -65,6 +65,7 @@ class Measuring:
         self._partials, self._replicates = group.partials, list(group.replicates)
         self._until = group.until
         self._prepared_by, self._deadline = _deadlines(group.jobs, group.until)
+        self._then, self._ended = group.then, []
         self._live_bytes = min(LIVE_BYTES, LIVE_SHARE * group.most_bytes)
         self.bench.emit(Begun(None, "scene"))
         if lacks := kind_of(group.jobs[0].cell.scene).lacks(group.jobs[0].cell.scene):
@@ -72,7 +73,7 @@ class Measuring:
                 self.bench.emit(Finished(job.key, "unsupported", f"needs {lacks}", values={}))
             return
         try:
-            scene = SceneWork(self.bench.device, group.jobs[0].cell.scene, self.bench.split)
+            scene = SceneWork(self.bench, group.jobs[0].cell.scene)
         except MemoryError as error:
             for job in group.jobs:
                 self.bench.emit(Finished(job.key, *failure(error), values={}))
@@ -80,6 +81,7 @@ class Measuring:
         try:
             allowed = [job for job in group.jobs if not self._skipped(job, scene.stats)]
             self.bench.emit(Synced())
+            scene.prepare(self._fitted(job, scene.stats).variant for job in allowed)
             for chunk in self._chunks(allowed, scene.stats):
                 self._chunk(chunk, scene)
         finally:
@@ -121,6 +123,8 @@ class Measuring:
                 begun = time.monotonic()
                 self._prepare(job, scene, running, begun + (fmean(took_s) if took_s else 0.0))
                 took_s.append(time.monotonic() - begun)
+            if self._then is not None:
+                self.bench.ahead.begin(self._then)
             self._sample(running)
         except KeyboardInterrupt:
             for cell in sorted(running, key=_fastest_first):
@@ -129,8 +133,11 @@ class Measuring:
                     self._guarded(cell, self._finish)
             raise
         finally:
-            for cell in running:
-                cell.frame.release()
+            try:
+                self._tell_ended(wait=True)
+            finally:
+                for cell in running:
+                    cell.frame.release()
 
     def _prepare(self, job: Job, scene: SceneWork, running: list[CellWork], expected: float) -> None:
         """Compile, allocate, draw once and check the image; a cell that fails ends as its row.
@@ -160,6 +167,7 @@ class Measuring:
                 self._guarded(cell, partial(self._batch, sampler=sampler))
             self._start_pairs(running)
             self.bench.emit(Synced())
+            self._tell_ended()
             for cell in running:
                 if not cell.wanted:
                     self._guarded(cell, self._finish)
@@ -192,9 +200,20 @@ class Measuring:
             cell.batch(sampler)
 
     def _finish(self, cell: CellWork) -> None:
-        finished = cell.finish()
+        cell.end()
         cell.done = True
-        self._tell(finished)
+        self._ended.append(cell)
+        self._tell_ended()
+
+    def _tell_ended(self, wait: bool = False) -> None:
+        """Emit the rows of the cells whose images are compared, or with `wait` of all that have ended."""
+        for cell in list(self._ended):
+            if wait or cell.ready:
+                self._ended.remove(cell)
+                try:
+                    self._tell(cell.finished())
+                except Exception as error:  # noqa: BLE001 - as above
+                    self._fail(cell.job, error, scene_values(cell.fitted))
 
     def _fail(self, job: Job, error: Exception, values: Mapping[str, object]) -> None:
         """The cell's row; after an error that may be the device's, whether that is still there."""

@@ -1,44 +1,44 @@
-"""One scene on the device, with its oracle images, for all cells that share it."""
+"""One scene on the device, with what images of it are compared with, for all cells that share it."""
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Callable
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from ..effects import PLAIN
-from ..gpu.context import Device
+from ..gpu.capture import captured
 from ..gpu.scene_buffer import SceneBuffer
 from ..gpu.targets import Canvas
-from ..gpu.truth import Truth, true_stats
-from ..measure.split import Split
+from ..gpu.truth import true_stats
 from ..methods.spec import Fitted, Promise, SceneStats, Variant
-from ..oracle import quality
-from ..oracle.flip import OnScreen
-from ..oracle.ties import Answer
-from ..scene import generate
+from ..scene import Scene
 from ..scene.geometry import Geometry
-from .aside import Aside
+from ..scene.quads import Quads
+from .answers import ALL, Compare, Compared, Edges, Keep, Packed, Prepare, Subject, Ties
+from .aside import Aside, Pending
+from .bench import Bench
 
-ANIMATION_FRAMES = 8  # that an animated scene cycles through
-ALL = Promise()  # every fragment: the A-buffer's image
+FRAGMENT_BYTES = 9  # depth, primitive and mask
+BESIDE_BYTES = 256 * 2**20  # of fragments that a device made, above which no second process has a copy
 
 
 class SceneWork:
-    """A scene's frames, statistics, device buffers and oracle images, each made when it is first needed."""
+    """A scene's frames, statistics and device buffers. Its images are compared by the `aside` of the bench.
 
-    def __init__(self, device: Device, config, split: Split):
-        self.split = split
-        self._device, self._answers, self._compared, self._truths = device, {}, {}, {}
-        self._references: dict[int, np.ndarray] = {}
-        with split.work("scene"):
-            frames = ANIMATION_FRAMES if config.animate else 1
-            self.scenes = [generate(config, frame) for frame in range(frames)]
-            self._stats = {id(self.show(i)): true_stats(device, self.scene_buffer, self.canvas) for i in range(frames)}
+    All that is compared is of the first frame, which is on the device whenever an image is.
+    """
+
+    def __init__(self, bench: Bench, config: Scene):
+        self.config, self._bench, self._device = config, bench, bench.device
+        with bench.split.work("scene"):
+            self.scenes, stats = bench.ahead.made(config)
+        with bench.split.work("upload"):
+            self.show(0)
+        with bench.split.work("scene"):
+            self._stats = {id(self.show(i)): known or true_stats(self._device, self.scene_buffer, self.canvas)
+                           for i, known in enumerate(stats)}
             self.stats = _largest(list(self._stats.values()))
 
     @cached_property
@@ -59,6 +59,11 @@ class SceneWork:
         """The statistics of the scene on the device now."""
         return self._stats[id(self.scene_buffer.scene)]
 
+    @property
+    def first(self) -> SceneStats:
+        """The statistics of the first frame."""
+        return self._stats[id(self.scenes[0])]
+
     def show(self, frame: int) -> Geometry:
         """Bring the scene of an animation's frame to the device."""
         scene = self.scenes[frame % len(self.scenes)]
@@ -66,71 +71,64 @@ class SceneWork:
             self.scene_buffer.replace(scene)
         return scene
 
+    # --- images ----------------------------------------------------------------------------------
+
+    @cached_property
+    def _aside(self) -> Aside:
+        """What compares the images of this scene."""
+        return self._bench.here if self._made_bytes > BESIDE_BYTES else self._bench.aside_for(self.config)
+
     @property
-    def truth(self) -> Truth:
-        """The oracle of the scene on the device now."""
-        scene = self.scene_buffer.scene
-        return self._truths.setdefault(id(scene), Truth(self._device, self.scene_buffer, self.canvas))
+    def _made_bytes(self) -> int:
+        """Memory of the fragments that a device has to make for the oracle: none of flat quads."""
+        return 0 if isinstance(self.scenes[0], Quads) else FRAGMENT_BYTES * self.shown.F
 
-    def conformance(self, variant: Variant, image: np.ndarray) -> dict[str, float | int]:
-        """Errors of an image of the scene on the device against what the variant aims at."""
-        promised = self.promised(variant)
-        return quality.conformance(image, promised, promised.given_by(variant.method))
+    @cached_property
+    def _subject(self) -> Subject:
+        """The scene that images are of; with the fragments that the device makes of it, which is done now."""
+        if not self._made_bytes:
+            return Subject(self.config)
+        with self._bench.split.work("oracle"):
+            found = captured(self._device, self.scene_buffer, self.canvas)
+            return Subject(self.config, tuple(None if each is None else self._aside.share(each) for each in found))
 
-    def promised(self, variant: Variant) -> Answer:
-        """The images that are right of what the variant aims at in the scene on the device now."""
-        return self.answer(Fitted(variant, self.shown).promise())
+    def prepare(self, variants: Iterable[Variant]) -> None:
+        """Begin to make the images that these variants will be compared with, before the first of them is drawn."""
+        for promise in dict.fromkeys(map(self._promise, variants)):
+            self._aside.begin(Prepare(self._subject, promise))
 
-    def answer(self, promise: Promise) -> Answer:
-        """The images that are right of the promised fragments of the scene on the device now; computed once."""
+    def compare(self, variant: Variant, image: np.ndarray, quality: bool = False,
+                flip: bool = False) -> Pending[Compared]:
+        """Begin to compare an image of the scene on the device with what the variant aims at."""
+        ties = Ties(variant.method.loses_ties, variant.method.spoils_ties)
+        shared = self._aside.share(image)
+        return self._aside.begin(Compare(self._subject, self._promise(variant), ties, shared, quality, flip), shared)
+
+    def keep(self, variant: Variant, wanted: tuple[str, ...], image: np.ndarray | None,
+             admitted: np.ndarray | None) -> Pending[Packed]:
+        """Begin to make and to compress the arrays that a cell keeps."""
+        image, admitted = (None if each is None else self._aside.share(each) for each in (image, admitted))
+        work = Keep(self._subject, self._promise(variant), wanted, image, admitted)
+        return self._aside.begin(work, *filter(None, (image, admitted)))
+
+    def edge_pixels(self) -> Pending[int]:
+        """Begin to count the pixels at edges, of a multisampled scene."""
+        return self._aside.begin(Edges(self._subject))
+
+    def _promise(self, variant: Variant) -> Promise:
+        """The image that the variant aims at; that of all fragments is one, however many layers that takes."""
+        promise = Fitted(variant, self.shown).promise()
         if promise.layers is not None and promise.layers >= self.stats.n:
-            promise = replace(ALL, two_channel=promise.two_channel)
-        which = id(self.scene_buffer.scene), promise
-        if which not in self._answers:
-            with self.split.work("oracle"):
-                self._answers[which] = self.truth.answer(promise)
-        return self._answers[which]
-
-    def untied(self, variant: Variant, image: np.ndarray) -> np.ndarray:
-        """The image without the pixels that equal depths leave open."""
-        answer = self.promised(variant)
-        return image if answer.unique else np.where(answer.tied[..., None], np.float32(0), image)
-
-    def quality(self, image: np.ndarray) -> dict[str, float | None]:
-        """Errors against all fragments, but FLIP; equal images, as exact methods give them, are compared once."""
-        return self._once("quality", image, lambda full: quality.quality(image, full, with_flip=False))
-
-    def flip(self, image: np.ndarray, aside: Aside) -> Callable[[], float]:
-        """Begin to take FLIP against all fragments; the function that is returned waits for it."""
-        return self._once("flip", image, lambda full: _flip_aside(OnScreen.of(image, full), aside))
-
-    def _once(self, what: str, image: np.ndarray, compared: Callable[[np.ndarray], Any]) -> Any:
-        """The comparison of an image with that of all fragments, which equal images share."""
-        which = what, id(self.scene_buffer.scene), hashlib.sha256(image).digest()
-        if which not in self._compared:
-            self._compared[which] = compared(self.reference)
-        return self._compared[which]
-
-    @property
-    def reference(self) -> np.ndarray:
-        """The image of all fragments of the scene on the device now, that errors of quality are against."""
-        if self.scene_buffer.scene.effect.coverage == PLAIN.coverage:
-            return self.answer(ALL).image
-        which = id(self.scene_buffer.scene)
-        if which not in self._references:
-            with self.split.work("oracle"):
-                self._references[which] = self.truth.reference()
-        return self._references[which]
+            return replace(ALL, two_channel=promise.two_channel)
+        return promise
 
     def release(self) -> None:
         for name in ("scene_buffer", "canvas"):
             if name in self.__dict__:
                 self.__dict__[name].release()
-
-
-def _flip_aside(images: OnScreen, aside: Aside) -> Callable[[], float]:
-    """What waits for FLIP; images that a screen shows alike need no other process."""
-    return (lambda: 0.0) if images.equal else aside.begin(images.flip)
+        for array in self.__dict__["_subject"].made or () if "_subject" in self.__dict__ else ():
+            if array is not None:
+                array.release()
 
 
 def _largest(stats: list[SceneStats]) -> SceneStats:

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import zip_longest
 
 from ..environment import MIB
+from ..scene import Scene
 from .device_process import DeviceProcess
 from .events import Begun, Ended, Finished, Go, Group, Ready, Sampled, Stop, Synced
 from .hand import Hand
@@ -31,6 +33,7 @@ class Supervisor:
         self.free_bytes = free_bytes()
         self._process = DeviceProcess(want, asked)
         self._deadline = self._last = float("inf")
+        self._then: Scene | None = None  # of the group after the one that is measured
 
     def __enter__(self):
         return self
@@ -57,9 +60,11 @@ class Supervisor:
         """
         self.ready()
         self._deadline, self._last = deadline, last
-        for group in groups:
+        groups = list(groups)
+        for group, following in zip_longest(groups, groups[1:]):
             if self._late:
                 return
+            self._then = following[0].cell.scene if following else None
             self._measure_group(group, ledger, watch, try_hopeless)
 
     def _measure_group(self, group: Sequence[Job], ledger: Ledger, watch: Watch,
@@ -84,7 +89,7 @@ class Supervisor:
         """Follow the worker through a group, taking what is done from `left`. Whether the group came to its end."""
         hand = Hand(left)
         self._process.send(Group(tuple(left.values()), ledger.partials(left.values()), ledger.without_floor(left),
-                                 hand.limit_bytes(self.free_bytes), self._deadline))
+                                 hand.limit_bytes(self.free_bytes), self._deadline, self._then))
         self._stopping = self._progressed = False
         try:
             while not (ended := self._event(hand, ledger, watch)):
@@ -98,7 +103,7 @@ class Supervisor:
                 ledger.write(job, Finished(job.key, status, f"{hand.phase}: {reason}", {}))
                 self._progressed = True
             return False
-        ledger.add_split(ended.split_s)
+        ledger.add_split(ended.split_s, ended.beside_s)
         if ended.interrupted and not self._late:
             raise KeyboardInterrupt
         return True

@@ -12,8 +12,8 @@ from ..errors import DeviceError, UnknownDeviceError
 from ..gpu.device import open_device
 from ..gpu.selftest import calibrate
 from ..gpu.timers import GpuTimer, WallTimer
-from ..measure.split import Split
 from ..methods import catalog
+from .answers import Answers
 from .aside import OtherProcess
 from .bench import Bench
 from .events import Calibrate, Calibrated, Ended, Failed, Go, Ready, Synced
@@ -45,8 +45,9 @@ def serve(link: Connection, want: str, timer: str) -> int:
     calibration = {} if timer else asdict(calibrate(device))
     timer = timer or calibration["timer"]
     channel = Channel(link)
-    bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted,
-                  aside=OtherProcess(pauses=device.kind == "cpu"))
+    answers = Answers()
+    beside = OtherProcess(device.kind == "cpu", answers)
+    bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted, answers, beside)
     measuring = Measuring(bench, catalog())
     link.send(Ready(device.info, device.limits, timer, calibration))
     while True:
@@ -59,8 +60,7 @@ def serve(link: Connection, want: str, timer: str) -> int:
             measuring.group(group)
         except KeyboardInterrupt:
             interrupted = True
-        link.send(Ended(bench.split.rounded(), interrupted))
-        bench.split = Split()
+        link.send(Ended(bench.split.taken(), interrupted, beside.taken_s()))
 
 
 class Channel:

@@ -23,15 +23,26 @@ NO_ARRAYS = (*BROKEN, MemoryError, SyntaxError, tokenize.TokenError)
 
 
 def write_arrays(folder: ResultFolder, key: str, arrays: Mapping[str, np.ndarray]) -> None:
-    """Keep a cell's arrays, in the types above; nothing where there are none. Raises StoreError."""
+    """Keep a cell's arrays; nothing where there are none. Raises StoreError."""
+    write_packed(folder, key, packed(arrays))
+
+
+def packed(arrays: Mapping[str, np.ndarray]) -> bytes:
+    """The contents of a cell's .npz: its arrays, compressed, in the types of `columns.ARRAYS`; empty without any."""
     import numpy as np
 
     if not arrays:
-        return
+        return b""
     content = io.BytesIO()
     typed = {name: np.asarray(array).astype(ARRAYS[name].type) for name, array in arrays.items()}
     np.savez_compressed(content, **typed)
-    write_file(folder.arrays_path(key), content.getvalue(), durable=True)
+    return content.getvalue()
+
+
+def write_packed(folder: ResultFolder, key: str, content: bytes) -> None:
+    """Keep a cell's arrays as `packed` gives them; nothing where there are none. Raises StoreError."""
+    if content:
+        write_file(folder.arrays_path(key), content, durable=True)
 
 
 def read_arrays(folder: ResultFolder, key: str) -> dict[str, np.ndarray]:

@@ -1,6 +1,7 @@
 """`run`: what is measured, kept, skipped and refused, and how it ends."""
 
 import json
+import re
 
 import pytest
 
@@ -37,8 +38,9 @@ def test_it_prints_the_tables_then_a_summary(mfr, tiny):
     lines = ended.out.splitlines()
     assert lines[0] == "tiny: Tiny"
     assert any(line.startswith("Time, ms") for line in lines)
-    assert lines[-4:] == [f"{CELLS} cells: {CELLS} ok", next(x for x in lines[-4:] if x.startswith("noise floor ")),
-                          "tables  out/tables/results.md", "figures out/figures/tiny.png"]
+    assert lines[-5:] == [f"{CELLS} cells: {CELLS} ok", next(x for x in lines[-5:] if x.startswith("noise floor ")),
+                          "tables  out/tables/results.md", "figures out/figures/tiny.png", lines[-1]]
+    assert re.fullmatch(r"device busy with frames \d+% of [\d.]+ s; \S+ \d+%, \S+ \d+%, \S+ \d+%", lines[-1])
 
 
 @pytest.mark.parametrize("columns", [50, 80, 120])
@@ -77,8 +79,9 @@ def test_an_unsteady_device_is_told_of(measured, mfr):
 
 def test_the_manifest_keeps_the_split_and_the_noise_floor(measured):
     manifest = json.loads((measured / "manifest.json").read_text())
-    assert {"start-up", "scene", "compile", "oracle", "check", "warm-up", "measure", "passes", "report"} <= set(
-        manifest["split_s"])
+    assert {"start-up", "plan", "scene", "upload", "compile", "read-back", "oracle", "check", "flip", "warm-up",
+            "measure", "passes", "last frames", "store", "calibration", "report", "other"} == set(manifest["split_s"])
+    assert manifest["beside_s"] == {}  # images so small are compared by the process that measures
     assert manifest["noise_floor_rel"] > 0
     assert len(manifest["cells"]) == CELLS
     assert f"noise floor {percent(manifest['noise_floor_rel'])}" in (measured / "tables" / "results.md").read_text()

@@ -52,3 +52,26 @@ def test_work_that_fails_has_taken_its_time(clock):
     with times.work("report"):
         clock.now += 1
     assert times.rounded() == {"compile": 3.0, "report": 1.0}
+
+
+def test_what_no_kind_counted_is_told_so_that_all_adds_up(clock):
+    times = split.Split()
+    with times.work("measure"):
+        clock.now += 6
+    with times.work("compile"):
+        clock.now += 3
+    assert times.whole(12.0) == {"measure": 6.0, "compile": 3.0, "other": 3.0}
+    assert times.whole(8.0)["other"] == 0.0  # kinds of two processes may overlap
+    assert split.busy_share(times.whole(12.0)) == 0.5
+    assert split.told(times.whole(12.0)) == "device busy with frames 50% of 12 s; other 25%, compile 25%"
+    assert split.busy_share({}) == 0.0
+
+
+def test_what_is_taken_is_counted_once(clock):
+    times = split.Split()
+    with times.work("check"):
+        clock.now += 1
+        assert times.taken() == {"check": 1.0}
+        clock.now += 2
+    assert times.taken() == {"check": 2.0}
+    assert times.taken() == {}

@@ -50,6 +50,44 @@ def test_images_that_differ_everywhere_or_are_small_are_taken_whole(shape, sizes
     assert sizes == [(*shape, 3)]
 
 
+def patches(cuts_y, cuts_x, speckles, seed=4):
+    """Two images of rectangles between these lines, whose colours differ, with some single pixels of their own."""
+    random = np.random.default_rng(seed)
+    found = []
+    for _ in range(2):
+        colours = random.integers(0, 256, (len(cuts_y) - 1, len(cuts_x) - 1, 3), np.uint8)
+        image = np.repeat(np.repeat(colours, np.diff(cuts_y), axis=0), np.diff(cuts_x), axis=1)
+        for place in speckles:
+            image[place] = random.integers(0, 256, 3, np.uint8)
+        found.append(image)
+    return found
+
+
+@pytest.mark.parametrize(("cuts_y", "cuts_x", "speckles"), [
+    ([0, 180], [0, 190], []),  # one colour
+    ([0, 60, 180], [0, 95, 190], []), ([0, 5, 26, 48, 180], [0, 21, 43, 190], []),
+    ([0, 30, 150, 180], [0, 190], [(90, 100)]), ([0, 180], [0, 40, 190], [(0, 0), (179, 189), (60, 0)]),
+], ids=str)
+def test_large_areas_of_one_colour_give_what_all_their_pixels_give(cuts_y, cuts_x, speckles, sizes):
+    reference, test = patches(cuts_y, cuts_x, speckles)
+    assert np.array_equal(flip_map(reference, test), whole(reference, test))
+    assert np.prod(sizes[0][:2]) < 0.6 * 180 * 190
+
+
+@pytest.mark.parametrize("length", range(2 * REACH - 1, 2 * REACH + 5))
+def test_runs_about_as_long_as_the_filters_reach_are_told_apart(length):
+    reference, test = patches([0, 9, 9 + length, 30 + length], [0, 7, 7 + length, 29 + length], [])
+    assert np.array_equal(flip_map(reference, test), whole(reference, test))
+
+
+def test_images_that_a_screen_shows_alike_have_one_digest():
+    image, oracle = np.full((8, 8, 4), 0.25, np.float32), np.full((8, 8, 4), 0.5)
+    nearly, other, unseen = image + np.float32(1e-6), image.copy(), image.copy()
+    other[2, 3, 3], unseen[2, 3, 0] = 0.9, np.nan
+    digests = [OnScreen.of(each, oracle).digest for each in (image, nearly, other, unseen)]
+    assert digests[0] == digests[1] and len(set(digests)) == 3
+
+
 def test_a_pixel_is_seen_as_far_as_the_filters_reach_and_no_further():
     found = flip_map(*pair((60, 60), [(30, 30)])) > 0
     ys, xs = np.nonzero(found)

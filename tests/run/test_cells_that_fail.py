@@ -14,7 +14,7 @@ from mfr_bench.gpu.frame import Frame
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Fitted
 from mfr_bench.plan import expected_stats
-from mfr_bench.run import measuring, scene_work
+from mfr_bench.run import answers, measuring
 from mfr_bench.run.outcome import failure
 
 from .planted_cells import SCENE, cell
@@ -72,7 +72,7 @@ def test_a_scene_without_room_is_rows(run, monkeypatch):
     def none(*arguments):
         raise MemoryError("no room for the scene")
 
-    monkeypatch.setattr(scene_work, "generate", none)
+    monkeypatch.setattr(answers, "generate", none)
     rows, _ = run([cell("floor"), cell()])
     assert {r["status"] for r in rows.values()} == {"out_of_memory"}
 

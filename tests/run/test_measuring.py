@@ -9,10 +9,10 @@ import pytest
 
 from mfr_bench.config.model import KEPT, Measure
 from mfr_bench.config.model import Scene as SceneConfig
-from mfr_bench.gpu import truth
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.methods import catalog
-from mfr_bench.run import measuring, scene_work
+from mfr_bench.oracle import truth
+from mfr_bench.run import answers, measuring
 from mfr_bench.run.events import CHECK, Begun, Finished, Sampled
 from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger
@@ -104,7 +104,7 @@ def test_each_experiment_has_a_noise_floor_of_its_own(device, tmp_path):
 
 def test_scenes_and_their_oracles_are_made_once(run, monkeypatch):
     made, composited = [], []
-    monkeypatch.setattr(scene_work, "generate", lambda *a, real=scene_work.generate: (made.append(a), real(*a))[1])
+    monkeypatch.setattr(answers, "generate", lambda *a, real=answers.generate: (made.append(a), real(*a))[1])
     monkeypatch.setattr(truth, "answer_of_quads",
                         lambda *a, real=truth.answer_of_quads: (composited.append(a[1:]), real(*a))[1])
     run([cell("ab-array"), cell("ab-ll"), cell("kplus-array", k=2), cell("kplus-heap", k=2), cell("kplus-array", k=99)])
@@ -276,7 +276,7 @@ def test_images_are_compared_in_a_phase_of_their_own_and_frames_drawn_outside_it
     """Comparing them is no time of the method; drawing them is."""
     assert device.limits  # whose trials draw and compare images of their own
     run, seen = Run(device, [cell()], Clock(), tmp_path), []
-    compared, drawn = scene_work.quality.conformance, Frame.draw
+    compared, drawn = answers.quality.conformance, Frame.draw
     phase = lambda: next(event.phase for event in reversed(run.events) if isinstance(event, Begun))  # noqa: E731
 
     def comparing(*args):
@@ -287,7 +287,7 @@ def test_images_are_compared_in_a_phase_of_their_own_and_frames_drawn_outside_it
         seen.append(("drawn", phase()))
         return drawn(self, *args)
 
-    monkeypatch.setattr(scene_work.quality, "conformance", comparing)
+    monkeypatch.setattr(answers.quality, "conformance", comparing)
     monkeypatch.setattr(Frame, "draw", drawing)
     run.all()
     assert {phase for what, phase in seen if what == "compared"} == {CHECK}
