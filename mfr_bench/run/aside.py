@@ -143,6 +143,9 @@ class OtherProcess:
 
     def taken_s(self) -> dict[str, float]:
         """`spent_s` since the last call."""
+        for pending in self._in_flight:
+            if pending.ready:
+                pending.settle()
         found, self.spent_s = {kind: round(seconds, 3) for kind, seconds in self.spent_s.items()}, {}
         return found
 

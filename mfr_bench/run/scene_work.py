@@ -81,7 +81,7 @@ class SceneWork:
     @property
     def _made_bytes(self) -> int:
         """Memory of the fragments that a device has to make for the oracle: none of flat quads."""
-        return 0 if isinstance(self.scenes[0], Quads) else FRAGMENT_BYTES * self.shown.F
+        return 0 if isinstance(self.scenes[0], Quads) else FRAGMENT_BYTES * self.first.F
 
     @cached_property
     def _subject(self) -> Subject:
@@ -89,17 +89,19 @@ class SceneWork:
         if not self._made_bytes:
             return Subject(self.config)
         with self._bench.split.work("oracle"):
+            self.show(0)
             found = captured(self._device, self.scene_buffer, self.canvas)
             return Subject(self.config, tuple(None if each is None else self._aside.share(each) for each in found))
 
     def prepare(self, variants: Iterable[Variant]) -> None:
         """Begin to make the images that these variants will be compared with, before the first of them is drawn."""
+        self.show(0)
         for promise in dict.fromkeys(map(self._promise, variants)):
             self._aside.begin(Prepare(self._subject, promise))
 
     def compare(self, variant: Variant, image: np.ndarray, quality: bool = False,
                 flip: bool = False) -> Pending[Compared]:
-        """Begin to compare an image of the scene on the device with what the variant aims at."""
+        """Begin to compare an image of the first frame with what the variant aims at."""
         ties = Ties(variant.method.loses_ties, variant.method.spoils_ties)
         shared = self._aside.share(image)
         return self._aside.begin(Compare(self._subject, self._promise(variant), ties, shared, quality, flip), shared)
@@ -117,7 +119,7 @@ class SceneWork:
 
     def _promise(self, variant: Variant) -> Promise:
         """The image that the variant aims at; that of all fragments is one, however many layers that takes."""
-        promise = Fitted(variant, self.shown).promise()
+        promise = Fitted(variant, self.first).promise()
         if promise.layers is not None and promise.layers >= self.stats.n:
             return replace(ALL, two_channel=promise.two_channel)
         return promise

@@ -252,6 +252,7 @@ def test_a_cell_that_is_copied_brings_its_arrays(run, device, tmp_path):
 def test_the_frames_of_an_animation_are_in_the_record(run):
     scene = SceneConfig(kind="needles", size=(32, 24), depth_complexity=30, mean_depth=8, animate=True)
     rows, _ = run([cell("kplus-sb-dynamic", scene), cell("kplus-array", scene, k=2)])
+    assert [(row["status"], row["reason"]) for row in rows.values()] == [("ok", None)] * 2  # frame 0 is compared
     dynamic, fixed = rows["kplus-sb-dynamic", None]["frames"], rows["kplus-array", 2]["frames"]
     assert [f["frame"] for f in dynamic] == list(range(8))
     for there, here in zip(dynamic, fixed, strict=True):
