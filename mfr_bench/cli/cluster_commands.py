@@ -105,7 +105,8 @@ def _counted(plans) -> tuple[int, str]:
 def status(store: str) -> int:
     """Show the tasks of a store: cells, failures, done, running, waiting or ended.
 
-    A task is done if all its cells are there, whatever the engine says. Exit status 1 if a task has ended without.
+    A task is done if all its cells are there, whatever the engine says. Exit status 1 if a task has ended without, or
+    waits until somebody releases it.
 
     \b
     Example: mfr-bench status /shared/mfr
@@ -115,11 +116,13 @@ def status(store: str) -> int:
 
     found = _submission(store)
     states = state.task_states(found, queue.states(found.engine, [t.job for t in found.tasks if t.job]))
+    waits = queue.reasons(found.engine, [t.task.job for t in states if t.state == state.WAITING and t.task.job])
     longest = max((len(each.task.name) for each in states), default=0)
     for each in states:
         failed = f", {each.failed} failed" if each.failed else ""
         told = each.left_s is not None and each.state == state.RUNNING
         left = f", at this pace {duration(each.left_s)} left" if told else ""
+        left += f" ({waits[each.task.job]})" if each.task.job in waits else ""
         say(f"{each.task.name:{longest}}  {each.cells:5} of {each.task.cells} cells{failed}  {each.state}{left}"
             + (f"  job {each.task.job}" if each.task.job and each.state not in (state.DONE, state.ENDED) else ""))
     done = sum(each.state == state.DONE for each in states)
@@ -127,11 +130,15 @@ def status(store: str) -> int:
         f"{done} of {len(states)} tasks done")
     for line in queue.drained_nodes() if found.engine == "slurm" else []:
         note(line)
+    held = [job for job, reason in waits.items() if queue.is_held(reason)]
+    if held:
+        note(f"Slurm holds {len(held)} tasks: {waits[held[0]]}; 'scontrol release {held[0]}' lets a job go on, once "
+             "what kept it is in order")
     ended = state.wanting(states)
     if ended:
         note(f"{len(ended)} tasks have ended without all their cells, such as {ended[0].name}; the same submit command "
              f"queues them again; what they said is in {found.store / 'logs'}")
-    return 1 if ended else 0
+    return 1 if ended or held else 0
 
 
 @click.command()

@@ -19,19 +19,33 @@ def states(engine: str, jobs: Iterable[str]) -> Mapping[str, str] | None:
     Slurm is asked through squeue, which needs no accounting database, and whoever submitted them.
     """
     wanted = set(jobs)
-    if engine == "local" or not wanted:
+    if engine == "local":
         return {job: "running" for job in wanted if _alive(job)}
+    said = _asked(wanted, "%T")
+    return said if said is None else {job: "waiting" if state in WAITING else "running"
+                                      for job, state in said.items() if state in WAITING | RUNNING}
+
+
+def reasons(engine: str, jobs: Iterable[str]) -> Mapping[str, str]:
+    """Why Slurm lets these jobs wait, in its own words, as far as it says so."""
+    said = _asked(set(jobs), "%r") if engine == "slurm" else {}
+    return {job: reason for job, reason in (said or {}).items() if reason not in ("", "None")}
+
+
+def is_held(reason: str) -> bool:
+    """True where a job waits until somebody releases it: a user held it, or Slurm after its node could not start it."""
+    return "held" in reason.lower()
+
+
+def _asked(wanted: set[str], what: str) -> dict[str, str] | None:
+    """What squeue says of each of these jobs that it still has; None where it does not answer."""
+    if not wanted:
+        return {}
     arrays = sorted({job.partition("_")[0] for job in wanted})
-    asked = ",".join([*arrays, *arrays[:1]])  # of one number alone that Slurm has forgotten squeue makes an error
-    said = ask(["squeue", "--noheader", "--array", "--states=all", f"--jobs={asked}", "--format=%i|%T"])
-    if said is None:
-        return None
-    found: dict[str, str] = {}
-    for line in said.splitlines():
-        job, _, state = line.partition("|")
-        if job in wanted and state in WAITING | RUNNING:
-            found[job] = "waiting" if state in WAITING else "running"
-    return found
+    numbers = ",".join([*arrays, *arrays[:1]])  # of one alone that Slurm has forgotten squeue makes an error
+    said = ask(["squeue", "--noheader", "--array", "--states=all", f"--jobs={numbers}", f"--format=%i|{what}"])
+    found = (line.partition("|") for line in (said or "").splitlines())
+    return None if said is None else {job: value.strip() for job, _, value in found if job in wanted}
 
 
 def drained_nodes() -> list[str]:

@@ -12,6 +12,7 @@ from ..stats import ratio_interval, sampled_interval
 from ..store.record import NODE, Cell, parsed, text
 from .copies import Copy, Source
 
+VALUES = "values."  # before the name of a measured value
 EQUIVALENT = 0.05  # relative: samples are added up where the interval of every ratio lies within it
 
 
@@ -40,48 +41,52 @@ def settled(key: str, copies: Sequence[Copy], replicates: Sequence[bytes], targe
     if wrong := _contradiction(key, ordered):
         return wrong
     contents = tuple(copy.content for copy in ordered)
-    content, pooled = _joined([parsed(content) for content in contents], contents)
-    how = (f"samples of {len(contents)} devices are added up" if pooled else
-           f"{len(contents)} devices differ by more than {EQUIVALENT:.0%}: the one with most samples stands, "
-           "the others are kept in replicates/")
-    arrays = next((copy.arrays for copy in sorted(copies, key=lambda c: c.digest) if copy.arrays), None)
+    content, apart = _joined(ordered)
+    how = (f"{len(contents)} devices differ {apart}: the one with most samples stands, the others are kept in "
+           "replicates/" if apart else f"samples of {len(contents)} devices are added up")
+    fitting = [copy for copy in copies if copy.content == content] if apart else copies
+    arrays = next((copy.arrays for copy in sorted(fitting, key=lambda c: c.digest) if copy.arrays), None)
     return Settled(parsed(content), content, arrays, contents, f"cell {key}: {how}")
 
 
 def _made_of(earlier: Sequence[Copy]) -> set[str]:
     """Digest of the record that a merge before added up from these, which is no measurement of its own."""
-    contents = tuple(copy.content for copy in sorted(earlier, key=lambda copy: copy.digest))
-    if not contents:
+    if not earlier:
         return set()
-    joined, _ = _joined([parsed(content) for content in contents], contents)
+    joined, _ = _joined(sorted(earlier, key=lambda copy: copy.digest))
     return {hashlib.sha256(joined).hexdigest()} - {copy.digest for copy in earlier}
 
 
 def _contradiction(key: str, copies: Sequence[Copy]) -> str | None:
-    """The reason why records of one key cannot be repetitions of one measurement, or None."""
+    """The reason why records of one key cannot be repetitions of one measurement, or None.
+
+    Several devices may differ in values, as methods do whose image depends on the order in which pixels are drawn.
+    """
     for first, other in combinations(copies, 2):
         both = f"cell {key} differs between {first.source.folder.path} and {other.source.folder.path}"
         names = _differing(first.result, other.result)
-        if names:
-            return f"{both} in {', '.join(names)}; allowed: one of them"
-        if first.node == other.node:
-            return (f"{both} in its times, and nothing tells the devices apart (UUID, PCI address, node); "
-                    "allowed: one of them")
+        if first.node == other.node or not all(name.startswith(VALUES) for name in names):
+            what = ', '.join(names) or "its times"
+            told = "" if first.node != other.node else (
+                ", and nothing tells the devices apart (UUID, PCI address, node)")
+            return f"{both} in {what}{told}; allowed: one of them"
     return None
 
 
 def _differing(one: Mapping[str, Any], other: Mapping[str, Any]) -> list[str]:
-    names = [f"values.{name}" for name in sorted({*one["values"], *other["values"]})
+    names = [f"{VALUES}{name}" for name in sorted({*one["values"], *other["values"]})
              if one["values"].get(name) != other["values"].get(name)]
     return names + [name for name in sorted({*one, *other} - {"values"}) if one.get(name) != other.get(name)]
 
 
-def _joined(cells: Sequence[dict[str, Any]], contents: Sequence[bytes]) -> tuple[bytes, bool]:
-    """The record of all samples together where they are equivalent, else the one with most samples."""
-    if _equivalent([cell.get("samples_ms") or [] for cell in cells]):
-        return text(_pooled(cells)), True
-    most = max(range(len(cells)), key=lambda i: (len(cells[i].get("samples_ms") or ()), contents[i]))
-    return contents[most], False
+def _joined(copies: Sequence[Copy]) -> tuple[bytes, str | None]:
+    """The record of all samples together where they are equivalent, else the one with most samples and what differs."""
+    cells = [parsed(copy.content) for copy in copies]
+    names = sorted({name for other in copies[1:] for name in _differing(copies[0].result, other.result)})
+    if not names and _equivalent([cell.get("samples_ms") or [] for cell in cells]):
+        return text(_pooled(cells)), None
+    most = max(range(len(cells)), key=lambda i: (len(cells[i].get("samples_ms") or ()), copies[i].content))
+    return copies[most].content, f"in {', '.join(names)}" if names else f"by more than {EQUIVALENT:.0%}"
 
 
 def _equivalent(samples: Sequence[Sequence[float]]) -> bool:

@@ -9,8 +9,10 @@ import pytest
 
 from mfr_bench import environment
 from mfr_bench.cluster import queue, state
+from mfr_bench.cluster.settings import Cluster, Kind
 from mfr_bench.store import ResultFolder
 
+from ..cli.conftest import mfr  # noqa: F401
 from ..store.test_store import cell
 from .test_submission import cluster, planned, shares
 
@@ -69,6 +71,20 @@ def test_a_task_is_done_if_its_cells_are_there_and_only_then(tmp_path, written, 
         folder.write_cell(cell(f"m{number}"))
     (found,) = state.task_states(plan, job)
     assert found.state == expected and bool(state.wanting([found])) == (expected == state.ENDED)
+
+
+@pytest.mark.parametrize(("reason", "said", "status"), [
+    ("Resources", "waiting (Resources)", 0),
+    ("launch failed requeued held", "waiting (launch failed requeued held)", 1),
+    ("JobHeldUser", "waiting (JobHeldUser)", 1), ("None", "waiting  job 7_1", 0)])
+def test_what_a_task_waits_for_is_told(program, tmp_path, mfr, reason, said, status):  # noqa: F811
+    program("squeue", f"case $* in *%T) echo '7_1|PENDING';; *) echo '7_1|{reason}';; esac")
+    program("sinfo", "exit 1")
+    plan = planned(Cluster(engine="slurm", store="s", kinds={"cpu": Kind()}), tmp_path, ["run.yaml"], shares(1))
+    replace(plan, tasks=tuple(replace(task, job="7_1") for task in plan.tasks)).write()
+    done = mfr("status", tmp_path)
+    assert done.status == status and said in done.out
+    assert ("'scontrol release 7_1' lets a job go on" in done.err) == bool(status)
 
 
 def test_nodes_that_slurm_has_taken_out_are_told_with_the_reason(program):

@@ -197,6 +197,31 @@ def test_samples_of_devices_that_differ_are_kept_apart(tmp_path):
     assert found["values"]["samples"] == 41 and len(merged.replicates()[found["key"]]) == 2
 
 
+def test_values_that_differ_between_equal_devices_are_kept_apart(tmp_path):
+    """A method whose image depends on the order of drawing keeps no merge of many other cells from going on."""
+    made = []
+    for i, error in ((1, 0.25), (2, 0.5), (3, 0.5)):
+        one = measured_by(i, 2.0)
+        one["values"]["max_abs_error"] = error
+        made.append(folder(tmp_path / f"n{i}", one, record("ab-ll")))
+    for order in itertools.permutations(made):
+        at = tmp_path / "".join(each.path.name for each in order)
+        said = [line for each in (*order, order[0]) for written in merge(at, each)[0] for line in written.said]
+        assert any("differ in values.max_abs_error: the one with most samples stands" in line for line in said)
+        found = ResultFolder(at)
+        by_method = {each["method"]: each for each in found.cells()}
+        assert len(by_method) == 2 and by_method["ab-array"]["values"]["samples"] == 41
+        assert len(found.replicates()[by_method["ab-array"]["key"]]) == 3
+    assert len({json.dumps(content(tmp_path / "".join(o.path.name for o in order)), default=bytes.hex)
+                for order in itertools.permutations(made)}) == 1
+
+
+def test_a_status_that_differs_between_equal_devices_is_refused(tmp_path):
+    said = refused(tmp_path / "all", folder(tmp_path / "n1", measured_by(1, 2.0)),
+                   folder(tmp_path / "n2", measured_by(2, 2.0, status="wrong")))
+    assert "in status; allowed: one of them" in said
+
+
 def test_a_manifest_cannot_name_a_place_outside(tmp_path):
     bad = folder(tmp_path / "n1", record("ab-array"), name="../up")
     good = folder(tmp_path / "n2", record("ab-ll"))
