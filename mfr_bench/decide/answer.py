@@ -128,7 +128,7 @@ class Answer:
         lines = textwrap.wrap(f"Question: {self.question}.", width)
         best = self.best
         if best is None:
-            lines += textwrap.wrap("Nothing keeps these bounds.", width)
+            lines += textwrap.wrap(self._none, width)
         else:
             lines += ["", *textwrap.wrap(f"Answer: {written(best)}", width), *self._figures(width)]
         for cut in self.cut:
@@ -151,8 +151,20 @@ class Answer:
     @property
     def _among(self) -> str:
         """What the chance leaves out, where the time left some candidates untried."""
-        untried = {NOT_TRIED, NOT_FINISHED}.intersection(reason for _, reason in self.out)
-        return " of those that were tried" if untried else ""
+        return " of those that were tried" if self.untried else ""
+
+    @property
+    def untried(self) -> int:
+        """The candidates that the time budget left without a sample."""
+        return sum(reason in (NOT_TRIED, NOT_FINISHED) for _, reason in self.out)
+
+    @property
+    def _none(self) -> str:
+        """The sentence for no answer."""
+        if self.untried:
+            return (f"No answer: {_candidates(self.untried)} not measured within the time budget, and nothing else "
+                    "keeps these bounds. A larger --time-budget, or a machine that does nothing else, may tell.")
+        return "Nothing keeps these bounds."
 
     def _others(self, width: int) -> list[str]:
         grouped: dict[str, list[str]] = {}
@@ -164,6 +176,10 @@ class Answer:
                                                        if len(methods) > MOST_SHOWN else "")
             lines += textwrap.wrap(f"  {names}: {reason}", width, subsequent_indent="    ", break_on_hyphens=False)
         return lines if self.out else []
+
+
+def _candidates(count: int) -> str:
+    return "a candidate was" if count == 1 else f"{count} candidates were"
 
 
 def _left_early(point: Point) -> bool:

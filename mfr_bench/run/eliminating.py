@@ -51,13 +51,21 @@ class Race:
         if not self._cells:
             return
         race = Elimination(list(self._cells), self._may_drop)
-        for cell in self._cells.values():
-            self._guarded(cell, lambda c: c.warm_up(WARM_UP))
+        self._warm_up()
         self._drop_failed(race)
         reason = self._rounds(race, finish)
         end = self._leave if reason == TIME_IS_UP else self._end
         for key in sorted(race.left, key=race.time_ms):  # the fastest first, where the time is short
             end(self._cells[key], reason, finish)
+
+    def _warm_up(self) -> None:
+        """Draw frames that count for nothing, as long as the time leaves room for a round of those that count."""
+        begun = time.monotonic()
+        for drawn, cell in enumerate(WARM_UP * list(self._cells.values())):
+            now = time.monotonic()
+            if drawn and now + (now - begun) / drawn * len(self._cells) >= self._deadline:
+                return
+            self._guarded(cell, lambda c: c.warm_up(1))
 
     def _rounds(self, race: Elimination, finish: Step) -> str:
         """Draw the rounds, one at least, and return why they ended."""

@@ -6,6 +6,7 @@ import pytest
 
 from mfr_bench.decide.answer import answers
 from mfr_bench.decide.question import Question
+from mfr_bench.measure.elimination import LATE
 from mfr_bench.report import data
 
 from ..report import planted
@@ -31,6 +32,16 @@ def test_the_answer_is_the_method_that_frames_of_the_same_rounds_show_to_be_fast
                    raced("ab-ll", [11, 11, 11, 89.9, 99, 99, 99]))
     assert found.result.points[1].row["time_ms"] < found.result.points[0].row["time_ms"]
     assert found.best.method == "ab-array" and found.confidence > 0.5
+
+
+def test_no_answer_says_whether_time_or_the_bounds_are_why(answer):
+    """A candidate that the time left unmeasured may keep the bounds."""
+    late = planted.cell("ab-ll", status="timeout", reason=LATE)
+    wrong = planted.cell("ab-sb", status="over_budget", reason="needs 70 MiB, the budget is 64 MiB")
+    assert answer(wrong).untried == 0 and "Nothing keeps these bounds." in answer(wrong).text(80)
+    found = answer(late, wrong)
+    assert found.best is None and found.untried == 1 and found.record()["method"] is None
+    assert "No answer: a candidate was not measured within the time budget" in found.text(200)
 
 
 def test_every_method_that_was_not_chosen_has_a_reason(answer):

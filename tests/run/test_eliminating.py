@@ -62,3 +62,5 @@ def test_where_the_time_is_up_there_is_one_round_and_no_passes(monkeypatch, race
         row = points[name].row
         assert (points[name].status, row["stop_reason"], row["samples"]) == ("ok", "time limit", 1)
         assert row["max_abs_error"] <= 1e-4 and not points[name].passes_ms
+    racing = [points[name].cell for name in ("ab-array", "peel-f2b", "kplus-array")]
+    assert sum(len(cell["warmup_ms"]) for cell in racing) == 1  # it told that there is no time for more
