@@ -16,6 +16,7 @@ import random
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ import yaml
 
 from mfr_bench.config import load
 from mfr_bench.methods import FLOOR, catalog
+from mfr_bench.parallel import in_processes
 from mfr_bench.plan import expand, expected_stats
 from mfr_bench.run.jobs import Job, jobs
 from mfr_bench.run.sheet import plain
@@ -132,7 +134,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.add_argument(f"--{name}", type=int, default=default)
     asked = parser.parse_args(arguments)
     model = Model.of(asked.out, asked.values, asked.methods, asked.seed)
-    cells = sum(write_device(model, asked.out, number, asked.seed) for number in range(1, asked.devices + 1))
+    write = partial(write_device, model, asked.out, seed=asked.seed)
+    cells = sum(in_processes(write, range(1, asked.devices + 1)))
     print(f"{asked.out / 'sent'}: {asked.devices} simulated devices, {cells} cells")
     return 0
 

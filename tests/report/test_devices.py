@@ -10,11 +10,12 @@ import pytest
 
 from mfr_bench.report import write_together
 from mfr_bench.report.devices import Limits, answers, answers_json, answers_text, as_text, read_experiments
+from mfr_bench.report.devices.bands import bands_figure, bands_of
 from mfr_bench.report.devices.differs import differences, lacking
 from mfr_bench.report.devices.figures import device_figure
 from mfr_bench.report.devices.standing import MOST_DEVICES, Standing
 from mfr_bench.report.devices.together import by_speed
-from mfr_bench.report.figures.files import evenly
+from mfr_bench.report.figures.files import MOST_PANELS, evenly
 
 from . import planted
 from .drawing import all_texts
@@ -102,3 +103,50 @@ def test_panels_stand_from_the_fastest_device_to_the_slowest(tmp_path, three):
     assert evenly(range(1000), 4) == [0, 333, 666, 999] and evenly([1, 2], 24) == [1, 2]
     names = [path.name for path in write_together(three, tmp_path / "out")]
     assert "planted-ratios.png" in names and (tmp_path / "out" / "planted-devices.md").is_file()
+
+
+def many(tmp_path, count, **parts):
+    """Folders of so many devices: the first has the largest ratio, of 2 + count, at the greater depth."""
+    return [device(tmp_path, f"d{i:02}", {"ab-array": 1.0, "ab-ll": 2.0 + count - i, "ab-sb": 1.5}, **parts)
+            for i in range(count)]
+
+
+def test_bands_are_quantiles_over_devices_along_the_figures_axis(tmp_path):
+    folders = many(tmp_path, 5, figures=[{"kind": "lines", "x": "depth_complexity", "y": "time_ms"}])
+    (found,) = read_experiments(folders)
+    bands = bands_of(found)
+    slow = found.entries.index("ab-ll")
+    assert bands.at == [8, 16] and bands.ratios.shape == (5, 2, 3)
+    assert bands.ratios[:, :, slow] == pytest.approx(np.array([[7, 6, 5, 4, 3]] * 2).T)
+    assert bands.quantiles[:, 0, slow] == pytest.approx([3, 3.4, 5, 6.6, 7])
+    assert bands.ends(slow) == ["3.00 on d04", "7.00 on d00"]
+
+
+def test_bands_need_an_axis_of_numbers(three):
+    (found,) = read_experiments(three)
+    assert bands_of(found) is None
+
+
+def test_bands_along_a_parameter_of_the_methods(tmp_path):
+    """A method without the parameter has its one time at each value."""
+    folders = []
+    for name, factor in (("a", 1.0), ("b", 2.0)):
+        about = planted.DEVICE | {"slug": name, "renderer": name}
+        cells = [planted.cell("kplus-array", time_ms=factor * k, device=about, params={"k": k}, point={"k": k})
+                 for k in (4, 16)]
+        cells.append(planted.cell("ab-array", time_ms=8.0, device=about))
+        folders.append(planted.folder(tmp_path / name, cells, device=about, figures=[{"kind": "lines", "x": "k"}]))
+    (found,) = read_experiments(folders)
+    bands = bands_of(found)
+    entry = found.entries.index("ab-array")
+    assert bands.at == [4, 16] and bands.ratios[:, :, entry] == pytest.approx(np.array([[2.0, 1.0], [1.0, 1.0]]))
+
+
+def test_very_many_devices_have_bands_and_a_few_panels(tmp_path):
+    count = MOST_PANELS + 1
+    folders = many(tmp_path, count, figures=[{"kind": "lines", "x": "depth_complexity", "y": "time_ms"}])
+    names = {path.name for path in write_together(folders, tmp_path / "out")}
+    assert {"planted-bands.png", "planted-bands.svg", "planted-ratios.png", "planted.png"} <= names
+    (found,) = read_experiments(folders)
+    texts = all_texts(bands_figure(Standing(found), bands_of(found)))
+    assert "ab-ll" in texts and f"3.00 on d{count - 1}\n{2 + count}.0 on d00" in texts

@@ -7,6 +7,7 @@
     answer    the best on the worst device, and what is near the best on all
     text      all of it as text, Markdown and JSON
     figures   ratios and ranks by device
+    bands     of many devices, quantiles of the ratios along an axis
     together  all figures and tables of experiments that several devices measured
 
 Memory and time grow with the number of cells alone: a thousand devices are read one after another, and of each only its

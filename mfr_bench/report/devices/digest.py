@@ -32,13 +32,15 @@ class Digest:
 
     scenes, sweeps, entries: each that some cell has once: a scene as JSON, the swept parameters as pairs of name and
     value, the label with the id of the method. cells: of each its scene, sweep and entry by number, then NUMBERS:
-    one that is missing is None, one that is not finite a text. device: its name as the cells have it.
+    one that is missing is None, one that is not finite a text. device: its name as the cells have it. axes: what the
+    figures of the config have as x.
     """
 
     experiment: str | None
     device: str | None
     noise: float
     facts: Mapping[str, Any]
+    axes: Sequence[str]
     scenes: Sequence[str]
     sweeps: Sequence[Sequence[tuple[str, Any]]]
     entries: Sequence[tuple[str, str]]
@@ -78,8 +80,12 @@ def made_of(manifest: Mapping[str, Any], found: Iterable[Cell]) -> Digest:
     own = manifest.get("device")
     slug = own.get("slug") if isinstance(own, Mapping) else own
     return Digest(manifest.get("name"), next(filter(None, map(device_name, cells)), None) or slug,
-                  manifest.get("noise_floor_rel") or 0.0, _facts(manifest, cells), list(scenes),
+                  manifest.get("noise_floor_rel") or 0.0, _facts(manifest, cells), _axes(manifest), list(scenes),
                   list(map(json.loads, sweeps)), list(entries), compared)
+
+
+def _axes(manifest: Mapping[str, Any]) -> list[str]:
+    return list(dict.fromkeys(str(figure["x"]) for figure in manifest.get("figures") or () if figure.get("x")))
 
 
 def _kept(folder: ResultFolder) -> Digest | None:

@@ -12,6 +12,7 @@ from .. import data, style
 from ..figures.files import file_name, render
 from ..figures.scales import log_axis
 from ..figures.sheet import EDGE, LEGEND_LINE_IN, FigureSheet, fitted, legend_columns, styled, widest
+from .bands import bands_figure, bands_of
 from .differs import differences
 from .reading import Experiment
 from .standing import MOST_DEVICES, Standing
@@ -33,14 +34,20 @@ SPREAD = "Dot: median over devices; thick line: 10 to 90 % of them; thin line: a
 
 
 def write_device_figures(experiments: Sequence[Experiment], target: Path) -> list[Path]:
-    """Write <experiment>-ratios and -ranks, .png and .svg, of each that several devices have. Raises StoreError."""
+    """Write <experiment>-ratios and -ranks, .png and .svg, of each that several devices have. Raises StoreError.
+
+    Of more than MOST_DEVICES, also <experiment>-bands, where a figure of the config has numbers as x.
+    """
     written = []
     for experiment in experiments:
         if len(experiment.devices) < 2:
             continue
         standing = Standing(experiment)
-        for name in ("ratios", "ranks"):
-            for suffix, content in render(device_figure(standing, name)).items():
+        drawn = {name: device_figure(standing, name) for name in ("ratios", "ranks")}
+        if len(experiment.devices) > MOST_DEVICES and (bands := bands_of(experiment)):
+            drawn["bands"] = bands_figure(standing, bands)
+        for name, figure in drawn.items():
+            for suffix, content in render(figure).items():
                 written.append(target / f"{file_name(experiment.name)}-{name}.{suffix}")
                 write_file(written[-1], content)
     return written

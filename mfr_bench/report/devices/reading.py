@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +25,7 @@ class OnDevice:
     """An experiment in one folder: the device, the manifest's facts, and the numbers of each entry at each place.
 
     numbers: (cells, NUMBERS), missing ones NaN; places: of each cell. methods: the id of each entry's method.
+    axes: what the config's figures have as x. sweeps: the swept parameters by the words that places have for them.
     """
 
     experiment: str
@@ -36,6 +37,8 @@ class OnDevice:
     numbers: np.ndarray
     methods: Mapping[str, str]
     damaged: Sequence[str]
+    axes: Sequence[str] = ()
+    sweeps: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -114,7 +117,8 @@ def on_device(folder: ResultFolder, whole_scenes: bool) -> OnDevice:
     return OnDevice(found.experiment or folder.path.name, str(folder.path),
                     str(found.device or folder.path.parent.name), found.facts, found.noise, list(placed),
                     np.array(numbers), {entry: found.entries[found.cells[at][ENTRY]][1]
-                                        for (_, entry), at in placed.items()}, tuple(folder.damaged))
+                                        for (_, entry), at in placed.items()}, tuple(folder.damaged), found.axes,
+                    {_words(sweep): dict(sweep) for sweep in found.sweeps if sweep})
 
 
 def _by_scene(found: Digest) -> Iterable[tuple[Place, int]]:
@@ -126,9 +130,13 @@ def _by_scene(found: Digest) -> Iterable[tuple[Place, int]]:
             for at, (scene, sweep, entry, *_) in enumerate(found.cells)]
 
 
+def _words(sweep: Iterable[tuple[str, Any]]) -> str:
+    return ", ".join(data.heading(name, value) for name, value in sweep)
+
+
 def _by_point(found: Digest) -> Iterable[tuple[Place, int]]:
     """Place and number of each cell: a method that a swept parameter does not touch stands at each of its values."""
-    words = [", ".join(data.heading(name, value) for name, value in sweep) for sweep in found.sweeps]
+    words = list(map(_words, found.sweeps))
     swept: dict[int, dict[str, None]] = {}
     for scene, sweep, *_ in found.cells:
         if words[sweep]:

@@ -72,19 +72,20 @@ def _written(folder: ResultFolder) -> tuple[list[Path], list[str]]:
     return paths, folder.damaged
 
 
-MOST_PANELS = 24  # devices that have a panel; of more, some from the fastest to the slowest
+MOST_PANELS = 24  # devices of which each has a panel
+FEW_PANELS = 6  # of more: the fastest, the slowest and some between them
 
 
 def write_panels(folders: Sequence[ResultFolder], target: Path) -> list[Path]:
     """Write the figures of one experiment in several folders, a panel or a series for each device. Raises StoreError.
 
-    The folders stand from that of the fastest device to that of the slowest. Of more than MOST_PANELS, those at even
-    steps are drawn, and the figures say so.
+    The folders stand from that of the fastest device to that of the slowest. Of more than MOST_PANELS, FEW_PANELS at
+    even steps are drawn, and the figures say so.
     """
-    chosen = evenly(folders, MOST_PANELS)
+    chosen = folders if len(folders) <= MOST_PANELS else evenly(folders, FEW_PANELS)
     result = data.join([data.load(folder) for folder in chosen])
     if len(chosen) < len(folders):
-        said = f"{len(chosen)} of {len(folders)} devices, evenly spaced from the fastest to the slowest."
+        said = f"{len(chosen)} of {len(folders)} devices: the fastest, the slowest, and at even steps between them."
         source = dict(result.manifest.get("source") or {})
         source["readings"] = [said, *(source.get("readings") or ())]
         result = replace(result, manifest={**result.manifest, "source": source})
