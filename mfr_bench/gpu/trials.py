@@ -12,7 +12,6 @@ from functools import partial
 
 import numpy as np
 
-from .. import glsl
 from ..config.model import Scene as SceneConfig
 from ..errors import MfrError
 from ..methods import kplus, lists
@@ -49,7 +48,7 @@ from . import rawgl, samples
 from .context import Device
 from .frame import Frame
 from .probes import COUNTED, LOCKED, ROUTED, ROUTED_SCENE, ProbeBench, probe_method
-from .targets import Framebuffer, Texture
+from .trial_alone import block_length, primitive_numbers
 from .trial_triangles import triangles
 
 SCENE = SceneConfig(size=(24, 20), depth_complexity=3)
@@ -71,8 +70,6 @@ BLENDED: tuple[tuple[tuple[Format, ...], State], ...] = (
 )
 STEP = 1 / 255  # of a channel of 8 bits
 SOURCE, START = (0.25, 0.5), 0.125  # colour and alpha of each fragment; of the target before
-LENGTH_SIZE = (24, 20)  # pixels
-SECOND_WORDS = 1000  # of the block whose length is asked for
 
 STAGES = {"compute shaders": ("compute", "comp"), "fragment shaders": ("fullscreen", "frag")}
 OPERATIONS = {stage: probe_method(
@@ -131,32 +128,6 @@ class Trial:
             return self.run(device)
         except (MfrError, MemoryError) as error:
             return False, str(error)
-
-
-def block_length(device: Device) -> Outcome:
-    """Whether `.length()` is the same in every lane behind a loop that lanes leave at different times."""
-    ctx, (width, height) = device.ctx, LENGTH_SIZE
-    words = (8 * width * height + 5, SECOND_WORDS, width * height)
-    program = ctx.program(vertex_shader=f"{glsl.prelude.VERSION}\n{glsl.includes.read('screen/triangle.vert')}",
-                          fragment_shader=f"{glsl.prelude.VERSION}\n{glsl.includes.read('probe/block_length.frag')}")
-    program["columns"], program["pixels"] = width, width * height
-    buffers, texture, array = [ctx.buffer(bytes(4 * n)) for n in words], Texture(device.gl, "rgba8", LENGTH_SIZE), None
-    framebuffer = Framebuffer(device.gl, [texture])
-    try:
-        for binding, buffer in enumerate(buffers):
-            buffer.bind_to_storage_buffer(binding)
-        framebuffer.use(colour=True, depth=False)
-        array = ctx.vertex_array(program, [])
-        array.render(mode=4, vertices=3)  # GL_TRIANGLES
-        device.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
-        filled, seen = (np.frombuffer(buffer.read(), dtype=np.uint32) for buffer in buffers[1:])
-    finally:
-        for made in (array, framebuffer, texture, *buffers, program):
-            if made is not None:
-                made.release()
-    wrong, missed = int((seen != SECOND_WORDS).sum()), int((filled != 2).sum())
-    return wrong == missed == 0, (f"{wrong} of {len(seen)} invocations see another length, {missed} of {len(filled)} "
-                                  "words are skipped; no method asks for it")
 
 
 def operations(device: Device) -> Outcome:
@@ -373,6 +344,7 @@ TRIALS = (
     Trial("blending", blending),
     Trial("queries", queries),
     Trial("block length", block_length, avoided=True),
+    Trial("primitive numbers", primitive_numbers, avoided=True),
     Trial("64-bit atomics", operations64, "shader_atomic_int64"),
     Trial("interlock", interlock, "fragment_shader_interlock"),
     Trial("uniform blocks after a dispatch", uniform_blocks),

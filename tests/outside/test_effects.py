@@ -141,7 +141,7 @@ def test_a_model_that_fails_is_one_line(folder, effect, wrong, said):
     (MODEL, "ordered=True", "keys=('far',)", "median.py:11", "reads the keys ('far',); allowed: a tuple of layer,"),
     (MODEL, "cases=(Case(FRAGMENTS, shows", "cases=(dict(shows", "median.py:11",
      "allowed: a tuple of Case(fragments, shows)"),
-    (MODEL, "EFFECT = Effect(", "EFFECT = str(", "median.py:11", "invalid keyword argument for str()"),
+    (MODEL, "EFFECT = Effect(", "EFFECT = [].append(", "median.py:11", "list.append() takes no keyword arguments"),
     (GLSL, "effect_end", "effect_ends", "median.py:11", "effects/median.glsl has no effect_end"),
     (GLSL, "vec3 median", "#include \"no.glsl\"\nvec3 median", "median.py:11", "no.glsl: cannot be read"),
 ], ids=["model", "needs", "key", "case", "call", "function", "include"])
