@@ -27,10 +27,14 @@ def is_number(field: str) -> bool:
     return bool(NUMBER.fullmatch(field))
 
 
+SMALL = r"  \centering\footnotesize\setlength{\tabcolsep}{3.5pt}"
+
+
 def booktabs(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], note: str = "") -> str:
     """A table environment with the rules of booktabs: a column of numbers is siunitx's S, any other is l.
 
-    Fields that are empty stand for nothing measured. Needs the packages booktabs and siunitx.
+    Text and gaps are small enough for six columns in the width of an article's text. Fields that are empty stand for
+    nothing measured. Needs the packages booktabs and siunitx.
     """
     numeric = [all(is_number(row[at]) or not row[at] for row in rows) and any(row[at] for row in rows)
                for at in range(len(columns))]
@@ -38,7 +42,7 @@ def booktabs(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]], 
                    for at, number in enumerate(numeric))
     heads = " & ".join(f"{{{escaped(name)}}}" for name in columns)
     lines = [" & ".join(field if numeric[at] else escaped(field) for at, field in enumerate(row)) for row in rows]
-    return "\n".join([r"\begin{table}", rf"  \caption{{{escaped(title)}}}", r"  \centering",
+    return "\n".join([r"\begin{table}", rf"  \caption{{{escaped(title)}}}", SMALL,
                       rf"  \begin{{tabular}}{{{form}}}", r"    \toprule", rf"    {heads} \\", r"    \midrule",
                       *(rf"    {line} \\" for line in lines), r"    \bottomrule", r"  \end{tabular}",
                       *([rf"  \par\smallskip\footnotesize {escaped(note)}"] if note else []), r"\end{table}"]) + "\n"

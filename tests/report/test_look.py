@@ -118,7 +118,7 @@ def test_uncertainties_are_in_units_of_the_last_digit(interval, said):
 
 def test_a_table_formats_its_numbers_alike():
     text = booktabs("A & B", ["name", "t"], [["x_1", "10.5(12)"], ["y", "3.25(4)"], ["z", ""]])
-    assert r"\begin{tabular}{lS[table-format=2.2(2)]}" in text
+    assert r"\centering\footnotesize" in text and r"\begin{tabular}{lS[table-format=2.2(2)]}" in text
     assert r"\caption{A \& B}" in text and r"x\_1 & 10.5(12) \\" in text
     assert escaped(r"a\b{c}") == r"a\textbackslash{}b\{c\}"
 
