@@ -33,6 +33,7 @@ KEYS_FROM = "trixie"  # a root whose distribution has a package of Ubuntu's keys
 FAILED, NOT_RUN = 1, 3  # exit status: some check failed; none did, but some could not be run
 SETUP_S = 900  # the longest that a setup may take: Python 3.14 compiles flip-evaluator
 NO_SETUP = 75  # status of a check whose root could not be entered or set up
+MADE = {".venv", ".drivers", ".hypothesis", ".pytest_cache", ".ruff_cache", "__pycache__", "dist"}  # no sources
 SCRIPTS = Path("/usr/share/debootstrap/scripts")
 INSIDE = """
 { mount --make-rprivate / && mount -t proc proc "$0/proc" && mount --rbind /dev "$0/dev" &&
@@ -214,10 +215,16 @@ def of(driver: str, checks: Sequence[str]) -> list[str]:
 
 
 def _sources() -> list[str]:
-    """Every file that git tracks or would, results of earlier runs left out."""
-    listed = subprocess.run(["git", "-C", str(SOURCES), "ls-files", "-co", "--exclude-standard", "-z"],
-                            capture_output=True, text=True, check=True).stdout.split("\0")
-    return [name for name in listed if name and (SOURCES / name).is_file()]
+    """Every file that git tracks or would, results of earlier runs left out.
+
+    In a tree without git's folder: every file outside the folders that setting up and tests make.
+    """
+    if (SOURCES / ".git").exists():
+        listed = subprocess.run(["git", "-C", str(SOURCES), "ls-files", "-co", "--exclude-standard", "-z"],
+                                capture_output=True, text=True, check=True).stdout.split("\0")
+        return [name for name in listed if name and (SOURCES / name).is_file()]
+    found = (path.relative_to(SOURCES) for path in SOURCES.rglob("*") if path.is_file())
+    return [str(path) for path in found if not MADE.intersection(path.parts)]
 
 
 def _stamp(sources: Sequence[str]) -> str:

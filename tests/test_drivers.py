@@ -79,6 +79,19 @@ def test_the_two_commands_of_a_newcomer_run_on_the_roots_own_default_alone(drive
     assert drivers.table(matrix, ["sid"], ["zink"], ["tests"]).splitlines()[-1] == "| sid | zink | – |"
 
 
+def test_sources_without_gits_folder_are_those_that_git_lists(drivers, monkeypatch, tmp_path):
+    """Downloaded as an archive, or copied into a root, where `make test` runs as well."""
+    listed = ["Makefile", "a/b.py", "a/c d.txt", ".ci/run"]
+    for name in [*listed, ".venv/bin/python", "a/__pycache__/b.pyc", ".drivers/sid.ready"]:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    monkeypatch.setattr(drivers, "SOURCES", tmp_path)
+    assert sorted(drivers._sources()) == sorted(listed)
+    (tmp_path / ".gitignore").write_text("".join(f"{name}/\n" for name in drivers.MADE))
+    subprocess.run(["git", "init", "-q", str(tmp_path)], check=True)
+    assert sorted(drivers._sources()) == sorted([*listed, ".gitignore"])
+
+
 PARENT = """
 import subprocess, sys
 child = subprocess.Popen(sys.argv[1:])

@@ -48,21 +48,29 @@ def find(reference: str) -> list[Path]:
     """The files that a reference stands for, sorted. Raises UsageError where there is none."""
     path = Path(reference)
     try:
-        if path.is_dir():
-            files = _files(path)
+        if _is_there(path):
+            files = _files(path) if path.is_dir() else [path]
             if not files:
                 raise UsageError(f"{reference}: a folder without configs; allowed: a folder with *.yaml files")
             return files
-        if path.exists():
-            return [path]
-    except (OSError, ValueError) as error:  # a name too long, a NUL, a folder that may not be entered
-        raise UsageError(f"{reference}: {getattr(error, 'strerror', None) or error}") from None
+    except OSError as error:  # a name too long, a folder that may not be entered
+        raise UsageError(f"{reference}: {error.strerror}") from None
     names = shipped()
     if reference in names:
         return [names[reference]]
     if path.suffix in SUFFIXES or len(path.parts) > 1:
         raise UsageError(f"{reference}: no such file or folder{nearest(path.stem, names)}")
     raise UsageError(f"{reference}: no such file, folder or shipped config; {one_of(reference, names)}")
+
+
+def _is_there(path: Path) -> bool:
+    """Whether there is something of this name. Raises OSError where that cannot be told, unlike `Path.exists` of
+    Python 3.14."""
+    try:
+        path.stat()
+    except (FileNotFoundError, NotADirectoryError, ValueError):  # the last: a NUL
+        return False
+    return True
 
 
 def profile_names(references: Sequence[str]) -> list[str]:
