@@ -13,12 +13,14 @@ import re
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
+from stat import S_ISREG
+from typing import Any
 
 from ..config.check import MAX_CELLS
 from ..errors import UsageError
 from ..store.columns import ARRAYS
 from ..store.pack import BROKEN
-from ..store.record import ARRAY_FILE, is_cell_file, parsed, text
+from ..store.record import ARRAY_FILE, KEY_FILE, is_cell_file, parsed, text
 
 SCHEMA = 1
 INDEX = "bundle.json"
@@ -72,7 +74,10 @@ def read_bundle(path: Path) -> dict[str, dict[str, bytes]]:
 
 
 def _read(path: Path) -> dict[str, dict[str, bytes]]:
-    size = path.stat().st_size
+    found = path.stat()
+    if not S_ISREG(found.st_mode):
+        raise ValueError("is no file")
+    size = found.st_size
     if size > BUNDLE_BYTES:
         raise ValueError(f"has {size >> 20} MiB, more than {BUNDLE_BYTES >> 20} MiB")
     budget = Budget()
@@ -82,15 +87,29 @@ def _read(path: Path) -> dict[str, dict[str, bytes]]:
     for name, content in members.items():
         where, _, file = name.rpartition("/")
         if file == "manifest.json":
+            if len(planned := _planned(content)) > MAX_CELLS:
+                raise ValueError(f"{name}: names {len(planned)} cells, more than {MAX_CELLS}")
             sets.setdefault(where, {})[file] = content
         elif file == "cells.zip":
             sets.setdefault(where, {}).update(_cells(content, budget))
     return sets
 
 
+def _planned(manifest: bytes) -> list[Any]:
+    """The cells that a manifest plans; none where it is none, as is told where it is used."""
+    try:
+        found = parsed(manifest)
+    except ValueError:
+        return []
+    cells = found.get("cells") if isinstance(found, dict) else None
+    return cells if isinstance(cells, list) else []
+
+
 def _cells(content: bytes, budget: Budget) -> dict[str, bytes]:
     """The files of a pack. Arrays are zips of their own: what those give counts as well."""
     found = _members(content, budget, 2 * MAX_CELLS, is_cell_file)
+    if (cells := sum(map(bool, map(KEY_FILE.fullmatch, found)))) > MAX_CELLS:
+        raise ValueError(f"has {cells} cells in one set, more than {MAX_CELLS}")
     for name, packed in found.items():
         if ARRAY_FILE.fullmatch(name):
             try:

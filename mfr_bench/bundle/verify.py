@@ -23,7 +23,7 @@ from ..scene.kinds.quads import is_flat
 from ..scene.quads import Quads
 from ..store import Cell, Floors, ResultFolder, derive, write_file
 from ..store.arrays import read_arrays
-from ..store.record import is_cell_file
+from ..store.record import KEY_FILE, fault, is_cell_file, other_schema, parsed
 from ..store.status import EXACT_ERROR, STATUSES
 
 CLOCKS = 2.0  # a device may run this much faster than its calibration saw
@@ -50,15 +50,30 @@ class Finding:
 
 
 def unpacked(sets: Mapping[str, Mapping[str, bytes]], into: Path) -> list[ResultFolder]:
-    """The sets that `read_bundle` gives as result folders below `into`. Raises StoreError."""
+    """The sets that `read_bundle` gives as result folders below `into`.
+
+    Raises StoreError, and UsageError where a record is none: nothing of its set is written then.
+    """
     folders = []
     for where, files in sets.items():
+        for name in filter(KEY_FILE.fullmatch, files):
+            _check_record(where, name.removesuffix(".json"), files[name])
         folder = ResultFolder(into / where)
         write_file(folder.path / "manifest.json", files.get("manifest.json", b"{}"))
         for name in filter(is_cell_file, files):
             write_file(folder.cells_path / name, files[name])
         folders.append(folder)
     return folders
+
+
+def _check_record(where: str, key: str, content: bytes) -> None:
+    try:
+        record = parsed(content)
+        wrong = other_schema(record) or fault(record, key)
+    except ValueError as error:
+        wrong = f"cannot be read: {error}"
+    if wrong:
+        raise UsageError(f"{where}: cell {key}: {wrong}")
 
 
 def verified(folders: Iterable[ResultFolder], others: Iterable[ResultFolder] = ()) -> list[Finding]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import getpass
 import io
+import json
+import os
 import socket
 import zipfile
 from pathlib import Path
@@ -230,6 +232,27 @@ def test_more_cells_than_a_config_may_have_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(archive, "MAX_CELLS", 2)
     many = {f"{number:020x}.json": b"{}" for number in range(9)}
     assert "more than 4" in refused(tmp_path, crafted(good_set(**many)))
+    del many["0" * 19 + "1.json"]
+    for number in range(2, 8):
+        del many[f"{number:020x}.json"]
+    assert "has 3 cells in one set, more than 2" in refused(tmp_path, crafted(good_set(**many)))
+    manifest = json.dumps({"schema": 1, "cells": ["0"] * 3}).encode()
+    assert "names 3 cells, more than 2" in refused(tmp_path, crafted(
+        good_set() | {"card-a/planted/manifest.json": manifest}))
+
+
+@pytest.mark.parametrize("make", [os.mkfifo, lambda path: os.symlink("/dev/zero", path)])
+def test_what_never_ends_is_not_read(tmp_path, make):
+    make(tmp_path / "b.zip")
+    with pytest.raises(UsageError, match="is no file; refused"):
+        read_bundle(tmp_path / "b.zip")
+
+
+def test_nothing_is_written_of_a_set_with_a_record_that_is_none(tmp_path):
+    sets = read_bundle(written(tmp_path, crafted(good_set())))
+    with pytest.raises(UsageError, match=r"^card-a/planted: cell [0-9a-f]{20}: "):
+        unpacked(sets, tmp_path / "opened")
+    assert not (tmp_path / "opened").exists()
 
 
 def test_a_member_twice_is_refused(tmp_path):
