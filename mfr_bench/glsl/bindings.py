@@ -14,6 +14,7 @@ DIAGNOSTICS = ("lost_fragments", "shaded_fragments", "stored_fragments")  # coun
 # The uniform block `Frame`, one uint each, in order.
 FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k")
 FRAME_BINDING = 0
+TEXELS_UNIT = 14  # of the first buffer that a pass reads through a texture; others have the units below
 OPAQUE_UNIT = 15  # of the scene's opaque depth: GL guarantees sixteen texture units to a fragment shader
 COLOURS_BINDING = 1  # of the uniform block `Colours`: the base colours of a payload of two channels, as light
 COLOURS_BYTES = 32  # two vec4
@@ -82,6 +83,21 @@ def colour_refs(variant: Variant, step: Pass) -> list[str]:
     """The colour targets of a pass in location order; the depth target is attached apart."""
     depth = {t.name for t in variant.targets if t.attaches == "depth"}
     return [ref for ref in step.into if split_ref(ref)[0] not in depth]
+
+
+def texel_bindings(step: Pass) -> list[Binding]:
+    """The texture units of the buffers that a pass reads through textures of their memory."""
+    return [Binding(ref, texels_name(ref), TEXELS_UNIT - index) for index, ref in enumerate(step.texels)]
+
+
+def texels_name(buffer: str) -> str:
+    """The sampler through which a shader reads a buffer."""
+    return f"{buffer}_texels"
+
+
+def reader_name(buffer: str) -> str:
+    """The function, or macro, by which a shader reads an element of a buffer, be it through a texture or not."""
+    return f"{buffer}_at"
 
 
 def length_name(buffer: str) -> str:

@@ -83,7 +83,8 @@ def counting(prelude: str, body: str, storage: Mapping[str, Stored]) -> str:
     """
     body = "\n".join(map(_counted_line, body.splitlines())) + "\n"
     names = dict(storage) | {alias: storage[name] for alias, name in _ALIAS.findall(body) if name in storage}
-    accessors = {macro: names[name] for macro, name, _ in _ACCESSOR.findall(body) if name in names}
+    accessors = {macro: names[name] for macro, name, _ in _ACCESSOR.findall(f"{prelude}\n{body}")
+                 if name in names}
     accesses = _Accesses(names, accessors)
     body = body.replace("void main() {", f"void main() {{ count_work({_index('invocations')}u, 1u);")
     return accesses.rewritten(prelude + "\n") + FUNCTIONS + accesses.rewritten(body)

@@ -41,7 +41,9 @@ from .bindings import (
     buffer_bindings,
     colour_refs,
     length_name,
+    reader_name,
     split_ref,
+    texel_bindings,
     texture_bindings,
 )
 from .code import code_of
@@ -149,6 +151,23 @@ def _buffer_block(buffer: Buffer, bound: Binding, readonly: bool) -> str:
     return _said(block, buffer)
 
 
+def _readers(variant: Variant, step: Pass, words: frozenset[str], texels: bool) -> list[str]:
+    """NAME_at(i) for each buffer that the shader reads so: through a texture of the same memory, or as it lies."""
+    units = {b.ref: b for b in texel_bindings(step)} if texels else {}
+    lines: list[str] = []
+    for b in buffer_bindings(variant, step):
+        if reader_name(b.name) not in words:
+            continue
+        if b.ref in units:
+            sampler, parts = units[b.ref], ", ".join(f"texel.{part}" for part in "xyz"[:1 + variant.payload_words])
+            fetched = f"uvec4 texel = texelFetch({sampler.name}, int(at))"
+            lines += [f"layout(binding = {sampler.index}) uniform usamplerBuffer {sampler.name};",
+                      f"FRAGMENT {reader_name(b.name)}(uint at) {{ {fetched}; return FRAGMENT({parts}); }}"]
+        else:
+            lines.append(f"#define {reader_name(b.name)}(at) {b.name}[at]")
+    return lines
+
+
 def _said(declaration: str, resource: Buffer | Target | None) -> str:
     """The declaration with what the resource contains as a comment behind it."""
     return f"{declaration}  // {resource.doc}" if resource and resource.doc else declaration
@@ -225,10 +244,11 @@ def _bound(fitted: Fitted, step: Pass) -> str:
 
 
 def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool = False,
-           mapped: str | None = None) -> StageSource:
+           mapped: str | None = None, texels: bool = True) -> StageSource:
     """The stage `entry` (default: the pass's own shader) of one pass, ready to compile.
 
-    `counted`: counting its work. `mapped`: counting one kind of it for each pixel, where the shader has a line for it.
+    `texels`: reading buffers through textures, where the pass may. `counted`: counting its work, and reading buffers as
+    they lie. `mapped`: counting one kind of work for each pixel, where the shader has a line for it.
     """
     entry = entry or step.shader
     is_vertex = entry.endswith(".vert")
@@ -242,6 +262,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
              *_uniform_blocks(fitted.variant, step, words)]
     if not is_vertex:
         lines += _resources(fitted, step, words)
+        lines += _readers(fitted.variant, step, words, texels and not counted)
         lines += [clearing] if "CLEAR" in words else []
         lines += _outputs(fitted, step)
         lines += ["layout(early_fragment_tests) in;"] if step.state.early else []
@@ -249,7 +270,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     prelude = "\n".join(lines)
     if counted and mapped:
         text = counters.mapped(prelude, body, mapped)
-        return StageSource(entry, text, files, counted) if text else source(fitted, step, entry)
+        return StageSource(entry, text, files, counted) if text else source(fitted, step, entry, texels=texels)
     text = counters.counting(prelude, body, _storage(fitted.variant)) if counted else f"{prelude}\n{body}"
     return StageSource(entry, text, files, counted)
 
@@ -347,9 +368,10 @@ def _vertex(step: Pass, geometry: str) -> str:
     return f"scene/{DRAWN_AS.get(geometry, geometry)}.vert" if step.kind == "geometry" else "screen/triangle.vert"
 
 
-def stages(fitted: Fitted, step: Pass, counted: bool = False, mapped: str | None = None) -> tuple[StageSource, ...]:
-    """All stages of a pass: vertex and fragment, or compute alone; `counted` and `mapped` are as for `source`."""
-    own = source(fitted, step, counted=counted, mapped=mapped)
+def stages(fitted: Fitted, step: Pass, counted: bool = False, mapped: str | None = None,
+           texels: bool = True) -> tuple[StageSource, ...]:
+    """All stages of a pass: vertex and fragment, or compute alone; the other parameters are as for `source`."""
+    own = source(fitted, step, counted=counted, mapped=mapped, texels=texels)
     if step.kind == "compute":
         return (own,)
     return source(fitted, step, _vertex(step, fitted.stats.geometry)), own

@@ -9,7 +9,7 @@ from ..glsl.bindings import split_ref
 from ..methods.spec import IMAGE, Fitted, Target
 from . import rawgl
 from .context import Device
-from .targets import Canvas, Texture
+from .targets import BufferTexture, Canvas, Texture
 
 
 class Allocation:
@@ -25,6 +25,7 @@ class Allocation:
         self.version = 0
         self._textures = {t.name: [self._texture(t) for _ in range(t.copies)] for t in fitted.variant.targets}
         self._buffers: dict[str, list] = {}
+        self._texels: dict[str, BufferTexture | None] = {}
         self._allocate()
 
     def _texture(self, target: Target) -> Texture:
@@ -40,10 +41,28 @@ class Allocation:
             present = self._buffers.get(buffer.name, [])
             if present and present[0].size >= size:
                 continue
-            for old in present:
+            for old in (*present, *self._texels_of(buffer.name)):
                 old.release()
             self._buffers[buffer.name] = [self._device.ctx.buffer(reserve=size) for _ in range(buffer.copies)]
             self.version += 1
+
+    def _texels_of(self, name: str) -> list[BufferTexture]:
+        """The texture of a buffer's memory, which goes with the buffer."""
+        texture = self._texels.pop(name, None)
+        return [texture] if texture else []
+
+    def texels(self, name: str) -> BufferTexture | None:
+        """A texture of the memory of a buffer of one copy; None where the device has none so large."""
+        if name not in self._texels:
+            self._texels[name] = self._made_texels(name)
+        return self._texels[name]
+
+    def _made_texels(self, name: str) -> BufferTexture | None:
+        declared, = (b for b in self._fitted.variant.buffers if b.name == name)
+        buffer, element_bytes = self.named(name), self._fitted.element_bytes(declared)
+        if buffer.size // element_bytes > self._device.max_texels:
+            return None
+        return BufferTexture(self._device.gl, buffer.glo, element_bytes // 4)
 
     def hold(self, elements: int) -> None:
         """Make room for at least so many elements."""
@@ -100,7 +119,7 @@ class Allocation:
 
     def release(self) -> None:
         """Free the device memory."""
-        for copies in (*self._buffers.values(), *self._textures.values()):
+        for copies in (*self._buffers.values(), *self._textures.values(), *map(self._texels_of, list(self._texels))):
             for each in copies:
                 each.release()
 

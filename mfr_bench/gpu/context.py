@@ -127,6 +127,11 @@ class Device:
         """Bytes of the largest storage block. Trials may ask for it, unlike for the limits, which depend on them."""
         return int(self.ctx.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"])
 
+    @property
+    def max_texels(self) -> int:
+        """Elements of the largest buffer that shaders can read through a texture."""
+        return int(self.ctx.info["GL_MAX_TEXTURE_BUFFER_SIZE"])
+
     @cached_property
     def limits(self) -> Limits:
         info = self.ctx.info

@@ -59,9 +59,11 @@ class Frame:
         self._barriers = Barriers(())
         # Found by trials, which must not come while a pass draws.
         self.flushes_dispatches = any(p.kind == "compute" for p in self.variant.passes) and device.flushes_dispatches
+        self._barrier_bits = rawgl.BARRIERS["storage"] | (
+            rawgl.BARRIERS["texels"] if any(p.texels for p in self.variant.passes) else 0)
         self.allocation = self.ALLOCATION(device, fitted, canvas)
         self.diagnostics = Diagnostics(device)
-        self._schedule = Schedule(device.gl, fitted)
+        self._schedule = Schedule(device.gl, fitted, self._deepest)
         self.uniforms = Uniforms(device, fitted.stats)
         self._query = device.gl.generate("Queries")
         self._runners = {id(step): PassRunner(self, step) for step in self.variant.passes if self._compiles_now(step)}
@@ -180,7 +182,7 @@ class Frame:
         if runner is None:
             return None
         if self._barriers.due(runner.planned):
-            self.gl.glMemoryBarrier(rawgl.BARRIERS["storage"])
+            self.gl.glMemoryBarrier(self._barrier_bits)
         counts_for_plan = step.counts_for_plan and self._schedule.begin_count(self._shown)
         if step.counts:
             self.gl.glBeginQuery(rawgl.SAMPLES_PASSED, self._query)
@@ -234,6 +236,8 @@ class Frame:
     def _fits(self) -> bool:
         """Whether the frame that was drawn had room for everything; else the room is doubled, or planned anew."""
         grown = self.variant.method.capacity
+        if self.plan and not self._schedule.had_room(self._shown, self.plan):
+            return False
         if self.plan and self.plan.capacity is None:
             after = self._schedule.next_plan(self._shown)
             return (after.path, after.capacity) == (self.plan.path, self.plan.capacity)
@@ -245,6 +249,10 @@ class Frame:
         self.allocation.check_room(2 * self._capacity, wanted)
         self._set_capacity(2 * self._capacity)
         return False
+
+    def _deepest(self) -> int:
+        """Fragments of the deepest pixel, as the frame of a planned method has left them."""
+        return int(self.words(self.variant.method.capacity.deepest)[0])
 
     def draw_fitting(self) -> None:
         """Draw until every growing buffer has room for the frame, and its plan is that of the next.

@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from typing import Protocol
 
 from ..glsl import StageSource, split_ref, stages
-from ..glsl.bindings import length_name
+from ..glsl.bindings import length_name, texel_bindings
 from ..methods.shared.bands import Rectangle
 from ..methods.spec import (
     DISPATCH_OFFSET,
@@ -76,6 +76,7 @@ class PassRunner:
             self.program = frame.device.program(self._stages(), f"method {frame.variant.method.id}, pass {step.name}")
         if step.kind in ("geometry", "fullscreen"):
             self.vao = frame.device.ctx.vertex_array(self.program, self._content())
+        self._texel_units = [(bound.ref, bound.index) for bound in texel_bindings(step)]
         self._groups: dict[tuple[int, int], int] = {}  # work groups, by width and height of what they go over
         self.instances = frame.fitted.value(step.instances)
         self.samples = frame.stats.samples if step.kind == "geometry" else 1  # of a pixel, to rasterize into
@@ -92,6 +93,11 @@ class PassRunner:
 
     def _stages(self) -> tuple[StageSource, ...]:
         return stages(self.frame.fitted, self.step)
+
+    @cached_property
+    def _by_storage(self) -> PassRunner:
+        """The pass that reads buffers as they lie, where they are too large for textures."""
+        return PassRunner(self.frame, replace(self.step, texels=()))
 
     @cached_property
     def takes_box(self) -> bool:
@@ -130,7 +136,13 @@ class PassRunner:
         return self.framebuffers[parity]
 
     def run(self, iteration: int) -> None:
+        texels = [(self.frame.allocation.texels(ref), unit) for ref, unit in self._texel_units]
+        if any(texture is None for texture, _ in texels):
+            self._by_storage.run(iteration)
+            return
         self._bind(iteration)
+        for texture, unit in texels:
+            texture.bind(unit)
         if self.step.kind == "compute":
             self._dispatch(iteration)
             return
@@ -294,3 +306,5 @@ class PassRunner:
             framebuffer.release()
         if self.vao:
             self.vao.release()
+        if "_by_storage" in self.__dict__:
+            self._by_storage.release()

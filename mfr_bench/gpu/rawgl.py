@@ -22,14 +22,17 @@ TEXTURE0, MULTISAMPLE, TEXTURE_SAMPLES, SAMPLES, NUM_SAMPLE_COUNTS = 0x84C0, 0x8
 FORMATS = {"r8": 0x8229, "rg8": 0x822B, "rgba8": 0x8058, "r16": 0x822A, "rgba16f": 0x881A, "r32f": 0x822E,
            "rg32f": 0x8230, "rgba32f": 0x8814, "r32ui": 0x8236, "depth16": 0x81A5, "depth32f": 0x8CAC,
            "depth24_stencil8": 0x88F0}
+TEXEL_FORMATS = {2: 0x823C, 3: 0x8D71}  # of a texture of a buffer's memory, by the words of an element: RG32UI, RGB32UI
+TEXTURE_BUFFER = 0x8C2A
 EQUATIONS = {"add": 0x8006, "max": 0x8008}
 FACTORS = {"zero": 0, "one": 1, "one_minus_src_alpha": 0x0303, "one_minus_dst_alpha": 0x0305, "dst_alpha": 0x0304}
 STENCIL_TESTS = {"equal": 0x0202, "always": 0x0207}
 STENCIL_UPDATES = {"increment": 0x1E02, "decrement": 0x1E03}  # both clamp
 DEPTH_FUNCTIONS = {"less": 0x0201, "equal": 0x0202, "lequal": 0x0203, "always": 0x0207}
 # `image`: shader image access, fetches from textures, and everything done through framebuffers.
-# `indirect`: commands and vertex attributes that come from buffers.
-BARRIERS = {"storage": 0x2000 | 0x1000, "buffer_update": 0x200, "image": 0x20 | 0x8 | 0x400, "indirect": 0x40 | 0x1}
+# `indirect`: commands and vertex attributes that come from buffers. `texels`: fetches alone, from textures of buffers.
+BARRIERS = {"storage": 0x2000 | 0x1000, "texels": 0x8, "buffer_update": 0x200, "image": 0x20 | 0x8 | 0x400,
+            "indirect": 0x40 | 0x1}
 WRITE_ONLY, DEVICE_UUID = 0x88B9, 0x9597
 ATOMIC_COUNTER_BUFFER = 0x92C0
 LOWER_LEFT, NEGATIVE_ONE_TO_ONE, ZERO_TO_ONE = 0x8CA1, 0x935E, 0x935F
@@ -60,6 +63,7 @@ _SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "glDeleteTextures": (None, (SIZE, ctypes.POINTER(UINT))),
     "glActiveTexture": (None, (ENUM,)),
     "glBindTexture": (None, (ENUM, UINT)),
+    "glTexBuffer": (None, (ENUM, ENUM, UINT)),
     "glTexStorage2D": (None, (ENUM, SIZE, ENUM, SIZE, SIZE)),
     "glTexStorage3D": (None, (ENUM, SIZE, ENUM, SIZE, SIZE, SIZE)),
     "glTexStorage2DMultisample": (None, (ENUM, SIZE, ENUM, SIZE, SIZE, BOOL)),

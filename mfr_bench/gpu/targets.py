@@ -12,6 +12,22 @@ from .context import Device
 from .rawgl import RawGL
 
 
+class BufferTexture:
+    """A texture of a buffer's memory, through which shaders read its elements of two or three words."""
+
+    def __init__(self, gl: RawGL, buffer: int, words: int):
+        self.gl, self.name = gl, gl.generate("Textures")
+        gl.glBindTexture(rawgl.TEXTURE_BUFFER, self.name)
+        gl.glTexBuffer(rawgl.TEXTURE_BUFFER, rawgl.TEXEL_FORMATS[words], buffer)
+
+    def bind(self, unit: int) -> None:
+        self.gl.glActiveTexture(rawgl.TEXTURE0 + unit)
+        self.gl.glBindTexture(rawgl.TEXTURE_BUFFER, self.name)
+
+    def release(self) -> None:
+        self.gl.delete("Textures", self.name)
+
+
 class Texture:
     """An immutable texture without mipmaps or filtering. `format` is a key of `rawgl.FORMATS`.
 

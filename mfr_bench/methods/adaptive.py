@@ -33,6 +33,7 @@ from .spec import (
     COMMAND_WORDS,
     IMAGE,
     OVER,
+    PAYLOAD_WORDS,
     Buffer,
     Known,
     Loop,
@@ -58,6 +59,12 @@ MAX_ERROR = Param("max_error", EXACT, "largest error of a channel by which fragm
 MEMORY_MB = Param("memory_mb", 0.0, "most memory in MiB; where it does not hold all fragments at once, the frame is "
                   "stored and resolved in several bands; 0: any number", real=True, low=0, high=2**20, off=0.0)
 
+MOST_GUESSED_BYTES = 2**27  # what a storage block holds on every driver at hand
+
+SPARE_MEMORY = Param("spare_memory", 4.0, "most memory that cells for as many layers as the frame before had may take "
+                     "in addition to exact ranges, as a multiple of these; 0: always exact ranges", real=True, low=0,
+                     high=1024, off=0.0)
+
 FURTHEST_CUT = Param("furthest_cut", 0.5, "depth; a cut further behind would save less than finding it costs",
                      real=True, low=0, high=1)
 
@@ -76,6 +83,8 @@ NETWORKS = (2, 4, 8, 16, 32, 64)  # fragments of each sorting network; deeper pi
 HALVES = 64  # places of two networks: both halves of a pixel, or 32 fragments kept and 32 that are new
 DEEPEST = 65535  # fragments that 16 bits can count
 WORTH_CUTTING = 40  # layers from which two cheap passes for the opacity cost less than storing what it hides
+CHUNK = 8  # fragments of a pixel side by side, a line of a cache; of rgba8
+UNCHUNKED = 8  # layers up to which cells of neighbouring pixels are adjacent instead
 UNCLASSED = 16  # layers up to which telling pixels apart costs more than it saves
 BOUNDS = (0, *NETWORKS, 2**32)
 COUNT_DEFINES = {"DEEPEST": DEEPEST}
@@ -90,7 +99,7 @@ def plan(known: Known, params: Params) -> Plan:
         return Plan(ORDERED, known, known.layers)
     cells = known.layers * known.area
     banded = known.room is not None and cells > known.room
-    cut = float(params.get("max_error", EXACT)) > EXACT and known.layers >= WORTH_CUTTING
+    cut = float(params.get(MAX_ERROR.name, EXACT)) > EXACT and known.layers >= WORTH_CUTTING
     if known.filled and not banded:
         return Plan(DENSE if cut else PLANES, known, cells, cut_off=cut)
     if banded or cut:
@@ -98,7 +107,24 @@ def plan(known: Known, params: Params) -> Plan:
     room = 0 if known.fragments is None else known.fragments + SPARE * (known.fragments + known.pixels)
     if cells <= room:
         return Plan(DENSE, known, cells)
-    return Plan(RANGES, known, known.reach if known.reach is not None and known.reach <= room else None)
+    if guess := _guess(known, params):
+        return guess
+    return Plan(RANGES, known, known.reach if known.reach is not None and known.reach <= room else None,
+                finds_deepest=True)
+
+
+def _guess(known: Known, params: Params) -> Plan | None:
+    """Dense cells for as many layers as the frame before had; None where they would take too much memory."""
+    if known.deepest is None or known.fragments is None:
+        return None
+    layers = min(known.layers, known.deepest)
+    layers = layers if layers <= UNCHUNKED else -(-layers // CHUNK) * CHUNK
+    cells = layers * known.area
+    spare = float(params.get(SPARE_MEMORY.name, SPARE_MEMORY.default))
+    words = 1 + PAYLOAD_WORDS[str(params.get(PAYLOAD.name, PAYLOAD.default))]
+    if cells > min(known.fragments + spare * (known.fragments + known.pixels), MOST_GUESSED_BYTES / (4 * words)):
+        return None
+    return Plan(DENSE, replace(known, layers=layers), cells, guessed=True)
 
 
 @dataclass(frozen=True)
@@ -143,13 +169,18 @@ def _cut(plan: Plan) -> bool:
 
 def _classed(plan: Plan) -> bool:
     """Whether pixels are classified by their number of fragments."""
-    return plan.cut_off or (plan.path == RANGES and plan.known.layers > UNCLASSED)
+    return plan.cut_off or ((plan.path == RANGES or plan.guessed) and plan.known.layers > UNCLASSED)
 
 
-IN_PLANES = Layout(_in(PLANES), {"DENSE": 1, "PLANES": 1})
-IN_CELLS = Layout(_in(DENSE), {"DENSE": 1, "PLANES": 0})
-IN_RANGES = Layout(_in(RANGES), {"DENSE": 0, "PLANES": 0, **COUNT_DEFINES})
-LAYOUTS = (IN_PLANES, IN_CELLS, IN_RANGES)
+def _chunked(plan: Plan) -> bool:
+    return plan.guessed and plan.known.layers > UNCHUNKED
+
+
+IN_PLANES = Layout(_in(PLANES), {"DENSE": 1, "PLANES": 1, "CHUNK": 1})
+IN_CELLS = Layout(_where(_in(DENSE), lambda plan: not _chunked(plan)), {"DENSE": 1, "PLANES": 0, "CHUNK": 1})
+IN_CHUNKS = Layout(_chunked, {"DENSE": 1, "PLANES": 0, "CHUNK": CHUNK})
+IN_RANGES = Layout(_in(RANGES), {"DENSE": 0, "PLANES": 0, "CHUNK": 1, **COUNT_DEFINES})
+LAYOUTS = (IN_PLANES, IN_CELLS, IN_CHUNKS, IN_RANGES)
 
 
 def _cleared(plan: Plan) -> bool:
@@ -167,21 +198,29 @@ def _ranged(plan: Plan) -> bool:
 
 def _classed_by_counter(plan: Plan) -> bool:
     """Whether they are classified after the store, because nothing was counted before."""
-    return plan.path == DENSE and plan.cut_off
+    return plan.path == DENSE and _classed(plan)
+
+
+def _guessed(plan: Plan) -> bool:
+    return plan.guessed
+
+
+def _certain(plan: Plan) -> bool:
+    return not plan.guessed
 
 
 def _resolves() -> tuple[Pass, ...]:
     """One resolve for each number of fragments: of all pixels, or of a class of them."""
     return tuple(made for index in range(len(BOUNDS) - 1) for made in (
         *(_resolve(index, layout) for layout in LAYOUTS),
-        *(_resolve_class(index, layout) for layout in (IN_CELLS, IN_RANGES))))
+        *(_resolve_class(index, layout) for layout in (IN_CELLS, IN_CHUNKS, IN_RANGES))))
 
 
 def _resolve(index: int, layout: Layout) -> Pass:
     low, high = BOUNDS[index], BOUNDS[index + 1]
     return Pass("resolve", "fullscreen", "methods/adaptive/resolve.frag", region=True, into=(IMAGE,),
                 runs_in=lambda plan: layout.runs_in(plan) and low < plan.known.layers <= high and not _classed(plan),
-                reads=layout.reads, writes=() if high <= HALVES else ("nodes",),
+                reads=layout.reads, writes=() if high <= HALVES else ("nodes",), texels=("nodes",),
                 resolver=f"methods/adaptive/{_resolver(high)}.glsl",
                 defines={**layout.defines, "NETWORK": min(high, HALVES)})
 
@@ -198,7 +237,6 @@ def _resolve_class(index: int, layout: Layout) -> Pass:
                    vertex="screen/triangle_of_class.vert", command="draws",
                    runs_in=_where(layout.runs_in, _classed,
                                   lambda plan: low < plan.known.layers and high >= UNCLASSED),
-                   when=APPROXIMATE if layout is IN_CELLS else None,
                    state=State(depth_test="equal", depth_write=False, early=True))
 
 
@@ -217,24 +255,32 @@ COUNT = Pass("count", "geometry", "methods/adaptive/count.frag", into=("fragment
              clears={"fragment_counts": CLEARED}, defines=COUNT_DEFINES, state=State(blend=ADD), counts=True)
 COUNT_LATER = replace(COUNT, counts=False, counts_for_plan=True)  # there is room for whatever comes
 ALLOCATE = Pass("allocate", "fullscreen", "methods/adaptive/allocate.frag", region=True, reads=("fragment_counts",),
-                writes=("counter", "taken"))
+                writes=("counter", "taken", "deepest"))
 CLASSIFIES = {"into": (PIXEL_CLASS.name,), "clears": {PIXEL_CLASS.name: (1.0,)}, "state": State(depth_test="always")}
-STORE = Pass("store", "geometry", "methods/adaptive/store.frag", writes=("counter", "nodes"))
+
+
+def _store(layout: Layout, runs_in: Callable[[Plan], bool], guessed: bool = False, **more) -> Pass:
+    """The pass that stores fragments; one that is `guessed` also tells of a pixel without room for all of its own."""
+    return Pass("store", "geometry", "methods/adaptive/store.frag", runs_in=runs_in,
+                writes=(*layout.storage, *(("deepest",) if guessed else ())),
+                defines={**layout.defines, "GUESSED": int(guessed)}, **more)
+
 
 # After the count: a range for each pixel, the fragments in it, and what counts them; after that the image.
 STORING = (
-    Pass("clear", "clear", writes=("taken",), runs_in=_ranged),
-    Pass("clear", "clear", writes=("taken", "draws"), runs_in=_where(_in(RANGES), _classed)),
-    Pass("clear", "clear", writes=("draws",), runs_in=_classed_by_counter, when=APPROXIMATE),
+    Pass("clear", "clear", writes=("taken", "deepest"), runs_in=_ranged),
+    Pass("clear", "clear", writes=("taken", "deepest", "draws"), runs_in=_where(_in(RANGES), _classed)),
+    Pass("clear", "clear", writes=("draws",), runs_in=_classed_by_counter),
     replace(ALLOCATE, defines={**IN_RANGES.defines, "CLASSED": 0}, runs_in=_ranged),
     replace(ALLOCATE, defines={**IN_RANGES.defines, **CLASSES, "CLASSED": 1}, runs_in=_where(_in(RANGES), _classed),
             writes=(*ALLOCATE.writes, "draws"), **CLASSIFIES),
-    replace(STORE, defines=IN_PLANES.defines, runs_in=IN_PLANES.runs_in, writes=IN_PLANES.storage,
-            counts_for_plan=True),
-    *_whole_and_cut(replace(STORE, defines=IN_CELLS.defines, runs_in=IN_CELLS.runs_in, counts_for_plan=True)),
-    *_whole_and_cut(replace(STORE, defines=IN_RANGES.defines, runs_in=IN_RANGES.runs_in)),
+    _store(IN_PLANES, IN_PLANES.runs_in, counts_for_plan=True),
+    *_whole_and_cut(_store(IN_CELLS, _where(IN_CELLS.runs_in, _certain), counts_for_plan=True)),
+    *(_store(layout, _where(layout.runs_in, _guessed), guessed=True, counts_for_plan=True)
+      for layout in (IN_CELLS, IN_CHUNKS)),
+    *_whole_and_cut(_store(IN_RANGES, IN_RANGES.runs_in)),
     Pass("resolve", "fullscreen", "methods/adaptive/classify.frag", region=True, reads=("counter",), writes=("draws",),
-         defines={**IN_CELLS.defines, **CLASSES}, runs_in=_classed_by_counter, when=APPROXIMATE, **CLASSIFIES),
+         defines={**IN_CELLS.defines, **CLASSES}, runs_in=_classed_by_counter, **CLASSIFIES),
     *(Pass("resolve", "fullscreen", "methods/adaptive/stored.frag", region=True, reads=layout.reads,
            defines=layout.defines, runs_in=layout.runs_in, probes=STORED) for layout in LAYOUTS),
 )
@@ -274,10 +320,12 @@ METHODS = [
                "cells are dense, at most a twentieth of 2f + 2 for those that stay empty; with max_error above its "
                f"default, one and a half per pixel for the cut; with memory_mb one for each {SEGMENT} pixels of a row, "
                "and no more fragments at a time than it leaves room for",
-        params=(MAX_ERROR, MEMORY_MB, FLAT, PAYLOAD), fixed=(FURTHEST_CUT,), leaves_out=MAX_ERROR.name, deepest=DEEPEST,
-        capacity=Planned(plan, budget=MEMORY_MB.name, least=f"min(F, {SEGMENT}*n)"),
+        params=(MAX_ERROR, MEMORY_MB, SPARE_MEMORY, FLAT, PAYLOAD), fixed=(FURTHEST_CUT,), leaves_out=MAX_ERROR.name,
+        deepest=DEEPEST,
+        capacity=Planned(plan, budget=MEMORY_MB.name, least=f"min(F, {SEGMENT}*n)", deepest="deepest"),
         buffers=(Buffer("counter", "P", doc="fragments stored, or the next cell of the range, of each pixel"),
                  Buffer("taken", "1", doc="cells taken by ranges"),
+                 Buffer("deepest", "1", doc="fragments of the deepest pixel, where they are counted or find no room"),
                  Buffer("draws", f"{COMMAND_WORDS}*{len(BOUNDS) - 1}", doc="indirect draw of each class of pixels"),
                  Buffer("order", f"{COMMAND_WORDS}*min(n, {MOST_ORDERED})", when=IS_ORDERED,
                         doc="indirect draw of each primitive, the furthest first"),
@@ -294,7 +342,8 @@ METHODS = [
             Pass("blend", "geometry", "methods/baseline/floor.frag", into=(IMAGE,), clears={IMAGE: CLEARED},
                  state=State(blend=OVER), runs_in=_in(DIRECT)),
             *IN_ORDER,
-            Pass("clear", "clear", writes=("counter",), runs_in=_in(DENSE)),
+            Pass("clear", "clear", writes=("counter",), runs_in=_where(_in(DENSE), _certain)),
+            Pass("clear", "clear", writes=("counter", "deepest"), runs_in=_guessed),
             Pass("clear", "clear", clears={IMAGE: CLEARED}, into=(IMAGE,), runs_in=_cleared),
             Pass("cut", "clear", clears={"cut_depth": (FURTHEST_CUT.default,)}, into=("cut_depth",), runs_in=_cut,
                  when=APPROXIMATE),

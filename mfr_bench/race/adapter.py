@@ -151,7 +151,7 @@ class _Maker:
 
     def _made(self, step: Pass) -> FramePass:
         fitted, variant = self.fitted, self.fitted.variant
-        sources = () if step.kind == "clear" else stages(fitted, step)
+        sources = () if step.kind == "clear" else stages(fitted, step, texels=False)
         groups = int(evaluate(step.groups, fitted.stats, fitted.scope)) if step.groups else 0
         return FramePass(step, sources, tuple(buffer_bindings(variant, step)), tuple(texture_bindings(variant, step)),
                          tuple(colour_refs(variant, step)), fitted.value(step.instances), groups)

@@ -18,7 +18,7 @@ NUMBERS: Mapping[str, tuple[Value, ...]] = {
     "k": (1, 3), "occupancy": (32,), "buckets": (2,), "counters": (1, 2), "layers": (1, 2), "samples": (4, 8),
     "passes": (1, 2), "per_pass": (2, 4), "load_factor": (0.3, 0.9), "max_error": (0.1,), "retries": (1,),
     "culling_opacity": (0.5,), "moments": (6,), "hit_ratio": (0.5,), "stop_opacity": (0.9,), "room": (2,),
-    "depth_bits": (16,),
+    "depth_bits": (16,), "spare_memory": (0.0,),
 }
 # Parameters that change shaders or passes, and nothing in which invocations meet.
 SAME_ACCESSES: Mapping[str, str] = {

@@ -26,7 +26,8 @@ __all__ = [
     "with_k",
 ]
 
-NUMBERS = {"adaptive": {"max_error": 0.01, "memory_mb": 0.15}}  # of real parameters that switch something on
+# Of real parameters, values that switch something on or off.
+NUMBERS = {"adaptive": {"max_error": 0.01, "memory_mb": 0.15, "spare_memory": 0.0}}
 
 
 def every_method() -> list[Method]:

@@ -29,7 +29,8 @@ def test_a_method_keeps_its_promise(method):
 
 @pytest.mark.parametrize(("fragments", "settings", "passes"), [
     ((4,), (), ["order", "blend"]), ((4,), ("flat=stored",), ["store", "resolve"]),
-    ((3, 2), (), ["count", "clear", "allocate", "store", "resolve"])])
+    ((3, 2), (), ["clear", "store", "resolve"]),
+    ((3, 2), ("spare_memory=0",), ["count", "clear", "allocate", "store", "resolve"])])
 def test_each_plan_of_the_adaptive_method_keeps_its_promise(fragments, settings, passes):
     found = run(small_variant(catalog()["adaptive"], settings), fragments, How(schedules=SLOW), scenes=2)
     assert list(dict.fromkeys(p.step.name for p in found.checker.frame.passes)) == list(dict.fromkeys(passes))

@@ -152,7 +152,7 @@ FAULTS = [
           "[slot * pixels + leader].x;\n    barrier();", "[slot * pixels + leader].x;", ("resolve=compute",)),
     counted("adaptive", "methods/adaptive/store.frag", "atomicAdd(counter[p], 1u)", "counter[p]++"),
     counted("adaptive", "methods/adaptive/allocate.frag", "atomicAdd(taken[0], count)",
-          "((taken[0] += count) - count)"),
+          "((taken[0] += count) - count)", "spare_memory=0"),
     counted("ab-array", "common/list_tiles.comp", "atomicAdd(tile_command[0], 1u)", "tile_command[0]++",
             "touched=tiles", fragments=(2, *(0,) * 30, 2, *(0,) * 20, 2)),
     # A method that loses equal depths keeps one of each all the same; and nothing else is in its place.

@@ -72,13 +72,14 @@ class Known:
     room: int | None = None  # elements that the budget allows; None: any number
     reach: int | None = None  # most fragments that the geometry can have; None: every layer in every pixel
     filled: bool = False  # every primitive has one fragment in each pixel of the rectangle
+    deepest: int | None = None  # most fragments of a pixel in the frame before; None where that is not known
 
     @classmethod
-    def of(cls, stats: SceneStats, fragments: int | None, room: int | None) -> Known:
+    def of(cls, stats: SceneStats, fragments: int | None, room: int | None, deepest: int | None = None) -> Known:
         """Knowledge of a scene before a frame is drawn, from the statistics of its geometry."""
         area = stats.P if stats.area is None else stats.area
         filled = stats.flat and not stats.rejects and stats.reach == stats.primitives * area
-        return cls(stats.most_layers, area, stats.P, fragments, room, stats.reach, filled)
+        return cls(stats.most_layers, area, stats.P, fragments, room, stats.reach, filled, deepest)
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,9 @@ class Plan:
     """The plan of a frame: which passes run, and room for how many elements; None: counted within the frame.
 
     `banded`: the budget may not hold all elements at once, so that loops over bands run. `cut_off`: what lies behind a
-    depth that an earlier pass finds for each pixel is left out.
+    depth that an earlier pass finds for each pixel is left out. `finds_deepest`: the frame leaves the fragments of its
+    deepest pixel. `guessed`: the room of a pixel is a guess; a frame with a deeper one leaves that in the same place,
+    and is drawn again.
     """
 
     path: str
@@ -94,6 +97,8 @@ class Plan:
     capacity: int | None = None
     banded: bool = False
     cut_off: bool = False
+    finds_deepest: bool = False
+    guessed: bool = False
 
 
 @dataclass(frozen=True)
@@ -101,9 +106,11 @@ class Planned:
     """The passes and the capacity of each frame are planned by the host before it, by `rule`.
 
     The passes that `runs_in` lets run have to be right whatever the frame before had. `budget` names the parameter
-    that holds the most MiB, 0 for any number; a band then has at most `least` elements, a formula.
+    that holds the most MiB, 0 for any number; a band then has at most `least` elements, a formula. `deepest` names the
+    buffer of one word in which a frame leaves the fragments of its deepest pixel.
     """
 
     rule: Callable[[Known, Params], Plan]
     budget: str | None = None
     least: str = "F"
+    deepest: str | None = None

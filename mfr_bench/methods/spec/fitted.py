@@ -89,7 +89,8 @@ class Fitted:
 
     def plan(self) -> Plan:
         """The plan of a frame whose scene was shown before, of a planned method."""
-        return self.variant.method.capacity.rule(Known.of(self.stats, self.stats.F, self.room()), self.scope)
+        known = Known.of(self.stats, self.stats.F, self.room(), self.stats.n)
+        return self.variant.method.capacity.rule(known, self.scope)
 
     def room(self) -> int | None:
         """Elements that the budget allows in addition to what every frame takes, below 1 where that is too much."""

@@ -17,16 +17,16 @@
 #define LOAD(i) \
     block[32 + (i)] = NO_FRAGMENT; \
     if (at < end_cell) { \
-        FRAGMENT fragment = nodes[at]; \
+        FRAGMENT fragment = nodes_at(at); \
         if (fragment.x >= from) { \
             block[32 + (i)] = fragment; \
             ++met; \
         } \
     } \
-    at += cell_step;
+    at += STEP(i);
 #define EMPTY_PLACE(i) block[i] = NO_FRAGMENT;
 #define KEEP_NEARER(i) if (block[63 - (i)].x < block[i].x) block[i] = block[63 - (i)];
-#define PUT_BACK(i) if (at < end_cell) nodes[at] = block[32 + (i)]; at += cell_step;
+#define PUT_BACK(i) if (at < end_cell) nodes[at] = block[32 + (i)]; at += STEP(i);
 #define COMPOSITE(i) if (block[i].x < limit) colour = behind_of(colour, colour_of(block[i]));
 
 // Leaves the nearest 32 fragments with a depth of at least `from` in block[0 .. 32), nearest first. Returns the number
@@ -44,8 +44,8 @@ uint sweep(uint from) {
 }
 
 vec4 composite_alike(vec4 colour, uint depth) {
-    for (uint at = first_cell; at < end_cell; at += cell_step) {
-        FRAGMENT fragment = nodes[at];
+    for (uint slot = 0u, at = first_cell; at < end_cell; at = cell_of(++slot)) {
+        FRAGMENT fragment = nodes_at(at);
         if (fragment.x == depth) colour = behind_of(colour, colour_of(fragment));
     }
     return colour;
@@ -56,7 +56,7 @@ vec4 composite_alike(vec4 colour, uint depth) {
 bool faint() {
     float through = 1.0;
     uint at = first_cell;
-    for (int i = 0; i < 8 && at < end_cell; ++i, at += cell_step) through *= 1.0 - colour_of(nodes[at]).a;
+    for (uint i = 0u; i < 8u && at < end_cell; at = cell_of(++i)) through *= 1.0 - colour_of(nodes_at(at)).a;
     return pow(through, 4.0 * SWEEPS) > MAX_ERROR;
 }
 
@@ -65,7 +65,7 @@ vec4 merge() {
     const uint from = 0u;
     vec4 colour = NOTHING;
     uint heads[MERGED], depths[MERGED], blocks = 0u;
-    for (uint start = first_cell; start < end_cell; start += 32u * cell_step) {
+    for (uint start = first_cell; start < end_cell; start = cell_of(32u * blocks)) {
         uint at = start, met = 0u;
         EACH32(LOAD, 0)
         SORT32(32)
@@ -82,10 +82,9 @@ vec4 merge() {
             nearest = b;
         }
         if (depth == EMPTY) break;
-        uint at = first_cell + heads[nearest] * cell_step;
-        colour = behind_of(colour, colour_of(nodes[at]));
-        at += cell_step;
-        bool ended = (++heads[nearest] & 31u) == 0u || at >= end_cell;
+        colour = behind_of(colour, colour_of(nodes[cell_of(heads[nearest])]));
+        uint at = cell_of(++heads[nearest]);
+        bool ended = (heads[nearest] & 31u) == 0u || at >= end_cell;
         depths[nearest] = ended ? EMPTY : nodes[at].x;
     }
     return colour;
@@ -94,7 +93,7 @@ vec4 merge() {
 vec4 resolve_pixel() {
     vec4 colour = NOTHING;
     uint from = 0u;
-    if ((end_cell - first_cell) / cell_step <= 32u * MERGED && faint()) return merge();
+    if (cells_in_use(place()) <= 32u * MERGED && faint()) return merge();
     bool more = first_cell < end_cell;
     while (more) {
         more = sweep(from) > 32u;

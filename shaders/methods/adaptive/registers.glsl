@@ -5,6 +5,6 @@
 
 #define LOAD(i) \
     block[i] = NO_FRAGMENT; \
-    if (at < end_cell) block[i] = nodes[at]; \
-    at += cell_step;
+    if (at < end_cell) block[i] = nodes_at(at); \
+    at += STEP(i);
 #define COMPOSITE(i) colour = behind_of(colour, colour_of(block[i]));

@@ -3,6 +3,6 @@
 
 void main() {
     find_cells(place());
-    uint count = (end_cell - first_cell) / cell_step;
+    uint count = cells_in_use(place());
     if (count > 0u) atomicAdd(stored_fragments, count);
 }

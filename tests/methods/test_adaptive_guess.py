@@ -1,0 +1,170 @@
+"""Dense cells for as many layers as the frame before had: a guess that may cost a frame, never a fragment."""
+
+from contextlib import contextmanager
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.scene_buffer import SceneBuffer
+from mfr_bench.gpu.targets import Canvas
+from mfr_bench.gpu.truth import Truth
+from mfr_bench.methods import catalog
+from mfr_bench.methods.adaptive import DENSE, RANGES, SPARE_MEMORY, plan
+from mfr_bench.methods.spec import Fitted, Known, Plan, Promise
+from mfr_bench.oracle.composite import stats_of
+from mfr_bench.scene import generate
+from mfr_bench.scene.quads import Quads
+from mfr_bench.store.status import EXACT_ERROR
+
+from ..contract.cases import SLANTED, Drawn, stage, stats_in
+from .drawing import stack
+
+SIZE = (64, 48)
+SHALLOW = SceneConfig(size=SIZE, depth_complexity=2, layout="random", quad_size=(11, 7), seed=6)
+DEEPER = [replace(SHALLOW, depth_complexity=n, seed=n) for n in (5, 25)]
+KNOWN = Known(50, 100, 100, 400, deepest=8)
+
+
+@contextmanager
+def animated(device, scenes, **params):
+    """A frame for the scenes, and their buffer."""
+    quads, canvas = SceneBuffer(device, scenes[0]), Canvas(device, scenes[0].viewport)
+    stats = stats_of(max(scenes, key=len))
+    frame = Frame(device, Fitted(catalog()["adaptive"].variant(params), stats), quads, canvas)
+    try:
+        yield frame, quads
+    finally:
+        for thing in (frame, canvas, quads):
+            thing.release()
+
+
+def show(frame, quads, scene) -> None:
+    quads.replace(scene)
+    frame.show(scene)
+
+
+def error(frame, quads, scene) -> float:
+    right = Truth(frame.device, quads, frame.canvas).image(Promise())
+    return float(np.abs(frame.image() - right).max())
+
+
+def test_the_frame_before_tells_the_layers_of_dense_cells():
+    assert plan(replace(KNOWN, deepest=None), {}).path == RANGES
+    assert plan(KNOWN, {}) == Plan(DENSE, replace(KNOWN, layers=8), 800, guessed=True)
+    assert plan(replace(KNOWN, layers=6), {}).known.layers == 6
+
+
+@pytest.mark.parametrize(("spare", "path"), [(0.0, RANGES), (0.79, RANGES), (0.8, DENSE), (4.0, DENSE)])
+def test_a_guess_keeps_within_its_memory(spare, path):
+    """800 cells, of which 400 are in excess of the 400 of ranges; 0.8 of 500 with the two words for each pixel."""
+    assert plan(KNOWN, {SPARE_MEMORY.name: spare}).path == path
+
+
+def test_a_budget_that_holds_every_layer_leaves_the_guess_and_another_gets_bands():
+    assert plan(replace(KNOWN, room=5000), {}).guessed
+    assert plan(replace(KNOWN, room=4999), {}).banded
+
+
+@pytest.mark.parametrize("name", SLANTED)
+@pytest.mark.parametrize("payload", ["rgba8", "rgba16f"])
+def test_slanted_primitives_are_stored_by_a_guess_after_the_first_frame(device, name, payload):
+    variant = catalog()["adaptive"].variant({"payload": payload})
+    assert Fitted(variant, stats_in(device, SLANTED[name])).plan().guessed
+    drawn = Drawn(device, variant, SLANTED[name], frames=3, probing=True)
+    assert drawn.error <= EXACT_ERROR and drawn.lost == 0
+    assert drawn.passes == 1, "nothing is counted"
+    assert drawn.allocated == drawn.declared
+    assert drawn.probed["stored_fragments"] == stage(device, SLANTED[name]).stats.F
+
+
+def test_a_deeper_scene_is_drawn_again_and_the_next_of_its_depth_is_not(device):
+    """The room grows by an eighth more than was asked for, so that an animation settles."""
+    scenes = [generate(config) for config in (SHALLOW, *DEEPER, replace(DEEPER[-1], seed=41), SHALLOW)]
+    with animated(device, scenes) as (frame, quads):
+        frame.draw_fitting()
+        assert frame.plan.guessed and frame.draw()
+        fitted = []
+        for scene in scenes[1:]:
+            show(frame, quads, scene)
+            fitted.append(frame.draw())
+            while not fitted[-1] and not frame.draw():
+                pass
+            assert error(frame, quads, scene) <= EXACT_ERROR
+        assert fitted[0] is False
+        assert frame.lost_fragments() == 0
+
+
+def pile(count: int, opaque: bool = False) -> Quads:
+    """`count` quads over the left columns and as many over the right ones, all in one square of the host's bounds.
+
+    They are so faint that none is hidden; or eight of them, the furthest, are `opaque` and come first.
+    """
+    rgba = np.random.default_rng(count).integers(1, 9, (2 * count, 4))
+    rgba[:16 * opaque, 3] = 230
+    scene = stack(np.linspace(0.9, 0.1, 2 * count), rgba)
+    scene.rect[::2, 2], scene.rect[1::2, 0] = 3, 4
+    return scene
+
+
+def layers_after_an_overflow(device) -> int:
+    """Layers of the frame that follows one in which 7 fragments of a pixel met room for 2."""
+    with animated(device, [pile(2), pile(7)], spare_memory=1000.0) as (frame, quads):
+        frame.draw_fitting()
+        assert frame.plan.guessed and frame.plan.known.layers == 2
+        show(frame, quads, pile(7))
+        frame.draw()
+        assert error(frame, quads, quads.scene) > EXACT_ERROR, "what found no room is missing"
+        frame.draw()
+        return frame.plan.known.layers
+
+
+def test_a_frame_tells_how_many_layers_it_needs(device):
+    """And one more for each eight of them, for the frames to come."""
+    assert layers_after_an_overflow(device) == 8
+
+
+@pytest.mark.parametrize(("right", "wrong"), [("slot + 1u);", "slot);"), ("atomicMax(deepest", "atomicMin(deepest")])
+def test_a_wrong_line_of_what_a_frame_tells_is_seen(device, plant, right, wrong):
+    plant("methods/adaptive/store.frag", right, wrong)
+    assert layers_after_an_overflow(device) != 8
+
+
+@pytest.mark.parametrize(("layers", "opaque"), [
+    (7, False), (8, False), (9, False), (16, False), (17, False), (60, False), (64, False), (100, False), (100, True)])
+def test_cells_in_chunks_hold_every_fragment(device, layers, opaque):
+    """Up to 8 layers side by side by pixel, above in chunks of 8; sorted by every network, merged, in sweeps."""
+    scene = pile(layers, opaque)
+    with animated(device, [scene], spare_memory=1000.0) as (frame, quads):
+        for _ in range(2):
+            frame.draw_fitting()
+        assert frame.plan.guessed and frame.plan.known.layers == (layers if layers <= 8 else -(-layers // 8) * 8)
+        assert error(frame, quads, scene) <= EXACT_ERROR and frame.lost_fragments() == 0
+
+
+@pytest.mark.parametrize(("shader", "right", "wrong"), [
+    ("store.frag", "slot / uint(CHUNK) * PLACES + p", "slot / uint(CHUNK) * PLACES + p / 2u"),
+    ("cells.glsl", "slot % uint(CHUNK);", "0u;"), ("cells.glsl", "(PLACES - 1u)", "(PLACES - 2u)"),
+    ("cells.glsl", "first_cell = p * uint(CHUNK)", "first_cell = p")])
+def test_a_wrong_line_of_chunks_is_seen(device, plant, shader, right, wrong):
+    plant(f"methods/adaptive/{shader}", right, wrong)
+    scene = pile(20)
+    with animated(device, [scene], spare_memory=1000.0) as (frame, quads):
+        frame.draw_fitting()
+        assert error(frame, quads, scene) > EXACT_ERROR
+
+
+def test_a_buffer_too_large_for_a_texture_is_read_as_it_lies(device, monkeypatch):
+    def image():
+        with animated(device, [pile(9)], spare_memory=1000.0) as (frame, quads):
+            frame.draw_fitting()
+            assert error(frame, quads, quads.scene) <= EXACT_ERROR
+            return frame.image(), sorted("_by_storage" in runner.__dict__ for runner in frame._runners.values())
+
+    through, none = image()
+    monkeypatch.setattr(type(device), "max_texels", 10)
+    as_it_lies, some = image()
+    np.testing.assert_array_equal(through, as_it_lies)
+    assert not any(none) and any(some)
