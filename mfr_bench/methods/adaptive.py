@@ -1,7 +1,7 @@
 """The method of this project: only the work that a scene needs, without a k, an n or a size from its user.
 
 Before a frame the host knows its geometry: how many primitives can meet in a pixel, the rectangle that they lie in, and
-how many fragments the frame before had. From these it plans the frame:
+how many fragments the frame before had, in all and in its deepest pixel. From these it plans the frame:
 
 - `direct`: no pixel can have two fragments. They are blended, and nothing is stored.
 - `ordered`: each primitive has one fragment in every pixel of the rectangle, and one depth: the order of one pixel is
@@ -9,16 +9,19 @@ how many fragments the frame before had. From these it plans the frame:
 - `planes`: the same geometry, stored after all, as the parameter `flat` may say: the number of a primitive tells the
   cell, so that nothing is counted at all.
 - `dense`: cells for every layer of every pixel of the rectangle take at most SPARE more memory than exact ranges would.
-  Nothing is counted beforehand; the cells of neighbours lie side by side.
+  Nothing is counted beforehand; the cells of neighbours lie side by side. The same with as many layers as the frame
+  before had, where these take at most `spare_memory` more: a guess, which the frame checks. Where a pixel is deeper,
+  the frame is drawn again with more layers.
 - `ranges`: a count by blending, then each pixel takes a range of exactly its fragments; empty pixels take none.
 
 A `max_error` above its default cuts deep frames: in `dense` cells instead of planes, else in `ranges`, they store what
 lies before the depth behind which no more than that shows through. With a budget of memory that may not hold all
 fragments, `ranges` go band by band: what follows the count is drawn once for each rectangle whose fragments fit.
 
-No plan can lose a fragment: what the frame before had only decides how much memory `dense` may take. The fragments of
-a pixel are sorted in registers, by a network as small as their number allows. Beyond 64 the nearest 32 are kept, sweep
-by sweep, until all are composited or no more than `max_error` shows through; blocks of faint stacks are merged.
+No plan can lose a fragment: what the frame before had only decides how much memory `dense` may take, and a guess that
+was too low costs a frame. The fragments of a pixel are sorted in registers, by a network as small as their number
+allows. Beyond 64 the nearest 32 are kept, sweep by sweep, until all are composited or no more than `max_error` shows
+through; blocks of faint stacks are merged.
 """
 
 from __future__ import annotations
@@ -312,12 +315,15 @@ METHODS = [
     Method(
         id="adaptive", name="Adaptive", family="adaptive", source="mfr-bench, see docs/adaptive.md",
         summary="plans each frame from what its geometry and the frame before tell: nothing stored, planes, dense "
-                "cells, or exact ranges; sorts in registers as few fragments as a pixel has",
+                "cells, for sure or by a guess that is checked, or exact ranges; sorts in registers as few fragments "
+                "as a pixel has",
         guarantee="exact all", words="2*f + 2", ties="kept, in no fixed order",
         untouched="plans for each frame what it touches",
-        beside=f"{1 + COMMAND_WORDS * (len(BOUNDS) - 1)} words for the cells taken and the draws of classes, and "
+        beside=f"{2 + COMMAND_WORDS * (len(BOUNDS) - 1)} words for the cells taken, the deepest pixel and the draws of "
+               "classes, and "
                f"with flat: ordered {COMMAND_WORDS} for each layer, up to {MOST_ORDERED}, for draws in order; where "
-               "cells are dense, at most a twentieth of 2f + 2 for those that stay empty; with max_error above its "
+               "cells are dense, at most a twentieth of 2f + 2 for those that stay empty, or by a guess spare_memory "
+               f"times as much, {MOST_GUESSED_BYTES // 2**20} MiB in all; with max_error above its "
                f"default, one and a half per pixel for the cut; with memory_mb one for each {SEGMENT} pixels of a row, "
                "and no more fragments at a time than it leaves room for",
         params=(MAX_ERROR, MEMORY_MB, SPARE_MEMORY, FLAT, PAYLOAD), fixed=(FURTHEST_CUT,), leaves_out=MAX_ERROR.name,
