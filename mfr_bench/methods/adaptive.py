@@ -64,7 +64,7 @@ MEMORY_MB = Param("memory_mb", 0.0, "most memory in MiB; where it does not hold 
 
 MOST_GUESSED_BYTES = 2**27  # what a storage block holds on every driver at hand
 
-SPARE_MEMORY = Param("spare_memory", 4.0, "most memory that cells for as many layers as the frame before had may take "
+SPARE_MEMORY = Param("spare_memory", 8.0, "most memory that cells for as many layers as the frame before had may take "
                      "in addition to exact ranges, as a multiple of these; 0: always exact ranges", real=True, low=0,
                      high=1024, off=0.0)
 
@@ -223,7 +223,8 @@ def _resolve(index: int, layout: Layout) -> Pass:
     low, high = BOUNDS[index], BOUNDS[index + 1]
     return Pass("resolve", "fullscreen", "methods/adaptive/resolve.frag", region=True, into=(IMAGE,),
                 runs_in=lambda plan: layout.runs_in(plan) and low < plan.known.layers <= high and not _classed(plan),
-                reads=layout.reads, writes=() if high <= HALVES else ("nodes",), texels=("nodes",),
+                reads=layout.reads, writes=() if high <= HALVES else ("nodes",),
+                texels=() if high <= UNCHUNKED else ("nodes",),
                 resolver=f"methods/adaptive/{_resolver(high)}.glsl",
                 defines={**layout.defines, "NETWORK": min(high, HALVES)})
 

@@ -57,7 +57,7 @@ def test_the_frame_before_tells_the_layers_of_dense_cells():
     assert plan(replace(KNOWN, layers=6), {}).known.layers == 6
 
 
-@pytest.mark.parametrize(("spare", "path"), [(0.0, RANGES), (0.79, RANGES), (0.8, DENSE), (4.0, DENSE)])
+@pytest.mark.parametrize(("spare", "path"), [(0.0, RANGES), (0.79, RANGES), (0.8, DENSE), (8.0, DENSE)])
 def test_a_guess_keeps_within_its_memory(spare, path):
     """800 cells, of which 400 are in excess of the 400 of ranges; 0.8 of 500 with the two words for each pixel."""
     assert plan(KNOWN, {SPARE_MEMORY.name: spare}).path == path
