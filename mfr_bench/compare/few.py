@@ -9,6 +9,7 @@ long tell of a frame.
 from __future__ import annotations
 
 import math
+from array import array
 from collections.abc import Iterable, Sequence
 from functools import cache
 from statistics import NormalDist, median, stdev
@@ -40,8 +41,10 @@ class Frames:
         distances = _distances(times_ms, medians_ms, np.repeat(counts, counts))
         by_median = np.lexsort((distances, medians_ms))
         self._medians_ms = medians_ms[by_median]
-        self._number = np.argsort(distances[by_median])  # in that order, of each frame from the least distance on
-        self._distances = distances[by_median][self._number]
+        self._distances = np.sort(distances)
+        places = np.empty(distances.size, dtype=np.int64)  # in the order of medians, of each frame among the distances
+        places[np.argsort(distances[by_median], kind="stable")] = np.arange(distances.size)
+        self._last = Last(places)
 
     def deviation(self, time_ms: float) -> float:
         """Deviation of the logarithm of one frame's time, of frames that take about so long.
@@ -50,10 +53,10 @@ class Frames:
         larger, never a slow frame significant.
         """
         near = self._near(time_ms)
-        if not near.size:
+        if not near:
             return PRIOR_DEVIATION
-        own = max(_at(near, share) / _quantile(share) for share in SHARES)
-        weight = near.size / (near.size + PRIOR_FRAMES)
+        own = max(self._at(near, share) / _quantile(share) for share in SHARES)
+        weight = near / (near + PRIOR_FRAMES)
         return math.sqrt(weight * own**2 + (1 - weight) * PRIOR_DEVIATION**2)
 
     def burst(self, time_ms: float) -> float:
@@ -62,17 +65,45 @@ class Frames:
         A burst of load that outlasts the sampling of a cell does that to all of its frames.
         """
         near = self._near(time_ms)
-        return _at(near, SLOWEST) if near.size else 0.0
+        return self._at(near, SLOWEST) if near else 0.0
 
-    def _near(self, time_ms: float) -> np.ndarray:
-        """Distances of the frames of about such a time, ascending."""
-        shorter = np.searchsorted(self._medians_ms, AS_LONG * time_ms)
-        return self._distances[self._number >= min(shorter, max(0, self._distances.size - FRAMES_LEAST))]
+    def _near(self, time_ms: float) -> int:
+        """The number of frames of about such a time: the last ones in the order of medians."""
+        size = self._distances.size
+        return size - min(int(np.searchsorted(self._medians_ms, AS_LONG * time_ms)), max(0, size - FRAMES_LEAST))
+
+    def _at(self, near: int, share: float) -> float:
+        """The least distance that no smaller a share of the last frames reaches, of which there are `near`."""
+        return float(self._distances[self._last.least(near, math.ceil(share * near) - 1)])
 
 
-def _at(ascending: np.ndarray, share: float) -> float:
-    """The least value that no smaller a share of all values reaches."""
-    return float(ascending[math.ceil(share * ascending.size) - 1])
+class Last:
+    """The numbers 0, 1, 2, … in some order: the k-th least of the last of them, in as many steps as they have bits.
+
+    A wavelet matrix (Claude, Navarro & Ordóñez 2015): a level for each bit, the highest first, has the numbers in the
+    order in which the level before sorts them, and at each place how many before it have no such bit.
+    """
+
+    def __init__(self, numbers: np.ndarray):
+        self._size = numbers.size
+        self._levels: list[tuple[int, int, array[int]]] = []  # a bit, how many lack it, how many before each place do
+        for bit in reversed(range(max(0, self._size - 1).bit_length())):
+            lacking = numbers >> bit & 1 == 0
+            before = np.concatenate(([0], np.cumsum(lacking))).astype(np.int64)
+            self._levels.append((1 << bit, int(before[-1]), array("q", before.tobytes())))
+            numbers = np.concatenate((numbers[lacking], numbers[~lacking]))
+
+    def least(self, last: int, k: int) -> int:
+        """The number before which, of the last ones, just k are less."""
+        start, end, found = self._size - last, self._size, 0
+        for bit, lack, before in self._levels:
+            first, after = before[start], before[end]
+            if k < after - first:
+                start, end = first, after
+            else:
+                k, found = k - (after - first), found | bit
+                start, end = lack + start - first, lack + end - after
+        return found
 
 
 def _distances(times_ms: np.ndarray, medians_ms: np.ndarray, counts: np.ndarray) -> np.ndarray:

@@ -194,6 +194,7 @@ class _Timed:
         self._of_method: dict[Any, list[int]] = defaultdict(list)
         for number, shift in enumerate(self._shifts):
             self._of_method[shift.method].append(number)
+        self._methods: dict[Any, tuple[float, ...]] = {}  # see `_method`
 
     @property
     def common(self) -> tuple[float, float] | None:
@@ -213,19 +214,25 @@ class _Timed:
 
         A method that changed moves in more than one of its cells; a burst of load hits one.
         """
-        distances = [self._distance(i) for i in self._of_method[self._shifts[number].method]]
-        sign = math.copysign(1.0, self._distance(number))
-        mine, same_way = sign * self._distance(number), [sign * d for d in distances]
         if abs(self._moved(number)) > self._burst_reach(number):
             return True
-        if not distances[1:]:
+        sign = math.copysign(1.0, self._distance(number))
+        together, *seconds = self._method(self._shifts[number].method)
+        if not seconds:
             return False
-        support = sorted(same_way)[-2]
+        mine, support = sign * self._distance(number), sign * seconds[sign > 0]
         if mine > self._critical and min(support, mine) > SUPPORT:
             return True
-        capped = [max(-self._critical, min(self._critical, d)) for d in same_way]
-        together = sum(capped) / math.sqrt(len(capped))
-        return together > self._critical and mine > SUPPORT and support > TOGETHER
+        return sign * together > self._critical and mine > SUPPORT and support > TOGETHER
+
+    def _method(self, method: Any) -> tuple[float, ...]:
+        """Of the cells of a method their distances together, and the second least and the second largest of several."""
+        if method not in self._methods:
+            distances = sorted(self._distance(i) for i in self._of_method[method])
+            capped = [max(-self._critical, min(self._critical, d)) for d in distances]
+            seconds = (distances[1], distances[-2]) if distances[1:] else ()
+            self._methods[method] = math.fsum(capped) / math.sqrt(len(capped)), *seconds
+        return self._methods[method]
 
     def _burst_reach(self, number: int) -> float:
         """The logarithmic distance that a burst of load longer than its sampling may move a cell without support.
