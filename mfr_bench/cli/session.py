@@ -135,7 +135,6 @@ class Session:
     def _measure(self, parts: Sequence[Part]) -> None:
         """Measure what is pending, then report each experiment."""
         from ..errors import DeviceError, Interrupted
-        from ..measure.split import told
         from .progress import Progress
 
         ledger, budget_s = self.ledger, self.choices.budget_s
@@ -153,7 +152,7 @@ class Session:
                 self._tell(part)
             folders = [part.folder for part in parts]
             if measuring and not self.choices.as_json:
-                say(told(self._spent()["split_s"]))
+                self._tell_split()
             hand_over(folders, self.choices.as_json, self.choices.junit, self.choices.summary)
             if self.choices.page:
                 write_page_of(folders, self.choices.page, say if not self.choices.as_json else note)
@@ -202,6 +201,12 @@ class Session:
             if again:
                 part.manifest["calibration_end"] = dict(again)
                 part.manifest["calibration_drift"] = disagreement(part.manifest["calibration"], again)
+
+    def _tell_split(self) -> None:
+        """Print what the time went into."""
+        from ..measure.split import told
+
+        say(told(self._spent()["split_s"]))
 
     def _tell(self, part: Part) -> None:
         """Print an experiment's tables, write what is derived from its cells, say how it ended."""
