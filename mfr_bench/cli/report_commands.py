@@ -19,13 +19,6 @@ def _announce(results) -> None:
             note(f"  {folder.path}")
 
 
-def write_report(folder) -> list[Path]:
-    """Everything that is derived from a result folder's cells: CSV, tables, figures."""
-    from ..report import write_figures
-
-    return [*write_tables_of(folder), *write_figures(folder)]
-
-
 def write_tables_of(folder, cells=None) -> list[Path]:
     """The CSV files and tables of a result folder; cells: its records, which are read unless given."""
     from ..report import write_tables

@@ -11,7 +11,9 @@ from typing import Any
 
 from .output import note, say, width
 from .page_command import write_page_of
-from .report_commands import hand_over, write_report, write_tables_of
+from .report_commands import hand_over, write_tables_of
+
+MANY = 6  # experiments, from which on processes that draw their figures are worth their start
 
 # The parts of a manifest that are of the run that measured: one that finds everything measured leaves them alone.
 OF_THE_MEASURING = ("started", "calibration", "versions", "environment", "calibration_end", "calibration_drift",
@@ -68,11 +70,12 @@ def _of_the_device(row: Mapping[str, Any], device: Mapping[str, str]) -> bool:
 
 @dataclass
 class Part:
-    """One experiment of a run: its cells, and what its manifest says."""
+    """One experiment of a run: its cells, and what its manifest says. figures: None as long as none are drawn."""
 
     experiment: Any
     sheet: Any
     manifest: dict[str, Any]
+    figures: list[Path] | None = None
 
     @property
     def folder(self):
@@ -148,6 +151,7 @@ class Session:
                 ledger.report = progress.row
                 self.supervisor.measure(groups, ledger, progress.saw, self.choices.try_hopeless, *deadlines)
             self._at_the_end(measuring)
+            self._draw(parts)
             for part in parts:
                 self._tell(part)
             folders = [part.folder for part in parts]
@@ -219,14 +223,35 @@ class Session:
         if not self.choices.as_json:
             say(summary(part.sheet, part.manifest, written))
 
-    def _report(self, part: Part) -> list[Path]:
-        if part.sheet.noise_floor_rel is not None:
-            part.manifest["noise_floor_rel"] = part.sheet.noise_floor_rel
-            part.folder.write_manifest(part.manifest)  # the tables tell it
+    def _draw(self, parts: Sequence[Part]) -> None:
+        """Draw the figures of many experiments side by side; those of few are drawn as each is told of."""
+        from ..report import write_all
+
+        if not self.choices.drawn or len(parts) < MANY:
+            return
+        for part in parts:
+            self._write_noise_floor(part)
         with self.split.work("report"):
-            written = (write_report if self.choices.drawn else write_tables_of)(part.folder)
+            for part, (written, _) in zip(parts, write_all([part.folder for part in parts]), strict=True):
+                part.figures = written
+
+    def _report(self, part: Part) -> list[Path]:
+        from ..report import write_figures
+
+        self._write_noise_floor(part)
+        with self.split.work("report"):
+            written = write_tables_of(part.folder)
+            if self.choices.drawn:
+                written += part.figures if part.figures is not None else write_figures(part.folder)
         part.folder.write_manifest(self._spent() | part.manifest)
         return written
+
+    @staticmethod
+    def _write_noise_floor(part: Part) -> None:
+        """Let the manifest have it, since tables and figures tell it."""
+        if part.sheet.noise_floor_rel is not None:
+            part.manifest["noise_floor_rel"] = part.sheet.noise_floor_rel
+            part.folder.write_manifest(part.manifest)
 
     def _spent(self) -> dict[str, dict[str, float]]:
         """Where the time of the command went until now, and what the process beside the device did meanwhile."""

@@ -208,7 +208,8 @@ class CellWork:
         }
         if self.variant.two_channel:
             found |= twochannel.errors(self.scene.scene_buffer.scene.rgba)
-        return found | fragment_shares(self.frame, self.variant, self.scene.shown)
+        with self.bench.split.work("count"):
+            return found | fragment_shares(self.frame, self.variant, self.scene.shown)
 
     def _details(self) -> dict[str, Any]:
         """The parts of the record that are no columns: every sample, the times of passes, buffers, frames, counters."""
@@ -216,5 +217,6 @@ class CellWork:
         found = {"warmup_ms": self.sampler.warmup_ms, "samples_ms": self.sampler.samples_ms, "passes": self.passes,
                  "buffers": self.frame.memory_bytes, "frames": frame_values(every)}
         if self.job.cell.measure.counters:
-            found["work"] = work_of(self.frame)
+            with self.bench.split.work("count"):
+                found["work"] = work_of(self.frame)
         return found

@@ -6,6 +6,7 @@ import re
 import pytest
 
 from mfr_bench.cli.progress import Progress
+from mfr_bench.cli.session import MANY
 from mfr_bench.report.data import percent
 
 from .conftest import CELLS, FIGURE, TINY, apart, cells, rows
@@ -80,7 +81,7 @@ def test_an_unsteady_device_is_told_of(measured, mfr):
 def test_the_manifest_keeps_the_split_and_the_noise_floor(measured):
     manifest = json.loads((measured / "manifest.json").read_text())
     assert {"start-up", "plan", "scene", "upload", "compile", "read-back", "oracle", "check", "flip", "warm-up",
-            "measure", "passes", "last frames", "store", "calibration", "report", "other"} == set(manifest["split_s"])
+            "measure", "passes", "last frames", "count", "store", "calibration", "report", "other"} == set(manifest["split_s"])
     assert manifest["beside_s"] == {}  # images so small are compared by the process that measures
     assert manifest["noise_floor_rel"] > 0
     assert len(manifest["cells"]) == CELLS
@@ -334,3 +335,20 @@ def test_a_cell_has_a_row_for_every_label_and_point_that_it_serves(mfr, here, me
     again = mfr("run", "meeting.yaml", "--out", "out")
     assert f"{len(expected)} kept from before" in again.out
     assert mfr("run", "meeting.yaml", "--out", "out", "--dry-run").out.count("kept: already measured") == len(expected)
+
+
+def test_figures_of_many_configs_are_drawn_side_by_side_and_are_the_same(mfr, here):
+    """Each is told of with its own, and `plot` draws them again to the byte."""
+    (here / "many").mkdir()
+    names = [f"many{number}" for number in range(MANY)]
+    for number, name in enumerate(names):
+        text = TINY.replace("size: [32, 24]", f"size: [8, {8 + number}]").replace("tiny", name) + FIGURE
+        (here / "many" / f"{name}.yaml").write_text(text)
+    ended = mfr("run", here / "many", "--out", "out", "--only", "kplus-array")
+    assert ended.status == 0
+    drawn = {name: (here / "out" / name / "figures" / f"{name}.png") for name in names}
+    assert [line.split()[-1] for line in ended.out.splitlines() if line.startswith("figures ")] == [
+        str(path.relative_to(here)) for path in drawn.values()]
+    before = {name: path.read_bytes() for name, path in drawn.items()}
+    assert mfr("plot", "out").status == 0
+    assert {name: path.read_bytes() for name, path in drawn.items()} == before

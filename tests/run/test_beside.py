@@ -26,7 +26,6 @@ measure: {{target_rel_ci: 0.5, min_samples: 3, max_samples: 3, keep: [error, los
 CELLS = 4  # the floor and a method in two scenes
 CHILD = "import os, sys\nif '--multiprocessing-fork' in sys.orig_argv:\n    "
 FAULTS = {
-    "it cannot start": CHILD + "os._exit(1)",
     "it dies at work": CHILD + "import threading; threading.Timer(0.9, os._exit, [1]).start()",
     "nothing can be shared": "import os\nmade = os.memfd_create\ndef none(name):\n    if name == 'array':\n"
                              "        raise OSError(28, 'no space')\n    return made(name)\nos.memfd_create = none",
