@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import reprlib
 from collections.abc import Iterable
+from typing import Any
 
 
 class MfrError(Exception):
@@ -48,6 +50,15 @@ class Interrupted(MfrError):  # noqa: N818 - how a run ended, not what is wrong
     """Ctrl-C; the message says what is kept."""
 
     exit_status = 130
+
+
+def shown(value: Any) -> str:
+    """A value of a config, short enough for a line."""
+    return "nothing" if value is None else _short.repr(value)
+
+
+_short = reprlib.Repr()
+_short.maxstring = _short.maxother = _short.maxlong = 60
 
 
 def nearest(word: str, allowed: Iterable[str]) -> str:

@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from pathlib import Path as FilePath
 from typing import Any
 
-from ..errors import nearest, one_of
+from ..errors import nearest, one_of, shown
 from ..methods.spec import Method, Value
 from ..report.figures.kinds import KINDS, all_keys, keys_of
 from ..scene.kinds import KINDS as SCENE_KINDS
@@ -18,7 +18,7 @@ from .columns import IDENTITY, MEASURED
 from .layers import AXES
 from .model import KEPT, Experiment, Measure, MethodEntry, Scene
 from .schema import ConfigFile, allowed, parse
-from .source import Document, Path, Problem, dotted, shown
+from .source import Document, Path, Problem, dotted
 
 EVERY_KEY = frozenset(key.name for key in all_keys())  # of figures of any kind
 MAX_CELLS = 100_000

@@ -12,11 +12,11 @@ from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origi
 
 from annotated_types import MinLen, Predicate
 
-from ..errors import nearest, one_of
+from ..errors import nearest, one_of, shown
 from ..scene import Scene
 from ..scene.spec.values import STRICT, Allowed, Listed, Text
 from .model import Figure, Measure, Source
-from .source import Path, shown
+from .source import Path
 
 
 @dataclass(frozen=True)

@@ -242,7 +242,7 @@ def _text(advice: Advice, width: int) -> str:
     count, kept = len(advice.measured), len(advice.kept)
     said = f"{_certainty(advice)} {kept} of {count} cells keep the limits." if advice.kept else _missed(advice)
     if advice.unmeasured:
-        said += f" {advice.unmeasured} planned cells are not measured: {_again(advice)}."
+        said += f" {data.without_record(advice.unmeasured)}: {_again(advice)}."
     return "\n".join([*lines, *textwrap.wrap(said, width, break_on_hyphens=False)])
 
 

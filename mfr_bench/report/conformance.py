@@ -88,7 +88,7 @@ def _paragraph(name: str, axes: str, provenance: str, results: Sequence[Result])
     if "llvmpipe" in provenance:
         lines.append(IN_ORDER)
     if unmeasured := sum(result.unmeasured for result in results):
-        lines.append(f"{unmeasured} planned cells have no record yet.")
+        lines.append(f"{data.without_record(unmeasured)} yet.")
     return " ".join(lines)
 
 

@@ -225,7 +225,7 @@ def test_a_mistake_is_told_once_however_many_profiles_there_are(mistakes):
 @pytest.mark.parametrize(("override", "message"), [
     ("k8", "--set k8: not a setting; allowed: KEY=VALUE"),
     ("=8", "--set =8: not a setting; allowed: KEY=VALUE"),
-    ("k=", "--set k: None is not allowed; allowed: a whole number from 1 to 1024"),
+    ("k=", "--set k: nothing is not allowed; allowed: a whole number from 1 to 1024"),
     ("k=eight", "--set k: 'eight' is not allowed"),
     ("kk=8", "--set kk: unknown key; allowed: a key of the config, dotted (scene.size), or a parameter; nearest: 'k'"),
     ("scene.size=[1", "--set scene.size: not valid YAML"),

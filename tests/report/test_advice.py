@@ -114,7 +114,7 @@ def test_planned_cells_without_a_record_are_counted(tmp_path):
     folder.write_manifest(folder.manifest() | {"cells": [c["key"] for c in CELLS]})
     advice, = advise([data.load(folder)], Bounds("rmse", 1.0))
     assert advice.unmeasured == len(CELLS) - 2
-    assert "5 planned cells are not measured: mfr-bench run planted." in as_text([advice], 200)
+    assert "5 planned cells have no record: mfr-bench run planted." in as_text([advice], 200)
 
 
 def test_json_says_the_same(tmp_path):

@@ -126,7 +126,7 @@ def test_planned_cells_without_a_record_are_counted_and_dashed(tmp_path):
     folder = planted.folder(tmp_path, cells, [FIGURE])
     (folder.cells_path / f"{cells[3]['key']}.json").unlink()
     text = tables.terminal_table(folder)
-    assert "1 planned cells have no record yet" in text
+    assert "1 planned cell has no record yet" in text
     assert words(section(text, "Time, ms"), "KB ")[1] == "–"
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ...errors import nearest
+from ...errors import nearest, shown
 
 Value = int | float | str
 Params = Mapping[str, Value]
@@ -79,14 +79,15 @@ class Param:
                 return word
             if value in self.choices:
                 return value
-            raise ValueError(f"{value!r} is not allowed; allowed: {self.allowed}{nearest(str(value), self.choices)}")
+            close = nearest(str(value), self.choices)
+            raise ValueError(f"{shown(value)} is not allowed; allowed: {self.allowed}{close}")
         number = isinstance(value, (int, float) if self.real else int) and not isinstance(value, bool)
         inside = number and self.low <= value <= self.high
         if self.real:
             inside = inside and value != self.low and (self.closed or value != self.high)
             inside = inside or (number and value == self.off)
         if not inside or (self.of and value not in self.of):
-            raise ValueError(f"{value!r} is not allowed; allowed: {self.allowed}")
+            raise ValueError(f"{shown(value)} is not allowed; allowed: {self.allowed}")
         return float(value) if self.real else value
 
 

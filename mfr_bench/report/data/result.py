@@ -80,7 +80,7 @@ class Result:
     def lacking(self) -> str:
         """One line on what is not here: planned cells without a record, rows of no config, files not used."""
         files = len(self.folder.damaged)
-        parts = [f"{self.unmeasured} planned cells have no record" if self.unmeasured else "", self.foreign,
+        parts = [without_record(self.unmeasured) if self.unmeasured else "", self.foreign,
                  f"{files} {'file' if files == 1 else 'files'} could not be used" if files else ""]
         return "; ".join(part for part in parts if part)
 
@@ -113,6 +113,11 @@ class Result:
             if bare(axis) not in used and _distinguishes(points, axis, [*used, *names]):
                 names.append(axis)
         return names
+
+
+def without_record(count: int) -> str:
+    """The words for so many planned cells that have no record."""
+    return "1 planned cell has no record" if count == 1 else f"{count} planned cells have no record"
 
 
 def series(result: Result, points: Sequence[Point], used: Iterable[str]) -> list[Point]:

@@ -26,7 +26,7 @@ def _skipped(result: Result) -> list[str]:
     lines = [f"{label}{_places(result, label, points)}: {sign}{f': {reason}' if reason else ''}"
              for (label, sign, reason), points in groups.items()]
     if result.unmeasured:
-        lines.append(f"{result.unmeasured} planned cells have no record yet; run the same command again")
+        lines.append(f"{data.without_record(result.unmeasured)} yet; run the same command again")
     return [*lines, result.foreign] if result.foreign else lines
 
 
