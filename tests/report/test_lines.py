@@ -102,6 +102,20 @@ def test_panels_along_a_zipped_axis_are_its_points(tmp_path):
     assert all(list(curves(axes)) == ["K⁺"] for axes in figure.axes)
 
 
+def test_a_column_that_goes_along_with_a_zipped_axis_is_drawn_along_it(tmp_path):
+    """Fragments by density at two depth complexities: a line of three points in each of two panels, not six of one."""
+    zipped = {"scene.depth_complexity": [5, 5, 5, 20, 20, 20],
+              "scene.pixel_density": [0.1, 0.3, 0.5, 0.025, 0.075, 0.125]}
+    places = [dict(zip(zipped, values, strict=True)) for values in zip(*zipped.values(), strict=True)]
+    cells = [cell("lin-post", "POST", n * d, scene={"depth_complexity": n, "pixel_density": d}, point=at,
+                  values={"fragments": round(1000 * n * d)})
+             for at in places for n, d in [tuple(at.values())]]
+    drawn = {"kind": "lines", "x": "fragments", "y": "time_ms", "panels": "depth_complexity"}
+    figure = built(tmp_path, cells, drawn, zip=zipped)
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["n = 5", "n = 20"]
+    assert [list(curves(axes)["POST"].get_xdata()) for axes in figure.axes] == [[500, 1500, 2500]] * 2
+
+
 def test_a_further_axis_is_told_in_the_labels(tmp_path):
     cells = [cell("ab-sb", "S-buffer", s * d, params={"counters": s}, scene={"pixel_density": d},
                   point={"counters": s, "scene.pixel_density": d}) for s in (1, 2) for d in (0.25, 0.75)]

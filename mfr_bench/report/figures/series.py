@@ -68,18 +68,28 @@ def _beside(name: str | None, options: Options) -> list[str]:
 def panels_of(points: Sequence[Point], options: Options) -> list[tuple[str, list[Point]]]:
     """Points by panel, with its heading; methods that the panel's parameter does not touch are in each.
 
-    Axes that are zipped with that of the panels split them further. A heading has their numbers, and whatever else
-    tells panels of one value apart.
+    Axes that are zipped with that of the panels split them further, but for one that x goes along with. A heading has
+    their numbers, and whatever else tells panels of one value apart.
     """
     name = options.get("panels")
     if not name:
         return [("", list(points))]
-    axes = [name, *_beside(name, options)]
+    axes = [name, *(n for n in _beside(name, options) if not _along(points, name, n, options["x"]))]
     places = [tuple(p.at(n) for n in axes) for p in points]
     found = [v for value in data.values(points, name) for v in dict.fromkeys(v for v in places if v[0] == value)]
     whole = [v for v in found if None not in v] or found
     return [(_heading(axes, v, [other for other in whole if other[0] == v[0]]),
              [p for p, at in zip(points, places, strict=True) if _within(at, v)]) for v in whole]
+
+
+def _along(points: Sequence[Point], panels: str, axis: str, x: str) -> bool:
+    """Whether the values of x are one to one with those of an axis, in each panel and label that has several."""
+    found: dict[tuple[Any, str], set[tuple[Any, Any]]] = {}
+    for p in points:
+        found.setdefault((p.at(panels), p.label), set()).add((p.at(axis), p.at(x)))
+    several = [pairs for pairs in found.values() if len({value for value, _ in pairs}) > 1]
+    return bool(several) and all(len({pair[side] for pair in pairs}) == len(pairs)
+                                 for pairs in several for side in (0, 1))
 
 
 def _within(place: Sequence[Any], panel: Sequence[Any]) -> bool:
