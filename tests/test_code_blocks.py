@@ -1,4 +1,4 @@
-"""Every block of code in README and docs is what it says: commands that there are, and text that parses."""
+"""Every block of code in README and docs is what it says: commands, what they print, and text that parses."""
 
 import ast
 import json
@@ -8,6 +8,8 @@ import shutil
 import time
 from pathlib import Path
 
+import matplotlib as mpl
+import matplotlib.pyplot as plt
 import pytest
 import yaml
 from PIL import Image
@@ -16,6 +18,7 @@ from mfr_bench.cli.main import cli
 from mfr_bench.methods import catalog, outside
 
 from .cli.conftest import mfr, on_device  # noqa: F401
+from .printed import agrees, comparable, steps
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -26,6 +29,7 @@ KNOWN = {*SHELL, *PARSERS, "glsl", "c", "cpp", "c++", "text", "toml", "diff", ""
 NOT_RUN = {"meshes fetch": "a network", "run --mesh": "minutes at 1280x720 without a GPU", "decide": "two minutes",
            "versus": "minutes, and a repository", "stress --profile smoke": "every stressor, minutes",
            "status /shared": "a folder at the root", "collect /shared": "a folder at the root",
+           "race all": "minutes: every method and option",
            "advise results --max-error 1/255 --memory-mb 64 --devices": "results of two devices"}
 # Files of the names of shipped configs: the same words measure a few cells, of scenes that no other name has.
 SMALL = """\
@@ -52,10 +56,11 @@ def blocks(page):
 BLOCKS = [block for page in PAGES for block in blocks(page)]
 
 
-def commands(text):
+def commands(language, text):
     """The words of each call of mfr-bench in a shell's block."""
-    for line in text.replace("\\\n", " ").splitlines():
-        lexer = shlex.shlex(line.removeprefix("$ "), posix=True, punctuation_chars="|&;<>()")
+    lines = [command for command, _ in steps(text)] if language == "console" else text.replace("\\\n", " ").splitlines()
+    for line in lines:
+        lexer = shlex.shlex(line, posix=True, punctuation_chars="|&;<>()")
         lexer.whitespace_split, call = True, []
         for word in [*lexer, ";"]:
             if set(word) <= set("|&;<>()"):
@@ -65,7 +70,8 @@ def commands(text):
                 call.append(word)
 
 
-CALLS = [(page, tuple(call)) for page, language, text in BLOCKS if language in SHELL for call in commands(text)]
+CALLS = [(page, tuple(call)) for page, language, text in BLOCKS if language in SHELL
+         for call in commands(language, text)]
 
 
 def test_pages_have_blocks_of_known_languages():
@@ -89,9 +95,12 @@ def test_commands_and_options_are_there(page, call):
     assert [w for w in words if w.startswith("--") and w.partition("=")[0] not in options] == []
 
 
-def settle(text, mfr):  # noqa: F811
-    """Put what a block takes for granted into this folder: configs that take no time, results, a cluster, a photo."""
-    measured = [word for call in commands(text) if call[0] in ("run", "submit") for word in call[1:]]
+def settle(page, language, text, mfr):  # noqa: F811
+    """Put what a block takes for granted into this folder: configs that take no time or are of its page, results, …"""
+    for _, _, config in (block for block in BLOCKS if block[:2] == (page, "yaml")):
+        if isinstance(settings := yaml.safe_load(config), dict) and "methods" in settings:
+            Path(f"{settings['name']}.yaml").write_text(config)
+    measured = [word for call in commands(language, text) if call[0] in ("run", "submit") for word in call[1:]]
     for name in SHIPPED.intersection([*RESULTS.values(), *measured]):
         Path(name).write_text(SMALL.format(name=name, depth=len(name)))
     Path("cluster.yaml").write_text("engine: local\nstore: store\nkinds: {cpu: {shares: 1, device: cpu}}\n")
@@ -112,8 +121,8 @@ def expanded(call):
     return [re.sub(r"\$\(date -u \+%F\)", "2026-11-28", word) for word in call]
 
 
-RUN = [(page, text, calls) for page, language, text in BLOCKS if language in SHELL
-       and (calls := [tuple(call) for call in commands(text) if runs_here(call)])]
+RUN = [(page, language, text, calls) for page, language, text in BLOCKS if language in SHELL
+       and (calls := [tuple(call) for call in commands(language, text) if runs_here(call)])]
 
 
 @pytest.fixture
@@ -127,17 +136,34 @@ def no_methods_from_outside(monkeypatch):
 
 
 @pytest.mark.usefixtures("on_device", "no_methods_from_outside")
-@pytest.mark.parametrize(("page", "text", "calls"), RUN, ids=[f"{page}-{calls[0][0]}" for page, _, calls in RUN])
-def test_the_commands_of_a_block_run_in_their_order(page, text, calls, tmp_path, monkeypatch, mfr):  # noqa: F811
+@pytest.mark.parametrize(("page", "language", "text", "calls"), RUN,
+                         ids=[f"{page}-{calls[0][0]}" for page, _, _, calls in RUN])
+def test_the_commands_of_a_block_run_in_their_order(page, language, text, calls, tmp_path, monkeypatch,
+                                                    mfr):  # noqa: F811
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    settle(text, mfr)
+    settle(page, language, text, mfr)
+    told = {tuple(shlex.split(command)[1:]): said for command, said in steps(text)} if language == "console" else {}
     for call in calls:
         catalog.cache_clear()
         if call[0] == "status":
             until_tasks_end(mfr)
         done = mfr(*expanded(call))
         assert done.status in ENDINGS.get(call[0], (0,)), f"{page}: {' '.join(call)}: {done.status}: {done.err[-300:]}"
+        if call in told:
+            assert agrees(told[call], done.out), f"{page}: {' '.join(call)} prints\n" + "\n".join(comparable(done.out))
+
+
+@pytest.mark.usefixtures("on_device")
+def test_python_that_loads_results_runs(tmp_path, monkeypatch, mfr):  # noqa: F811
+    monkeypatch.chdir(tmp_path)
+    mpl.use("agg")
+    (text,) = (text for _, language, text in BLOCKS if language == "python" and "mfr_bench.load" in text)
+    settle("", "sh", "mfr-bench table results", mfr)
+    names = {}
+    exec(text, names)  # noqa: S102 - a page of this repository
+    assert len(names["results"].cells) == 6
+    plt.close("all")
 
 
 def until_tasks_end(mfr):  # noqa: F811
@@ -149,3 +175,35 @@ def until_tasks_end(mfr):  # noqa: F811
 
 def test_what_is_not_run_is_on_a_page():
     assert all(any(" ".join(call).startswith(words) for _, call in CALLS) for words in NOT_RUN)
+
+
+def test_pages_say_what_commands_print():
+    assert sum(language == "console" and any(said for _, said in steps(text)) for _, language, text in BLOCKS) >= 3
+
+
+PRINTED = """\
+method     Time, ms   Ratio to the fastest   Memory, MiB
+--------------------------------------------------------
+ab-ll    1.52 ±0.7%                fastest         0.516
+mlab     1.61 ±12%~    ≈ 1.06 [0.99, 1.13]         0.250
+
+2 cells: 2 ok
+noise floor 1.3 %: the same method measured twice differs by that
+tables  results/llvmpipe/my/tables/results.md
+"""
+
+
+@pytest.mark.parametrize(("right", "other", "agree"), [
+    ("1.52 ±0.7%", "0.61 ±3%~", True), ("1.3 %", "22 %", True), ("llvmpipe", "nvidia-h200", True),
+    ("ab-ll    1.52 ±0.7%                fastest         0.516\n", "…\n", True),
+    ("0.516", "0.517", False), ("mlab ", "mboit", False), ("2 cells: 2 ok", "2 cells: 1 ok", False),
+    ("2 cells: 2 ok\n", "", False), ("differs", "differed", False)])
+def test_what_is_measured_may_differ_and_nothing_else(right, other, agree):
+    assert right in PRINTED
+    assert agrees(PRINTED.replace(right, other), PRINTED) == agree
+
+
+def test_rows_may_stand_in_the_order_of_another_run():
+    first, second = (next(line for line in PRINTED.splitlines() if line.startswith(m)) for m in ("ab-ll", "mlab"))
+    swapped = PRINTED.replace(f"{first}\n{second}", f"{second}\n{first}")
+    assert swapped != PRINTED and agrees(swapped, PRINTED)
