@@ -158,7 +158,7 @@ def _below_the_bandwidth(cell: Cell, rates: Mapping[str, Any]) -> str | None:
 
 
 def _unusable_arrays(folder: ResultFolder, cell: Cell) -> str | None:
-    """Arrays that a record says it keeps, and that are not there or cannot be read."""
+    """Arrays that a record says it keeps, and that are not there, cannot be read or are of another viewport."""
     kept = cell["measure"].get("keep") or ()
     if cell["status"] not in MEASURED or cell["method"] == FLOOR or not isinstance(kept, list):
         return None
@@ -167,7 +167,12 @@ def _unusable_arrays(folder: ResultFolder, cell: Cell) -> str | None:
     if damaged:
         return f"its kept arrays {damaged.removeprefix(f'{path}: ').partition(';')[0]}"
     missing = [name for name in kept if name not in found]
-    return f"it keeps {', '.join(map(str, missing))}, of which no array is here" if missing else None
+    if missing:
+        return f"it keeps {', '.join(map(str, missing))}, of which no array is here"
+    size = cell["scene"].get("size")
+    rows = size[::-1] if isinstance(size, list) else []
+    other = [f"{name} has {list(array.shape[:2])}" for name, array in found.items() if list(array.shape[:2]) != rows]
+    return f"its kept arrays are not of its viewport, {rows} rows and columns: {', '.join(other)}" if other else None
 
 
 class _Errors:

@@ -121,8 +121,16 @@ KEPT = {"target_rel_ci": 0.1, "min_samples": 3, "max_samples": 9, "time_limit_s"
 def test_arrays_that_a_record_keeps_must_be_there(tmp_path, kept, said):
     made = record("kplus-array", measure=KEPT)
     source = folder(tmp_path / "n1", made, record("floor", measure=KEPT))
-    write_arrays(source, made["key"], {name: np.zeros((2, 3, 4) if name == "image" else (2, 3)) for name in kept})
+    write_arrays(source, made["key"], {name: np.zeros((6, 8, 4) if name == "image" else (6, 8)) for name in kept})
     assert findings(tmp_path, source) == said
+
+
+def test_an_array_of_another_viewport_is_odd(tmp_path):
+    made = record("kplus-array", measure=KEPT)
+    source = folder(tmp_path / "n1", made)
+    write_arrays(source, made["key"], {"image": np.zeros((5, 8, 4)), "error": np.zeros((6, 8))})
+    assert findings(tmp_path, source) == [
+        "its kept arrays are not of its viewport, [6, 8] rows and columns: image has [5, 8]"]
 
 
 def test_a_damaged_array_is_odd(tmp_path):
