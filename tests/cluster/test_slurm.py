@@ -13,9 +13,13 @@ import random
 import signal
 import subprocess
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
+
+from mfr_bench.store import ResultFolder
+from mfr_bench.store.journal import Journal
 
 from ..cli.conftest import apart
 
@@ -89,11 +93,20 @@ def until(true, what):
     return found
 
 
+def hurry():
+    """Let jobs begin that Slurm has queued again: it would wait for two minutes."""
+    for line in slurm("squeue", "--noheader", "--states=pending", "--format=%A|%r").splitlines():
+        job, _, reason = line.partition("|")
+        if reason == "BeginTime":
+            slurm("scontrol", "update", f"jobid={job}", "starttime=now")
+
+
 def finish(place):
     """Submit what has ended until all is done; what was measured before must stand as it was."""
     before = cells(place)
 
     def done():
+        hurry()
         if apart("status", "store").status == 1:
             submit()
         return f"{SHARES} of {SHARES} tasks done" in apart("status", "store").out
@@ -115,15 +128,29 @@ def running(place):
     return slurm("squeue", "--noheader", "--array", "--states=running", "--format=%i").split()
 
 
-def processes_of(place):
-    found = []
-    for entry in Path("/proc").iterdir():
-        try:
-            if entry.name.isdecimal() and f"{place}/store/".encode() in (entry / "cmdline").read_bytes():
-                found.append(int(entry.name))
-        except OSError:
-            continue
+def processes():
+    """The command line of each process."""
+    found = {}
+    for entry in filter(lambda entry: entry.name.isdecimal(), Path("/proc").iterdir()):
+        with suppress(OSError):
+            found[int(entry.name)] = (entry / "cmdline").read_bytes().decode(errors="replace")
     return found
+
+
+def processes_of(place):
+    return [number for number, said in processes().items() if f"{place}/store/" in said]
+
+
+def all_below(number):
+    """The children of a process, their children and so on."""
+    with suppress(OSError):
+        mine = Path(f"/proc/{number}/task/{number}/children").read_text().split()
+        return [each for child in map(int, mine) for each in (child, *all_below(child))]
+    return []
+
+
+def daemon(engine, node):
+    return int((engine / f"slurmd.{node}.pid").read_text())
 
 
 def requeue(place, jobs, rng):
@@ -167,6 +194,53 @@ def test_a_time_limit_costs_no_cell(place):
     until(lambda: "1 of 1 tasks done" in apart("status", "store").out or
           (apart("status", "store").status == 1 and submit()), "the end of the task")
     assert len(cells(place)) == CELLS
+
+
+def test_a_task_whose_node_cannot_start_it_is_not_done(place, engine):
+    """Slurm drains the node, queues the job again, and holds it."""
+    spool, aside = engine / "spool" / "n1", engine / "spool" / "aside"
+    spool.rename(aside)
+    spool.write_text("")
+    try:
+        submit()
+        said = until(lambda: (said := apart("status", "store")).status == 1 and said, "a task that waits for somebody")
+        assert "Slurm holds 1 tasks: launch failed requeued held; 'scontrol release 1" in said.err, said.out + said.err
+        slurm("scancel", said.err.partition("scontrol release ")[2].partition("'")[0])
+    finally:
+        spool.unlink()
+        aside.rename(spool)
+    finish(place)
+
+
+def test_a_node_that_vanishes_costs_its_cells_alone(place, engine):
+    running(place)
+    (job,) = slurm("squeue", "--noheader", "--nodelist=n1", "--format=%A").split()
+    steps = [number for number, said in processes().items() if f"slurmstepd: [{job}." in said]
+    for number in (*steps, *(below for step in steps for below in all_below(step)), daemon(engine, "n1")):
+        os.kill(number, signal.SIGKILL)
+    until(lambda: "node n1 is down" in apart("status", "store").err, "Slurm to miss the node")
+    finish(place)
+    subprocess.run(["slurmd", "-N", "n1", "-f", engine / "slurm.conf"], check=True, timeout=60)
+    until(lambda: "n1" in slurm("sinfo", "--noheader", "--Node", "--states=idle", "--format=%N"), "the node again")
+
+
+def test_a_requeued_task_goes_on_within_a_cell(place):
+    (place / "run.yaml").write_text(RUN.replace("max_samples: 2000, time_limit_s: 1", "max_samples: 3000, "
+                                                "time_limit_s: 60").replace("min_samples: 20", "min_samples: 3000")
+                                    .replace("[8, 12, 16, 20, 24, 28, 32, 36]", "[8]"))
+    (place / "cluster.yaml").write_text(CLUSTER.format(shares=1, minutes=10))
+    submit()
+    path = place / "store" / "tasks" / "cpu-1" / "results" / "unfinished.jsonl"
+    until(lambda: any(each.samples_ms for each in Journal(path).partials.values()), "the first samples")
+    slurm("scontrol", "requeue", *slurm("squeue", "--noheader", "--format=%A").split())
+    until(lambda: not processes_of(place), "the end of the run")
+    before = {key: each.samples_ms for key, each in Journal(path).partials.items() if each.samples_ms}
+    assert before
+    until(lambda: hurry() or "1 of 1 tasks done" in apart("status", "store").out, "the end of the task")
+    after = {each["key"]: each for each in ResultFolder(path.parent).cells()}
+    for key, samples in before.items():
+        assert after[key]["samples_ms"][:len(samples)] == samples and after[key]["values"]["sessions"] == 2
+    assert {each["values"]["samples"] for each in after.values()} == {3000}
 
 
 def test_a_drained_node_is_reported(place):

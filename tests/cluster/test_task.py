@@ -77,42 +77,38 @@ def test_a_run_ends_with_its_worker_though_that_is_killed(node):
     os.kill(child, signal.SIGKILL)  # a run ends its own children, as tests of it show; this stand-in does not
 
 
-def test_a_run_that_does_not_end_when_asked_is_killed(tmp_path, monkeypatch):
+@pytest.fixture
+def begun(tmp_path):
+    """The file that a stand-in for a run writes its child's number to; then SIGALRM reaches this process."""
     said = tmp_path / "pid"
+    waiter = threading.Thread(target=lambda: (until(lambda: said.exists() and said.read_text().strip()),
+                                              os.kill(os.getpid(), signal.SIGALRM)))
+    before = signal.getsignal(signal.SIGALRM)
+    waiter.start()
+    yield said
+    waiter.join()
+    signal.signal(signal.SIGALRM, before)
+
+
+def test_a_run_that_does_not_end_when_asked_is_killed(begun, monkeypatch):
     monkeypatch.setattr("mfr_bench.cluster.task.PATIENCE_S", 0.5)
-    task = Task([sys.executable, "-c", DEAF + SLEEPER, str(said)])
+    signal.signal(signal.SIGALRM, lambda number, frame: os.kill(os.getpid(), signal.SIGTERM))
+    assert Task([sys.executable, "-c", DEAF + SLEEPER, str(begun)])() == -signal.SIGKILL
+    until(lambda: not alive(int(begun.read_text())))
+
+
+def test_a_checkpoint_ends_the_run_before_it_asks_to_go_on(begun):
+    """submitit asks for it in a signal's handler, within the call of the task."""
+    task = Task([sys.executable, "-c", SLEEPER, str(begun)])
+    again = []
 
     def asked(number, frame):
-        os.kill(os.getpid(), signal.SIGTERM)
-
-    before = signal.signal(signal.SIGALRM, asked)
-    try:
-        waiter = threading.Thread(target=lambda: (until(lambda: said.exists() and said.read_text().strip()),
-                                                  os.kill(os.getpid(), signal.SIGALRM)))
-        waiter.start()
-        assert task() == -signal.SIGKILL
-        waiter.join()
-    finally:
-        signal.signal(signal.SIGALRM, before)
-    until(lambda: not alive(int(said.read_text())))
-
-
-def test_a_checkpoint_ends_the_run_and_asks_to_go_on(tmp_path):
-    said = tmp_path / "pid"
-    task = Task([sys.executable, "-c", SLEEPER, str(said)])
-
-    def asked(number, frame):
+        again.append((task.checkpoint(), task._child.poll()))
         raise TimeoutError
 
-    before = signal.signal(signal.SIGALRM, asked)
-    try:
-        signal.setitimer(signal.ITIMER_REAL, 3)
-        with pytest.raises(TimeoutError):
-            task()
-    finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
-    again = task.checkpoint()
-    assert again.function.command == task.command
-    if said.exists() and said.read_text().strip():
-        until(lambda: not alive(int(said.read_text())))
+    signal.signal(signal.SIGALRM, asked)
+    with pytest.raises(TimeoutError):
+        task()
+    ((delayed, status),) = again
+    assert delayed.function.command == task.command and status is not None
+    until(lambda: not alive(int(begun.read_text())))
