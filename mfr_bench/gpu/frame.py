@@ -126,7 +126,10 @@ class Frame:
     # --- drawing ---
 
     def draw(self, mark: Mark | None = None) -> bool:
-        """Run every pass in order; `mark` is called with the pass's name after each."""
+        """Run every pass in order; `mark` is called with the pass's name after each.
+
+        A frame whose plan guessed too little room is drawn again at once, as a part of the same frame.
+        """
         self.geometry_passes = 0
         self._frames += 1
         self._barriers = Barriers(self.allocation.names)
@@ -144,7 +147,16 @@ class Frame:
             else:
                 self._run(step, iteration, mark)
         self._drawn = self.scene_buffer.scene, self.allocation.version
+        if self.plan and not self._schedule.had_room(self._shown, self.plan):
+            return self._draw_again(mark)
         return self._fits()
+
+    def _draw_again(self, mark: Mark | None) -> bool:
+        """Draw the frame by its next plan; the passes of both are its own."""
+        passes = self.geometry_passes
+        fits = self.draw(mark)
+        self.geometry_passes += passes
+        return fits
 
     def _loop(self, planned: LoopPlan, mark: Mark | None) -> int:
         """Run a loop. Returns its iterations, or those that the frame before began for this one.
@@ -236,8 +248,6 @@ class Frame:
     def _fits(self) -> bool:
         """Whether the frame that was drawn had room for everything; else the room is doubled, or planned anew."""
         grown = self.variant.method.capacity
-        if self.plan and not self._schedule.had_room(self._shown, self.plan):
-            return False
         if self.plan and self.plan.capacity is None:
             after = self._schedule.next_plan(self._shown)
             return (after.path, after.capacity) == (self.plan.path, self.plan.capacity)
