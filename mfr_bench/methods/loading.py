@@ -102,7 +102,9 @@ def _explained(file: Path, error: Exception) -> str:
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(file)]
     where = f"{file}:{frames[-1].lineno if frames else 1}"
     what = " ".join(f"{error}".split()) or type(error).__name__
-    return f"{where}: {what}{_allowed(what)}"
+    if allowed := _allowed(what):
+        what = re.sub(r"\. Did you mean .*\?$", "", what)  # as Python 3.14 ends it
+    return f"{where}: {what}{allowed}"
 
 
 def _allowed(what: str) -> str:
