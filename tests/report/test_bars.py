@@ -68,6 +68,13 @@ def test_a_wrong_image_is_pale_and_has_no_number(tmp_path):
     assert texts_of(axes).count("wrong image") == 2 and "5.00" not in texts_of(axes)
 
 
+def test_the_shortest_bar_of_a_logarithmic_axis_is_on_it(tmp_path):
+    """However much longer the longest is: of 100,000 times as long nothing would be seen of it otherwise."""
+    cells = [cell(m, m, ms, params={"k": 4}, point={"k": 4}) for m, ms in (("ab-ll", 0.01), ("mlab", 5000.0))]
+    axes, = built(tmp_path, cells, {"kind": "bars", "x": "k", "y": "time_ms", "log": "y"}).axes
+    assert axes.get_ylim()[0] == pytest.approx(0.007, rel=0.01)
+
+
 def test_a_method_that_x_does_not_touch_is_drawn_once(tmp_path):
     cells = [*two_methods(), cell("ab-ll", "AB_LL", 7.0, {"store": 7.0})]
     axes, = built(tmp_path, cells, STACKED).axes

@@ -143,7 +143,8 @@ class Chart:
         if not self.log:
             return 0.0, max(tops) / (1 - self.numbers_share)
         lowest = min(v for v in (*firsts, *self.floors_ms(drawn), *(top / 2 for top in tops)) if v > 0)
-        low = max(0.7 * lowest, max(tops) / 1e5)
+        shortest = min(top for top in tops if top > 0)
+        low = min(max(0.7 * lowest, max(tops) / 1e5), 0.7 * shortest)
         return low, max(tops) * (max(tops) / low) ** (self.numbers_share / (1 - self.numbers_share))
 
 
