@@ -2,8 +2,8 @@
 
 A block of the language `console` has commands behind `$ ` and below each what it prints; a line of `…` stands for any
 lines. Not compared are what differs from run to run and from machine to machine: durations, measured times and ratios
-with their intervals, the noise floor, errors in floats, the device's folder, the width of columns, and the order of the
-rows of a table, which may be that of times.
+with their intervals, the noise floor, where the time went, errors in floats, the device's folder, the width of columns,
+and the order of the rows of a table, which may be that of times.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ MEASURED = (
     r"(?<=noise floor )\d[\d.,]* %",
     r"\b\d[\d.]*e-\d+",
     r"(?<=results/)[^/\s]+(?=/)",
+    r"(?<=device busy with frames )\d.*",
 )
 
 
