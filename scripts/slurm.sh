@@ -56,8 +56,8 @@ NodeName=n[1-$nodes] NodeHostname=$(hostname -s) NodeAddr=127.0.0.1 Port=[$((por
 PartitionName=low Nodes=ALL Default=YES MaxTime=INFINITE State=UP PriorityTier=1
 PartitionName=high Nodes=ALL MaxTime=INFINITE State=UP PriorityTier=2
 EOF
-    : >"$at/gpu"
-    echo "NodeName=n[1-$nodes] Name=gpu File=$at/gpu" >"$at/gres.conf"
+    ln -sf /dev/null "$at/nvidia0"  # Slurm wants a device file, whose number it gives to jobs
+    echo "NodeName=n[1-$nodes] Name=gpu File=$at/nvidia0 Flags=nvidia_gpu_env" >"$at/gres.conf"
     export SLURM_CONF=$at/slurm.conf
     munged --force --key-file="$at/munge/key" --socket="$at/munge/socket" --pid-file="$at/munged.pid" \
         --log-file="$at/munged.log" --seed-file="$at/munge/seed"

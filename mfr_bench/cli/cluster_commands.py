@@ -132,13 +132,17 @@ def status(store: str) -> int:
         note(line)
     held = [job for job, reason in waits.items() if queue.is_held(reason)]
     if held:
-        note(f"Slurm holds {len(held)} tasks: {waits[held[0]]}; 'scontrol release {held[0]}' lets a job go on, once "
+        note(f"Slurm holds {_tasks(len(held))}: {waits[held[0]]}; 'scontrol release {held[0]}' lets a job go on, once "
              "what kept it is in order")
     ended = state.wanting(states)
     if ended:
-        note(f"{len(ended)} tasks have ended without all their cells, such as {ended[0].name}; the same submit command "
+        note(f"{_tasks(len(ended))} ended without all their cells, such as {ended[0].name}; the same submit command "
              f"queues them again; what they said is in {found.store / 'logs'}")
     return 1 if ended or held else 0
+
+
+def _tasks(count: int) -> str:
+    return f"{count} task{'s' * (count > 1)}"
 
 
 @click.command()

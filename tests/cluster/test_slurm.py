@@ -204,7 +204,7 @@ def test_a_task_whose_node_cannot_start_it_is_not_done(place, engine):
     try:
         submit()
         said = until(lambda: (said := apart("status", "store")).status == 1 and said, "a task that waits for somebody")
-        assert "Slurm holds 1 tasks: launch failed requeued held; 'scontrol release 1" in said.err, said.out + said.err
+        assert "Slurm holds 1 task: launch failed requeued held; 'scontrol release 1" in said.err, said.out + said.err
         slurm("scancel", said.err.partition("scontrol release ")[2].partition("'")[0])
     finally:
         spool.unlink()
@@ -249,6 +249,14 @@ def test_a_drained_node_is_reported(place):
     assert "node n2 is drain" in apart("status", "store").err and "fan" in apart("status", "store").err
     slurm("scontrol", "update", "nodename=n2", "state=resume")
     finish(place)
+
+
+def test_a_gpu_that_slurm_gives_and_egl_has_not_is_told(place):
+    (place / "cluster.yaml").write_text(CLUSTER.format(shares=1, minutes=10).replace("device: cpu", "device: gpu"))
+    submit()
+    until(lambda: apart("status", "store").status == 1, "the end of the task")
+    (said,) = (path.read_text() for path in place.glob("store/logs/*/*_log.err"))
+    assert "SLURM_STEP_GPUS=0, CUDA_VISIBLE_DEVICES=0: gives this process no GPU of those that EGL can open" in said
 
 
 def test_results_can_be_collected_while_tasks_run(place):
