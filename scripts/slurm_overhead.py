@@ -52,7 +52,8 @@ def main() -> int:
     asked = _arguments()
     at = asked.dir.resolve()
     at.mkdir(parents=True, exist_ok=True)
-    configs = asked.configs or _said("configs", "--papers").split()
+    configs = [str(Path(name).resolve()) if Path(name).exists() else name for name in asked.configs]
+    configs = configs or _said("configs", "--papers").split()
     run = [*configs, "--profile", asked.profile]
     steps = at / "steps.json"
     done = json.loads(steps.read_text()) if steps.exists() else {"run": run, "nodes": asked.nodes}
@@ -209,7 +210,8 @@ def _varying(at: Path, run: Sequence[str], row: dict[str, str], columns: Sequenc
     found: set[str] = set()
     source = next(path for path in (at / "one").rglob("manifest.json") if json.loads(path.read_text())["name"] ==
                   row["experiment"])
-    config = json.loads(source.read_text())["config"].removesuffix(".yaml")
+    stem = Path(json.loads(source.read_text())["config"]).stem
+    config = next(name for name in run if Path(name).stem == stem)
     for number in range(1, MOST_REPEATS + 1):
         out = at / "repeats" / f"{row['experiment']}-{row['method']}-{number}"
         if not out.exists():
@@ -233,4 +235,7 @@ def _files(root: Path) -> dict[str, list[dict[str, str]]]:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except subprocess.CalledProcessError as failed:
+        sys.exit(f"{' '.join(map(str, failed.cmd))}: ended with {failed.returncode}; what it said stands above")
