@@ -29,6 +29,8 @@ BUNDLE_BYTES = 64 * 2**20  # of the file
 MEMBERS = 20_000  # in a bundle
 OPENED_BYTES = 512 * 2**20  # of all members together, unpacked, with the arrays in them
 PIECE_BYTES = 2**20
+END_BYTES = 22
+ENTRY, END, END_64 = b"PK\x01\x02", b"PK\x05\x06", b"PK\x06\x07"  # an entry of a zip's index, the index's end
 
 
 class Budget:
@@ -120,16 +122,24 @@ def _cells(content: bytes, budget: Budget) -> dict[str, bytes]:
 
 
 def _members(content: bytes, budget: Budget, most: int, belongs) -> dict[str, bytes]:
+    if (count := _most_members(content)) > most:
+        raise ValueError(f"has {count} members, more than {most}")
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        infos = archive.infolist()
-        if len(infos) > most:
-            raise ValueError(f"has {len(infos)} members, more than {most}")
         found: dict[str, bytes] = {}
-        for info in infos:
+        for info in archive.infolist():
             if not belongs(info.filename) or info.filename in found:
                 raise ValueError(f"has a member {info.filename[:80]!r} that no bundle has, or has it twice")
             found[info.filename] = budget.read(archive, info)
     return found
+
+
+def _most_members(content: bytes) -> int:
+    """At least as many as the members of a zip, without an object for each: a short one unpacks to millions."""
+    last = len(content) - END_BYTES  # where it is unless a comment follows
+    end = last if content.startswith(END, max(0, last)) else content.rfind(END)
+    size = int.from_bytes(content[end + 12:end + 16], "little")
+    beyond = content[max(0, end - 20):end].startswith(END_64)  # the size is told elsewhere
+    return content.count(ENTRY, 0 if beyond else max(0, end - size), max(0, end))
 
 
 def _check_hashes(members: Mapping[str, bytes]) -> None:

@@ -249,6 +249,17 @@ def test_more_cells_than_a_config_may_have_are_refused(tmp_path, monkeypatch):
         good_set() | {"card-a/planted/manifest.json": manifest}))
 
 
+@pytest.mark.parametrize("large", [False, True])
+def test_millions_of_members_are_refused_before_any_is_listed(monkeypatch, large):
+    packed = zipped({f"{number:020x}.json": b"" for number in range(9)})
+    if large:  # the form for large files tells the size of the index elsewhere
+        end = packed.rfind(archive.END)
+        packed = packed[:end] + archive.END_64 + b"\0" * 16 + packed[end:end + 12] + b"\0" * 4 + packed[end + 16:]
+    monkeypatch.setattr(archive.zipfile, "ZipFile", None)
+    with pytest.raises(ValueError, match="has 9 members, more than 8"):
+        archive._members(packed, archive.Budget(), 8, bool)
+
+
 @pytest.mark.parametrize("make", [os.mkfifo, lambda path: os.symlink("/dev/zero", path)])
 def test_what_never_ends_is_not_read(tmp_path, make):
     make(tmp_path / "b.zip")
