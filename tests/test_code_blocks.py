@@ -15,6 +15,7 @@ import yaml
 from PIL import Image
 
 from mfr_bench.cli.main import cli
+from mfr_bench.cli.output import WIDEST
 from mfr_bench.methods import catalog, outside
 
 from .cli.conftest import mfr, on_device  # noqa: F401
@@ -142,6 +143,7 @@ def test_the_commands_of_a_block_run_in_their_order(page, language, text, calls,
                                                     mfr):  # noqa: F811
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    monkeypatch.setenv("COLUMNS", str(WIDEST))  # as pages are written
     settle(page, language, text, mfr)
     told = {tuple(shlex.split(command)[1:]): said for command, said in steps(text)} if language == "console" else {}
     for call in calls:

@@ -13,7 +13,7 @@ import re
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
-from stat import S_ISREG
+from stat import S_ISDIR, S_ISREG
 from typing import Any
 
 from ..config.check import MAX_CELLS
@@ -77,6 +77,8 @@ def read_bundle(path: Path) -> dict[str, dict[str, bytes]]:
 
 def _read(path: Path) -> dict[str, dict[str, bytes]]:
     found = path.stat()
+    if S_ISDIR(found.st_mode):
+        raise IsADirectoryError
     if not S_ISREG(found.st_mode):
         raise ValueError("is no file")
     size = found.st_size

@@ -18,7 +18,7 @@ def blocks():
     """The page's files by path, as their first lines name them."""
     found = re.findall(r"^```(\w+)\n(.*?)^```$", PAGE, flags=re.MULTILINE | re.DOTALL)
     return {text.partition("\n")[0].lstrip("#/ "): text.partition("\n")[2] for language, text in found
-            if language != "sh"}
+            if language not in ("sh", "console")}
 
 
 def test_the_page_shows_the_files_of_the_example():
