@@ -13,6 +13,7 @@ prints a table in Markdown.
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 import math
 import os
@@ -34,7 +35,7 @@ SLOWED, K = "kb-ll", 16
 STORE = "shaders/methods/ll/store.frag"
 FACTORS = (1.05, 1.3, 2.0, 10.0, 100.0)
 PLAIN, AGAIN = "plain", "again"  # trees without a loop, run twice in each round
-TRIAL_TURNS = 2000  # of the loop, from whose time the others follow
+TRIAL = "trial", 300  # a tree, and the turns of its loop, from whose time the others follow
 CONFIG = """\
 name: gate
 title: The gate
@@ -81,17 +82,29 @@ def mfr(source: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
 
 
 def turns_of(folder: Path, device: str) -> dict[str, int]:
-    """The turns of each tree's loop, from the processor time that a trial adds to the slowed cell; found once."""
+    """The turns of each tree's loop, from what a trial's loop adds to the time of the slowed cell; found once."""
     kept = folder / "turns.json"
     if not kept.exists():
-        trees = [tree(folder / "trees" / name, turns) for name, turns in ((PLAIN, 0), ("trial", TRIAL_TURNS))]
-        done = mfr(trees[0], "versus", *trees, folder / "gate.yaml", "--only", SLOWED, "--rounds", 2, "--seconds", 1,
-                   "--device", device, "--quiet", "--json")
-        cells = json.loads(done.stdout)["cells"] if done.stdout else sys.exit(done.stderr)
-        ratio = max(cell["raw_ratio"] for cell in cells if cell["raw_ratio"])
-        each = (ratio - 1) / TRIAL_TURNS
+        plain_ms, slowed_ms = (trial_ms(folder, name, turns, device) for name, turns in ((PLAIN, 0), TRIAL))
+        each = (slowed_ms / plain_ms - 1) / TRIAL[1]
         kept.write_text(json.dumps({f"{factor:g}": max(1, round((factor - 1) / each)) for factor in FACTORS}))
     return {PLAIN: 0, AGAIN: 0} | json.loads(kept.read_text())
+
+
+def trial_ms(folder: Path, name: str, turns: int, device: str) -> float:
+    """The time of a frame of the slowed cell with a loop of so many turns, in ms."""
+    out = folder / "trials" / name
+    run_in(tree(folder / "trees" / name, turns), folder, out, device, "--only", SLOWED)
+    with open(out / "results.csv") as file:
+        return next(float(row["time_ms"]) for row in csv.DictReader(file)
+                    if row["method"] == SLOWED and row["k"] == str(K))
+
+
+def run_in(source: Path, folder: Path, out: Path, device: str, *options: str) -> None:
+    """Measure the gate's cells with the program of a source tree."""
+    done = mfr(source, "run", folder / "gate.yaml", "--out", out, "--device", device, "--quiet", *options)
+    if done.returncode:
+        sys.exit(f"{out}: exit status {done.returncode}\n{done.stderr}")
 
 
 def measure(folder: Path, rounds: int, device: str) -> int:
@@ -107,9 +120,7 @@ def measure(folder: Path, rounds: int, device: str) -> int:
             if (out / "results.csv").exists():
                 continue
             source = tree(folder / "trees" / (PLAIN if name == AGAIN else name), turns[name])
-            done = mfr(source, "run", folder / "gate.yaml", "--out", out, "--device", device, "--quiet")
-            if done.returncode:
-                sys.exit(f"{out}: exit status {done.returncode}\n{done.stderr}")
+            run_in(source, folder, out, device)
             print(f"round {number}: {name}", flush=True)
     return 0
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
 
 from ..config import Scene as SceneConfig
@@ -11,6 +12,7 @@ from ..methods.spec import Fitted, SceneStats, Variant
 from ..oracle.quality import conformance
 from ..scene import generate
 from ..scene.geometry import Geometry
+from ..scene.kinds import kind_of
 from .variants import label
 
 N = 9  # most scenes share a depth complexity, so that their programs are shared too
@@ -40,8 +42,17 @@ ALIKE = ("reverse-sorted", "tiles")  # of one depth complexity: what options are
 KS = (1, 4, 32)  # the Z-buffer's, fewer than the fragments, more than the fragments
 
 
-@cache
+def contents(config: SceneConfig) -> str:
+    """What a scene takes from files and packages, which may change under one name, as text; by digest."""
+    return json.dumps(kind_of(config).record(config), sort_keys=True)
+
+
 def scene(config: SceneConfig) -> Geometry:
+    return _scene(config, contents(config))
+
+
+@cache
+def _scene(config: SceneConfig, _contents: str) -> Geometry:
     return generate(config)
 
 
@@ -53,13 +64,14 @@ class Stage(Shown):
         self.answer = cache(self.truth.answer)
 
 
-STAGES: dict[SceneConfig, Stage] = {}  # kept: captures and images are the same for every method
+STAGES: dict[tuple[SceneConfig, str], Stage] = {}  # kept: captures and images are the same for every method
 
 
 def stage(device, config: SceneConfig) -> Stage:
-    if config not in STAGES:
-        STAGES[config] = Stage(device, config)
-    return STAGES[config]
+    key = config, contents(config)
+    if key not in STAGES:
+        STAGES[key] = Stage(device, config)
+    return STAGES[key]
 
 
 def stats_in(device, config: SceneConfig) -> SceneStats:

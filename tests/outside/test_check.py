@@ -1,6 +1,7 @@
 """`mfr-bench check` of scenes and effects, and the packages that `new-scene` and `new-effect` write."""
 
 import math
+import os
 import re
 import shutil
 from dataclasses import replace
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from mfr_bench.contract import of_effect, of_scene, suite
+from mfr_bench.contract.cases import stage
 from mfr_bench.effects import EFFECTS, OWN_EFFECTS, PLAIN, Case, Effect, bring
 from mfr_bench.errors import MfrError
 from mfr_bench.methods.spec.maker import Maker, Number
@@ -180,3 +182,12 @@ def test_a_case_of_an_effect_on_objects_has_objects_and_fronts():
         Case(((0.25, (0, 0, 0, 255), 0, True), (0.75, (0, 0, 0, 255), 0, False)), (0.5, 0.5, 0.5, 1.0)),))
     rays = of_effect.rays_of_case(thickness.cases[0], thickness, "case 1")
     assert rays.counts.tolist() == [2] and rays.rgba.shape == (2, 4)
+
+
+def test_a_scene_that_became_another_under_its_name_is_drawn_anew(broken_scene, device):
+    """What one process keeps of a scene is kept by what is in it, not by its name alone."""
+    _, scene = broken_scene("% 1 < 0.5", "% 1 < 0.4")
+    few = stage(device, scene).stats.F
+    _, scene = broken_scene("% 1 < 0.4", "% 1 < 0.9")
+    shutil.rmtree(os.environ["MFR_BENCH_SCENES"])
+    assert 1.5 * few < stage(device, scene).stats.F
