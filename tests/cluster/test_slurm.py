@@ -94,11 +94,16 @@ def until(true, what):
 
 
 def hurry():
-    """Let jobs begin that Slurm has queued again: it would wait for two minutes."""
+    """Let jobs begin that Slurm has queued again, for which it would wait two minutes, or held, as status says how to.
+
+    A node that comes back while it still ends a job refuses to begin it: Slurm holds the job, and drains the node.
+    """
     for line in slurm("squeue", "--noheader", "--states=pending", "--format=%A|%r").splitlines():
         job, _, reason = line.partition("|")
         if reason == "BeginTime":
             slurm("scontrol", "update", f"jobid={job}", "starttime=now")
+        elif reason.endswith("held"):
+            slurm("scontrol", "release", job)
 
 
 def finish(place):
