@@ -254,7 +254,7 @@ class Session:
             part.folder.write_manifest(part.manifest)
 
     def _spent(self) -> dict[str, dict[str, float]]:
-        """Where the time of the command went until now, and what the process beside the device did meanwhile."""
+        """Tells where the time of the command went until now, and what the process beside the device did meanwhile."""
         beside_s = {kind: round(seconds, 3) for kind, seconds in self.ledger.beside_s.items()}
         return {"split_s": self.split.whole(time.perf_counter() - self.started), "beside_s": beside_s}
 

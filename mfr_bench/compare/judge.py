@@ -226,7 +226,7 @@ class _Timed:
         return sign * together > self._critical and mine > SUPPORT and support > TOGETHER
 
     def _method(self, method: Any) -> tuple[float, ...]:
-        """Of the cells of a method their distances together, and the second least and the second largest of several."""
+        """The distances of a method's cells together, and the second least and the second largest of several."""
         if method not in self._methods:
             distances = sorted(self._distance(i) for i in self._of_method[method])
             capped = [max(-self._critical, min(self._critical, d)) for d in distances]

@@ -87,7 +87,7 @@ class _Lines:
 
 
 def _evaluated_lines(*images: np.ndarray) -> _Lines:
-    """Of lines that repeat in all images, REACH at either end and one for all between, whose surroundings are equal."""
+    """Keeps, of lines that repeat in all images, REACH at either end and one for those between, which see the same."""
     new = np.ones(len(images[0]), dtype=bool)
     new[1:] = np.any([(image[1:] != image[:-1]).any(axis=(1, 2)) for image in images], axis=0)
     starts = np.flatnonzero(new)

@@ -105,7 +105,7 @@ class Answers:
         self._known: OrderedDict[tuple, Known] = OrderedDict()
 
     def of(self, subject: Subject) -> Known:
-        """What is known of the scene, which is generated anew where it is not known."""
+        """The scene as it is known; one that is not known is generated anew."""
         if subject.key not in self._known:
             with self.split.work("scene"):
                 scene = generate(subject.config)

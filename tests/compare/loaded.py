@@ -28,7 +28,7 @@ MEASURE = Measure(target_rel_ci=0.05, min_samples=7, max_samples=50, time_limit_
 
 @dataclass
 class Clock:
-    """Where the time of a run stands, and when it is slowed."""
+    """The clock of a run, and when it is slowed."""
 
     random: Random
     now_ms: float = 0.0

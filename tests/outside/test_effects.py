@@ -4,8 +4,6 @@ import csv
 import json
 import re
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -16,7 +14,7 @@ from mfr_bench.errors import MfrError, UsageError
 from mfr_bench.oracle.foreign import image_of
 from mfr_bench.outside.loader import code_hash
 
-from .test_outside import ROOT, mfr
+from .test_outside import ROOT, mfr, pip_install
 
 EXAMPLE = ROOT / "examples" / "median-layer"
 MODEL = "median_layer/median.py"
@@ -44,10 +42,7 @@ def rows_of(out):
 
 def test_an_installed_effect_is_measured_and_named(tmp_path):
     """The example, installed by pip: images as its model has them, by A-buffers and of the k nearest by a k-buffer."""
-    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--no-index",
-           "--disable-pip-version-check", "--target", tmp_path / "site", EXAMPLE]
-    installed = subprocess.run(pip, capture_output=True, text=True, check=False)
-    assert installed.returncode == 0, installed.stderr
+    pip_install(EXAMPLE, tmp_path / "site")
     done = mfr(tmp_path, "run", EXAMPLE / "median-layer.yaml", "--out", "out", *SMALL, site=tmp_path / "site")
     assert done.returncode == 0, done.stderr
     rows = rows_of(tmp_path / "out")

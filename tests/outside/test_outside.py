@@ -20,6 +20,14 @@ METHOD = "my_array/method.py"
 STORE = "my_array/shaders/methods/my_array/store.frag"
 
 
+def pip_install(package, folder):
+    """Install a package into a folder by pip, without the network."""
+    done = subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation",
+                           "--no-index", "--disable-pip-version-check", "--target", folder, package],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
 def mfr(cwd, *arguments, site=""):
     """A command in a folder, with another folder of installed packages in front of this program's."""
     env = {name: value for name, value in os.environ.items() if name not in ("MFR_BENCH_METHODS", "PYTHONPATH")}
@@ -37,10 +45,7 @@ def folder(tmp_path):
 
 def test_an_installed_package_is_measured_and_named(tmp_path):
     """The example, installed by pip; its rows name the package, its version and the hash of its code."""
-    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--no-index",
-           "--disable-pip-version-check", "--target", tmp_path / "site", EXAMPLE]
-    installed = subprocess.run(pip, capture_output=True, text=True, check=False)
-    assert installed.returncode == 0, installed.stderr
+    pip_install(EXAMPLE, tmp_path / "site")
     done = mfr(tmp_path, "run", EXAMPLE / "my-array.yaml", "--out", "out", "--set", "measure.time_limit_s=0.2",
                site=tmp_path / "site")
     assert done.returncode == 0, done.stderr

@@ -3,8 +3,6 @@
 import json
 import re
 import shutil
-import subprocess
-import sys
 
 import pytest
 
@@ -12,7 +10,7 @@ from mfr_bench.methods.spec.maker import Maker, Number
 from mfr_bench.outside.loader import code_hash
 
 from .test_effects import changed, rows_of
-from .test_outside import ROOT, mfr
+from .test_outside import ROOT, mfr, pip_install
 
 EXAMPLE = ROOT / "examples" / "spiral-scene"
 MAKER = "spiral_scene/spiral.py"
@@ -29,10 +27,7 @@ def folder(tmp_path, monkeypatch):
 
 def test_an_installed_scene_is_measured_and_named(tmp_path, monkeypatch):
     monkeypatch.setenv("MFR_BENCH_SCENES", str(tmp_path / "cache"))
-    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--no-index",
-           "--disable-pip-version-check", "--target", tmp_path / "site", EXAMPLE]
-    installed = subprocess.run(pip, capture_output=True, text=True, check=False)
-    assert installed.returncode == 0, installed.stderr
+    pip_install(EXAMPLE, tmp_path / "site")
     done = mfr(tmp_path, "run", EXAMPLE / "spiral-scene.yaml", "--out", "out", *SMALL, site=tmp_path / "site")
     assert done.returncode == 0, done.stderr
     cells = [json.loads(path.read_text()) for path in (tmp_path / "out" / "cells").glob("*.json")]

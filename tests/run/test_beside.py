@@ -33,7 +33,7 @@ FAULTS = {
 
 
 def found(folder) -> dict[tuple[str, int], tuple]:
-    """Of each cell the errors of its images, and what it keeps."""
+    """The errors of each cell's images, and what it keeps."""
     rows = [json.loads(path.read_text()) for path in (folder / "cells").glob("*.json")]
     names = ("max_abs_error", "rmse", "flip", "wrong_pixels_all", "psnr_db", "fragments", "hit_ratio")
     return {(row["method"], row["scene"]["depth_complexity"]):
