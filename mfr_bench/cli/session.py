@@ -332,6 +332,7 @@ def manifest(experiment, todo, ready) -> dict[str, Any]:
         "measure": experiment.measure.as_dict(), "figures": [f.as_dict() for f in experiment.figures],
         "cells": list(places), "places": list(places.values()), "device": dict(ready.device),
         **_packages(todo), "timer": ready.timer, "calibration": dict(ready.calibration),
-        "versions": environment.versions(), "environment": environment.at_the_start(ready.device),
+        "versions": environment.versions(),
+        "environment": environment.at_the_start(ready.device) | {"bound_threads": ready.bound_threads},
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }

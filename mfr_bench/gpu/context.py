@@ -38,7 +38,10 @@ class Trials:
 
 @dataclass
 class Device:
-    """A context with its limits. `kind` is gpu or cpu."""
+    """A context with its limits. `kind` is gpu or cpu.
+
+    bound_threads: threads of a software driver that have processors of their own.
+    """
 
     ctx: moderngl.Context
     gl: RawGL
@@ -46,6 +49,7 @@ class Device:
     trials: Trials
     egl: EglDevice = field(default_factory=lambda: EglDevice(0))
     programs: dict[tuple[str, ...], object] = field(default_factory=dict)
+    bound_threads: int = 0
 
     @cached_property
     def info(self) -> dict[str, str | None]:

@@ -14,6 +14,7 @@ from . import trials
 from .context import Device, Trials
 from .egl import EglDevice, egl_devices, is_named, library
 from .rawgl import RawGL
+from .threads import spread_rasterizers
 from .visible import Visible, visible
 
 GL_MINIMUM = 430
@@ -30,6 +31,7 @@ def _create(index: int) -> Device:
     ctx.enable(moderngl.PROGRAM_POINT_SIZE)
     device = Device(ctx, RawGL(backend.load), backend, Trials(trials.failed, trials.dispatches_need_a_flush))
     device.gl.spend_first_timers()
+    device.bound_threads = spread_rasterizers()
     return device
 
 

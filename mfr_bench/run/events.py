@@ -53,12 +53,16 @@ CHECK = "check"  # phase in which the harness compares images: no time of the me
 
 @dataclass(frozen=True)
 class Ready:
-    """The device is open, and its timer chosen. `calibration`: empty where the timer was given."""
+    """The device is open, and its timer chosen.
+
+    calibration: empty where the timer was given. bound_threads: of `Device`.
+    """
 
     device: Mapping[str, str]
     limits: Limits
     timer: str
     calibration: Mapping[str, Any]
+    bound_threads: int = 0
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,7 @@ def serve(link: Connection, want: str, timer: str) -> int:
     beside = OtherProcess(device.kind == "cpu", answers)
     bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted, answers, beside)
     measuring = Measuring(bench, catalog())
-    link.send(Ready(device.info, device.limits, timer, calibration))
+    link.send(Ready(device.info, device.limits, timer, calibration, device.bound_threads))
     while True:
         group = link.recv()
         if isinstance(group, Calibrate):
