@@ -158,7 +158,7 @@ def _draw(axes: Any, panel: Panel, named: str, highest: float | None) -> Any:
     axes.set_yticks([])
     for side in axes.spines.values():
         side.set_visible(True)
-    wrong = [f"{panel.wrong_share:.1%} wrong"] if highest is not None else []
+    wrong = [f"{100 * panel.wrong_share:.1f} % wrong"] if highest is not None else []
     heading = "\n".join([*([named.replace(" (", "\n(")] if named else []), *wrong])
     axes.set_title(heading, loc="left", fontsize=style.SMALL_PT, pad=2.5, linespacing=1.0)
     if highest is not None:

@@ -6,8 +6,8 @@ a measure of a cell; a quantity without one (a speed-up, a peak) is a claim's, a
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from ..methods.spec import SceneStats, evaluate
 from ..stats import Interval
@@ -181,7 +181,7 @@ def notes(result: Result) -> list[str]:
     texts = [f"{quantity.replace('_', ' ')}{f' on {device}' if device else ''}"
              f"{f' ({shared})' if (shared := _shared(members)) else ''}: {'; '.join(_named(members))}"
              for (quantity, device), members in groups.items()]
-    return [f"The paper prints {'. '.join(texts)}."] if texts else []
+    return [f"The paper prints {' · '.join(texts)}."] if texts else []
 
 
 def _named(members: Sequence[Printed]) -> list[str]:
@@ -190,10 +190,23 @@ def _named(members: Sequence[Printed]) -> list[str]:
     for row in members:
         by_name.setdefault(row.name or "", []).append(row)
     shared = _shared(members).split(", ")
-    return [" ".join(part for part in (name, ", ".join(_with_condition(row, shared) for row in of_name)) if part)
+    return [" ".join(part for part in (name, ", ".join(_with_places(of_name, shared))) if part)
             for name, of_name in by_name.items()]
 
 
-def _with_condition(row: Printed, shared: Sequence[str]) -> str:
-    place = ", ".join(part for part in _places(row) if part not in shared)
-    return f"{value_text(row)} ({place})" if place else value_text(row)
+def _with_places(members: Sequence[Printed], shared: Sequence[str]) -> Iterator[str]:
+    """Each number with its place; the ends of a range, of one place, as one: 'from 5 × to 7 × (over S-buffer)'."""
+    at = 0
+    while at < len(members):
+        pair = members[at:at + 2]
+        both = [row.bound for row in pair] == ["from", "to"] and _places(pair[0]) == _places(pair[1])
+        ends = pair if both else pair[:1]
+        place = ", ".join(part for part in _places(ends[0]) if part not in shared)
+        yield " ".join(_plainly(row) for row in ends) + (f" ({place})" if place else "")
+        at += len(ends)
+
+
+def _plainly(row: Printed) -> str:
+    """The number without a unit that is the quantity's own name: of 'geometry passes' 2, not '2 passes'."""
+    words = row.quantity.split("_")
+    return value_text(replace(row, unit=None) if UNITS.get(row.unit or "", row.unit) in words else row)

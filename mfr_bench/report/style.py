@@ -45,6 +45,8 @@ FAMILY_COLOURS = (
 SHADES = ((0.0, 1.0), (-0.073, 0.42), (-0.106, 1.5), (0.102, 1.72), (-0.145, 1.78), (-0.037, 1.03), (-0.145, 0.65),
           (0.146, 0.98))  # of hue (turns) and of lightness (factor)
 
+TINTS = (0.0, 0.45, 0.25, 0.62)  # of a method's variants beside other methods: how far on the way to white
+
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "*", "d", "8", "H")
 LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1)), (0, (5, 1, 1.2, 1)), (0, (3, 1, 1, 1, 1, 1)))
 HATCHES = ("", "////", "\\\\\\\\", "xxxx", "----", "||||", "++++", "//", "\\\\", "xx", "--", "||", "++", "////----",
@@ -96,9 +98,15 @@ def _pass_colour(name: str) -> str:
     return SPARE_PASS_COLOURS[zlib.crc32(name.encode()) % len(SPARE_PASS_COLOURS)]
 
 
-def lighter(colour: str) -> str:
+def lighter(colour: str, share: float = 0.45) -> str:
+    """The colour, so far on its way to white."""
     channels = (int(colour[i:i + 2], 16) for i in (1, 3, 5))
-    return "#" + "".join(f"{round(c + 0.45 * (255 - c)):02x}" for c in channels)
+    return "#" + "".join(f"{round(c + share * (255 - c)):02x}" for c in channels)
+
+
+def tint(colour: str, variant: int) -> str:
+    """The colour of a method for one of its variants: the first has it as it is."""
+    return lighter(colour, TINTS[variant % len(TINTS)])
 
 
 @cache

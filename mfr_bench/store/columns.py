@@ -73,17 +73,18 @@ COLUMNS = (
     Column("memory_model_bytes", "int", "bytes", "the same by the paper's formula", drawn="measure",
            producer="run.outcome"),
     Column("max_abs_error", "float", "", "largest channel error against the promised image, channels in [0,1]",
-           drawn="measure", producer="oracle.quality"),
+           drawn="measure", producer="oracle.quality", label="largest channel error"),
     Column("rmse", "float", "", "root mean square error against the full list's image", drawn="error",
            producer="oracle.quality", label="root mean square error"),
     Column("psnr_db", "float", "dB", "peak signal-to-noise ratio against the full list's image", drawn="measure",
            producer="oracle.quality"),
     Column("flip", "float", "", "mean FLIP of the displayed image against the full list's, over black or white, the "
-           "worse", drawn="error", producer="oracle.quality"),
+           "worse", drawn="error", producer="oracle.quality", label="mean FLIP"),
     Column("hit_ratio", "float", "", "fragments kept / generated, counted in what the method holds after an untimed "
-           "frame (as promised, by a method that holds no fragments)", drawn="measure", producer="run.outcome"),
+           "frame (as promised, by a method that holds no fragments)", drawn="measure", producer="run.outcome",
+           label="share of the fragments that is kept"),
     Column("wrong_pixels", "int", "pixels", "pixels with a channel error above 1/512", drawn="measure",
-           producer="oracle.quality"),
+           producer="oracle.quality", label="wrong pixels"),
     Column("tied_pixels", "int", "pixels", "pixels that fragments of equal depth and different colours leave open",
            drawn="measure", producer="oracle.quality"),
     Column("tied_error", "float", "", "largest channel error of a tied pixel: how far it is from every order of equal "

@@ -98,7 +98,7 @@ def test_panels_along_a_zipped_axis_are_its_points(tmp_path):
                   point={"k": k, **at}) for k in (8, 16) for at in places]
     figure = built(tmp_path, cells, {"kind": "lines", "x": "k", "panels": "scene.effect"}, zip=zipped)
     assert [axes.get_title(loc="left") for axes in figure.axes] == [
-        "effect = layers", "effect = csg, operation =\nunion", "effect = csg, operation =\ndifference"]
+        "effect = layers", "effect = csg,\noperation = union", "effect = csg,\noperation = difference"]
     assert all(list(curves(axes)) == ["K⁺"] for axes in figure.axes)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import PurePath
 from typing import Any
 
 from ...store import ResultFolder
@@ -12,10 +13,13 @@ from .point import Point
 from .words import bare, figure_of, heading, plain
 
 SPELT_OUT = {  # symbols, as headings and axes have them
-    "depth_complexity": "depth complexity n = {} (fragments per covered pixel)",
+    "depth_complexity": "depth complexity n = {} ({})",
     "k": "k = {} (fragments kept per pixel)",
     "pixel_density": "pixel density p_d = {} (covered pixels / all)",
     "fragment_probability": "fragment probability f_p = {} (share that is not discarded)"}
+EVERY, MOST = "fragments per covered pixel", "most fragments of a pixel"
+N_COUNTS = {"mixed": MOST, "random": "mean fragments per pixel of the block"}  # of quads, by layout
+MOST_OF = ("hairball", "needles", "temple")
 SCENE_WORDS = {"kind": "", "layout": "layout ", "order": "order ", "alpha": "opacity ",
                "effect": "effect "}
 
@@ -123,8 +127,20 @@ def without_record(count: int) -> str:
 def series(result: Result, points: Sequence[Point], used: Iterable[str]) -> list[Point]:
     """The points with labels extended by what `used` leaves ambiguous: 'S-buffer, p_d 0.25'."""
     names = result.split(points, used)
-    return [replace(p, label=", ".join([p.label, *(heading(n, p.at(n), " ") for n in names
-                                                   if p.at(n) is not None)])) for p in points]
+    places = [(p.label, *(p.at(n) for n in names)) for p in points]
+    following: dict[tuple, set[Any]] = {}  # by the beginning of a place
+    for place in places:
+        for at in range(1, len(place)):
+            following.setdefault(place[:at], set()).add(place[at])
+    return [replace(p, label=", ".join([p.label, *(heading(names[at - 1], place[at], " ")
+                                                   for at in _telling(place, following))]))
+            for p, place in zip(points, places, strict=True)]
+
+
+def _telling(place: tuple, following: Mapping[tuple, set[Any]]) -> list[int]:
+    """The parts of a place that a label has: all but words that every place of the same beginning shares."""
+    return [at for at in range(1, len(place)) if place[at] is not None
+            and (at == 1 or isinstance(place[at], (int, float)) or len(following[place[:at]]) > 1)]
 
 
 def scene_words(points: Sequence[Point]) -> str:
@@ -132,9 +148,25 @@ def scene_words(points: Sequence[Point]) -> str:
     if not points:
         return ""
     parts = [f"{_range(values(points, 'size'))} pixels"]
-    parts += [text.format(_range(found)) for name, text in SPELT_OUT.items() if (found := values(points, name))]
+    parts += [text.format(_range(found), _counted(points)) for name, text in SPELT_OUT.items()
+              if (found := _values(points, name))]
     parts += [f"{text}{_range(found, ', ')}" for name, text in SCENE_WORDS.items() if (found := values(points, name))]
-    return "; ".join(parts)
+    parts += [", ".join(dict.fromkeys(PurePath(file).name for file in values(points, "file")))]
+    return "; ".join(part for part in parts if part)
+
+
+def _counted(points: Iterable[Point]) -> str:
+    """What n counts in the scenes of these points; see the kinds in docs/scenes.md."""
+    scenes = [p.cell["scene"] for p in points if p.at("n") is not None]
+    return " or ".join(dict.fromkeys(N_COUNTS.get(scene.get("layout"), EVERY) if scene.get("kind") == "quads"
+                                     else MOST if scene.get("kind") in MOST_OF else EVERY for scene in scenes))
+
+
+def _values(points: Sequence[Point], name: str) -> list[Any]:
+    """The values along `name`; of k also those that were chosen for the frames of an animation."""
+    found = values(points, name)
+    frames = [frame.get("chosen_k") for p in points for frame in p.cell.get("frames") or [] if isinstance(frame, dict)]
+    return sorted({*found, *(k for k in frames if k is not None)}) if name == "k" and found else found
 
 
 def values(points: Iterable[Point], name: str) -> list[Any]:

@@ -13,8 +13,19 @@ from .. import data, style
 from ..data import Point, Result, number
 from .marks import Mark, draw_marks, marks_of
 from .scales import log_axes, log_axis, log_base, nothing, y_label
-from .series import Options, is_drawn, labels_of, panels_of, y_text
-from .sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, LONG_LABEL, RIGHT, legend_columns, sheet_of, widest
+from .series import Options, is_drawn, labels_of, panels_of, refusals, y_text
+from .sheet import (
+    EDGE,
+    HEADING_IN,
+    LEFT,
+    LEGEND_LINE_IN,
+    LONG_LABEL,
+    RIGHT,
+    legend_columns,
+    sheet_of,
+    text_width,
+    widest,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,6 +34,8 @@ if TYPE_CHECKING:
 SLOTS_PER_ROW = 48  # bars side by side whose labels can still be read
 ROW_IN, NUMBER_GAP_IN = 1.75, 0.08  # least height of a plot; around the number above a bar
 GROUP_GAP = 1.0  # in bars
+HEADING_PT, HEADING_RISE_PT = 8, 3.5  # of the words over a group, which clear the highest tick's label
+SIGN_START, MARK_SHARE = 0.02, 0.04  # of a plot's height: the foot of a sign, half a printed mark with its gap
 UNMEASURED = "not measured"
 
 
@@ -119,11 +132,23 @@ class Chart:
 
     def above(self, point: Point, top: float) -> tuple[float, float]:
         """The height of a bar's number, and its points above: on the top, or on a mark that would hide it."""
-        low, high = self.limits
-        share = (lambda v: math.log(v / low) / math.log(high / low)) if self.log else lambda v: v / high
         hiding = [mark.value for mark in self.marks if mark.point is point and mark.value > 0
-                  and -0.03 < share(mark.value) - share(top) < 0.14]
+                  and -0.03 < self.share(mark.value) - self.share(top) < 0.14]
         return max([top, *hiding]), 5.0 if hiding else 2.5
+
+    def share(self, value: float) -> float:
+        """The place of a value along the y axis, 0 at its lower end and 1 at its upper."""
+        low, high = self.limits
+        return math.log(value / low) / math.log(high / low) if self.log else value / high
+
+    def clear_of_marks(self, point: Point | None, text: str, height_in: float) -> float:
+        """Where upright small words begin along y, in a plot so many inches high: at the base, or above the marks."""
+        length = text_width(text, style.SIGN_PT) / height_in
+        start = SIGN_START
+        for place in sorted(self.share(mark.value) for mark in self.marks if mark.point is point and mark.value > 0):
+            if start - MARK_SHARE < place < start + length + MARK_SHARE:
+                start = place + MARK_SHARE
+        return start if start + length <= 1 else SIGN_START
 
     @property
     def numbers_share(self) -> float:
@@ -168,6 +193,7 @@ def bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
     panelled = any(panel for panel, _ in rows)
     row_height = HEADING_IN * (2 if panelled else 1) + plot_height + label_height
     gap = 0.06
+    notes = [*notes, *refusals(chart.points)]
     sheet = sheet_of(chart.result, chart.options, notes, width, legend_height + len(rows) * (row_height + gap))
     figure = sheet.figure()
     top = legend_height
@@ -176,7 +202,7 @@ def bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
         axes = sheet.axes(figure, LEFT, top + row_height - plot_height - label_height, own, plot_height)
         _bar_row(axes, chart, groups, slot_width)
         if panel:
-            axes.set_title(panel, loc="left", pad=16)
+            axes.set_title(panel, loc="left", pad=17)
         top += row_height + gap
     if legend:
         figure.legend(*_legend_entries(chart, legend), loc="upper left", ncols=columns, handlelength=1.2,
@@ -212,7 +238,7 @@ def _bar_row(axes: Axes, chart: Chart, groups: Sequence[BarGroup], slot_width: f
     draw_marks(axes, ((slot.x, mark) for slot in slots for mark in chart.marks if mark.point is slot.point))
     for slot in slots:
         if slot not in drawn or slot.point.ending.image == "wrong":
-            _sign(axes, slot)
+            _sign(axes, slot, chart)
     for floor_ms in chart.floors_ms(slot.point for slot in drawn):
         axes.axhline(floor_ms, color=style.INK, linewidth=0.8, linestyle="--", zorder=1, label="floor")
     axes.set_xticks([])
@@ -229,13 +255,16 @@ def _headings(axes: Axes, chart: Chart, groups: Sequence[BarGroup], slot_width: 
     """'k = 8' over each group, or only the 8 where that is too wide, with 'k' before the first."""
     room = min((g.span[1] - g.span[0] + GROUP_GAP for g in groups), default=1.0) * slot_width
     long = widest((g.heading for g in groups), 9) > room
-    across = {"transform": axes.get_xaxis_transform(), "va": "bottom", "fontweight": "bold", "fontsize": 8}
+    across = {"xycoords": axes.get_xaxis_transform(), "xytext": (0, HEADING_RISE_PT), "textcoords": "offset points",
+              "va": "bottom", "fontweight": "bold", "annotation_clip": False}
     if long:
-        axes.text(-1.0, 1.01, data.short(chart.options["x"]), ha="right", **across)
+        name = data.short(chart.options["x"])
+        size = min(HEADING_PT, HEADING_PT * (LEFT - EDGE) / text_width(name, HEADING_PT, "bold"))
+        axes.annotate(name, (-1.0, 1.0), ha="right", fontsize=size, **across)
     for group in groups:
         axes.axvspan(*group.span, color=style.BAND, linewidth=0, zorder=0)
-        axes.text(sum(group.span) / 2, 1.01, group.heading.split(" = ")[-1] if long else group.heading, ha="center",
-                  **across)
+        axes.annotate(group.heading.split(" = ")[-1] if long else group.heading, (sum(group.span) / 2, 1.0),
+                      ha="center", fontsize=HEADING_PT, **across)
 
 
 def _label_size(slot_width: float) -> float:
@@ -280,9 +309,10 @@ def _totals(axes: Axes, slots: Sequence[Slot], chart: Chart) -> None:
                       va="bottom", fontsize=style.NUMBER_PT, annotation_clip=False, zorder=5)
 
 
-def _sign(axes: Axes, slot: Slot) -> None:
-    """Writes why there is no bar, or a pale one, at its base."""
+def _sign(axes: Axes, slot: Slot, chart: Chart) -> None:
+    """Writes why there is no bar, or a pale one, at its base; above a printed mark that would cover the words."""
     text = slot.point.sign if slot.point is not None and slot.point.status != "ok" else UNMEASURED
     wrong = slot.point is not None and slot.point.ending.image == "wrong"
-    axes.text(slot.x, 0.02, text, transform=axes.get_xaxis_transform(), rotation=90, ha="center", va="bottom",
+    foot = chart.clear_of_marks(slot.point, text, axes.bbox.height / axes.figure.dpi)
+    axes.text(slot.x, foot, text, transform=axes.get_xaxis_transform(), rotation=90, ha="center", va="bottom",
               fontsize=style.SIGN_PT, color=style.ALARM if wrong else style.QUIET, style="italic", zorder=3)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from .. import style
 from .series import Options
-from .sheet import EDGE
+from .sheet import EDGE, fitted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,16 +23,22 @@ def log_axis(axes: Axes, which: str, base: int) -> None:
     axis.set_major_formatter(FuncFormatter(lambda v, _: f"{v:,.10g}" if 1 <= v < 1e8 else f"{v:.3g}"))
     axis.set_minor_locator(NullLocator())
     low, high = getattr(axes, f"get_{which}lim")()
-    if base == 10 and high / low < 40:  # fewer than two decades: 1, 2, 5, 10
+    if base == 10 and (high / low < 40 or _powers_of_ten(low, high) < 2):  # one tick gives no scale: 1, 2, 5, 10
         axis.set_major_locator(LogLocator(base=10, subs=(1, 2, 5), numticks=12))
+
+
+def _powers_of_ten(low: float, high: float) -> int:
+    """The powers of ten from low to high, both positive."""
+    return math.floor(math.log10(high) + 1e-9) - math.ceil(math.log10(low) - 1e-9) + 1
 
 
 def y_label(axes: Axes, text: str) -> None:
     """The label at the figure's left edge, whatever the width of the tick labels."""
     from matplotlib.transforms import blended_transform_factory
 
-    axes.set_ylabel(text, va="top")
-    width = axes.figure.get_figwidth()
+    width, height = axes.figure.get_size_inches()
+    axes.set_ylabel("\n".join(fitted(text, style.RC["axes.labelsize"], axes.get_position().height * height + 2 * EDGE)),
+                    va="top", linespacing=1.0)
     axes.yaxis.set_label_coords(EDGE / width, 0.5, blended_transform_factory(axes.figure.transFigure, axes.transAxes))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import Any
 
 from ...stats import Interval
@@ -12,6 +13,7 @@ from .. import data
 from ..data import Point, Result
 
 Options = Mapping[str, Any]
+LOSES_TIES = "of fragments of equal depth it keeps one"
 
 
 def series_of(result: Result, options: Options) -> list[Point]:
@@ -138,3 +140,30 @@ def _at(x: str, where: Sequence[str], panel: str, cells: Sequence[Point], panels
     whole = panel and len(where) == sum(data.heading(panels, p.at(panels)) == panel for p in cells)
     at = "" if whole or not found else f"{data.short(x)} = {', '.join(found)}"
     return f" at {', '.join(part for part in (panel, at) if part)}" if panel or at else ""
+
+
+def refusals(points: Iterable[Point]) -> list[str]:
+    """Sentences on what the device cannot run, with what it lacks, and on wrong images, with what may explain them."""
+    lacking: dict[str, list[str]] = {}
+    wrong: dict[str, list[str]] = {}
+    for p in points:
+        reason = str(p.cell.get("reason") or "")
+        if p.ending.refused and not p.ending.over_memory and reason:
+            lacking.setdefault(reason, []).append(p.label)
+        elif p.ending.image == "wrong":
+            wrong.setdefault(LOSES_TIES if p.method in tie_losers() else "", []).append(p.label)
+    told = [f"{_listed(labels)}{f' ({reason})' if reason else ''}" for reason, labels in lacking.items()]
+    said = [f"{_listed(labels)}{f' ({why})' if why else ''}" for why, labels in wrong.items()]
+    return [f"{sign}: {'; '.join(found)}." for sign, found in (("Unsupported", told), ("Wrong image", said)) if found]
+
+
+def _listed(labels: Iterable[str]) -> str:
+    return ", ".join(dict.fromkeys(labels))
+
+
+@cache
+def tie_losers() -> frozenset[str]:
+    """The methods of the catalog that lose fragments of equal depth by nature."""
+    from ...methods import catalog
+
+    return frozenset(name for name, method in catalog().items() if method.loses_ties)

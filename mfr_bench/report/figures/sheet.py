@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -24,6 +25,7 @@ ERROR_ARRAYS = ("error", "loss", "max_abs_error", "wrong_pixels")
 RACES = ("A software driver draws the fragments of a pixel one after another: errors by races between them, as on a "
          "GPU, do not show.")
 SMALL_HINTING = 1.06  # of small print, besides
+TOGETHER = re.compile(r"(?:mfr-bench |profile )?\S+(?: [=…] \S+)*")
 LONG_LABEL = 24  # characters from which a label is broken where there is room
 TITLE_IN, HEADING_IN, LEGEND_LINE_IN, SMALL_LINE_IN = 0.2, 0.2, 0.165, 0.112
 
@@ -138,13 +140,13 @@ def _on_races(result: Result, options: Options) -> str:
 
 
 def fitted(text: str, points: float, width: float, weight: str = "normal") -> list[str]:
-    """The text in lines that fit between the edges, broken between words."""
+    """The text in lines that fit between the edges, broken between words; 'k = 8' stays whole where it fits."""
     room = (width - 2 * EDGE) / (SMALL_HINTING if points < 7 else 1.0)
     if text_width(text, points, weight) <= room:
         return [text]
     gap = text_width("n n", points, weight) - text_width("nn", points, weight)
     lines, used = [], 0.0
-    for word in text.split():  # word by word: words recur, and each is measured once
+    for word in _words(text, points, weight, room):  # word by word: words recur, and each is measured once
         own = text_width(word, points, weight)
         if lines and used + gap + own <= room:
             lines[-1], used = f"{lines[-1]} {word}", used + gap + own
@@ -152,6 +154,12 @@ def fitted(text: str, points: float, width: float, weight: str = "normal") -> li
             lines.append(word)
             used = own
     return lines
+
+
+def _words(text: str, points: float, weight: str, room: float) -> Iterator[str]:
+    """The words of a text, those around '=' and '…' as one unless that is wider than the room."""
+    for words in TOGETHER.findall(text):
+        yield from (words,) if text_width(words, points, weight) <= room else words.split()
 
 
 def legend_columns(names: Sequence[str], width: float, points: float = 7.5) -> int:

@@ -35,14 +35,15 @@ def draw(result: Result, options: Options) -> Figure:
     chart = Heat(result, options)
     columns = min(COLUMNS, max(1, len(chart.panels)))
     width = (style.WIDTH_IN - 2 * EDGE) / columns
-    height = HEADING_IN + ROW_IN * max(1, len(chart.rows)) + FOOT_IN
+    heading_in = HEADING_IN if any(heading for heading, _ in chart.panels) else 0.06
+    height = heading_in + ROW_IN * max(1, len(chart.rows)) + FOOT_IN
     lines = math.ceil(len(chart.panels) / columns)
     sheet = sheet_of(result, options, chart.notes(), style.WIDTH_IN, max(1, lines) * height)
     figure = sheet.figure()
     for i, (heading, points) in enumerate(chart.panels):
         left = EDGE + (i % columns) * width + LEFT_IN
-        top = (i // columns) * height + HEADING_IN
-        axes = sheet.axes(figure, left, top, width - LEFT_IN - GAP_IN, height - HEADING_IN - FOOT_IN)
+        top = (i // columns) * height + heading_in
+        axes = sheet.axes(figure, left, top, width - LEFT_IN - GAP_IN, height - heading_in - FOOT_IN)
         chart.draw(axes, heading, points, first=i % columns == 0)
     return figure
 

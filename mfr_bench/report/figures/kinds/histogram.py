@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 COLUMNS = 4
 LABEL_STEP = 0.085  # of the height of a plot, above the highest bar: the line of one k
+SYMBOLS = {"memory_mb": "M_b: memory budget (MiB)", "hit_ratio": "R_h: hit ratio that k is chosen for"}
 PLOT_HEIGHT, GAP, BELOW = 1.75, 0.16, 0.36  # inches
 
 KIND = Kind("pixels by their number of fragments, with the k that was chosen from them; kplus_2015 Figs. 3 and 4",
@@ -42,7 +43,7 @@ def draw(result: Result, options: Options) -> Figure:
     columns = min(COLUMNS, max(1, len(panels)))
     rows = max(1, math.ceil(len(panels) / columns))
     step = HEADING_IN + PLOT_HEIGHT + BELOW
-    sheet = sheet_of(result, options, _notes(points), style.WIDTH_IN, rows * step)
+    sheet = sheet_of(result, options, _notes(result, points), style.WIDTH_IN, rows * step + 0.06)
     figure = sheet.figure()
     width = (style.WIDTH_IN - LEFT - EDGE - GAP * (columns - 1)) / columns
     grid: list[Axes] = []
@@ -125,12 +126,15 @@ def _finish(axes: Axes, options: Options, room: float, leftmost: bool, lowest: b
     axes.grid(axis="y", which="major")
     axes.tick_params(labelbottom=lowest, labelleft=leftmost)
     if lowest:
-        axes.set_xlabel(str(options.get("x_label") or "fragments of the pixel"))
+        axes.set_xlabel(str(options.get("x_label") or "fragments per pixel"))
     if leftmost:
         y_label(axes, str(options.get("y_label") or "pixels"))
 
 
-def _notes(points: Iterable[Point]) -> list[str]:
+def _notes(result: Result, points: Iterable[Point]) -> list[str]:
+    points = list(points)
     lacking = list(dict.fromkeys(p.label for p in points if not _frames(p)))
-    return [f"No histogram of {'; '.join(lacking)}."] if lacking else []
+    told = [text for name, text in SYMBOLS.items()
+            if any(data.bare(axis) == name and axis in p.cell["params"] for axis in result.axes for p in points)]
+    return [f"No histogram of {'; '.join(lacking)}."] * bool(lacking) + [f"{'; '.join(told)}."] * bool(told)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,14 +15,16 @@ from ..fits import DEGREES, Fit, draw_fit, fits_of, room_for
 from ..kind import FLOOR, GAIN_OF, LOG, LOG_BASE, PANELS, PASSES, PRINTED, X_LABEL, Y_LABEL, Key, Kind
 from ..marks import Guide, Mark, draw_guides, draw_marks, guides_of, marks_of
 from ..scales import log_axes, log_axis, log_base, nothing, y_label
-from ..series import Options, axis_label, gaps, labels_of, panels_of, series_of, y_text
+from ..series import Options, axis_label, gaps, labels_of, panels_of, refusals, series_of, y_text
 from ..sheet import EDGE, HEADING_IN, LEFT, LONG_LABEL, fitted, sheet_of, text_width, widest
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+HARD_SPACE, SHORT_PART = "\u00a0", 12  # characters of a part of a label that is not broken
 TICK_GAP_IN = 0.07  # between two ticks; values of x that are nearer share one
+SEEN_APART = 0.003  # of the value on a logarithmic axis, of the largest one on a linear: less is not seen
 MOST_TICKS = 13  # each value of x has one, up to so many
 
 KIND = Kind(
@@ -39,7 +41,7 @@ def draw(result: Result, options: Options) -> Figure:
     panels = panels_of(chart.points, options)
     columns = 1 if options.get("fit") else min(3, len(panels)) or 1
     rows = math.ceil(len(panels) / columns)
-    entries = {label: "\n".join(textwrap.wrap(label, LONG_LABEL + 4)) for label in chart.entries}
+    entries = {label: "\n".join(_broken(label)) for label in chart.entries}
     legend_width = widest((line for entry in entries.values() for line in entry.splitlines()), 7.5) + 0.52
     alone = max(2.7, 0.13 * sum(1.3 + e.count("\n") for e in entries.values()))
     plot_height = 1.6 if rows > 2 else 2.2 if rows > 1 else alone
@@ -47,8 +49,8 @@ def draw(result: Result, options: Options) -> Figure:
     headings = [fitted(panel, style.RC["axes.titlesize"], panel_width + EDGE) for panel, _ in panels]
     heading = HEADING_IN + 0.13 * (max(map(len, headings)) - 1) if any(panel for panel, _ in panels) else 0.06
     step = heading + plot_height + 0.24
-    missing = gaps(chart.points, chart.x, options.get("panels"))
-    sheet = sheet_of(result, options, missing, style.WIDTH_IN, rows * step + 0.18)
+    notes = [*gaps(chart.points, chart.x, options.get("panels")), *chart.same(panels), *refusals(chart.points)]
+    sheet = sheet_of(result, options, notes, style.WIDTH_IN, rows * step + 0.18)
     figure = sheet.figure()
     grid: list[Axes] = []
     for i, (_, members) in enumerate(panels):
@@ -95,14 +97,20 @@ class LineChart:
         return marks_of(self.result, self.options, self.points)
 
     def variant(self, point: Point) -> int:
-        """The place of the point's label among the labels of its method."""
-        return labels_of(p for p in self.points if p.method == point.method).index(point.label)
+        """The place of the label among those of its method, with the ones that a figure of gains leaves out."""
+        found = self.variants[point.method]
+        return found.index(point.label) if point.label in found else len(found)
+
+    @cached_property
+    def variants(self) -> dict[str, list[str]]:
+        """The labels of each method, in the config's order."""
+        points = series_of(self.result, {**self.options, "gain_of": None})
+        return {method: labels_of(p for p in points if p.method == method) for method in {p.method for p in points}}
 
     def colour(self, point: Point) -> str:
-        """The colour of the method, lighter for every second variant; in a figure of one method, of the variant."""
+        """The colour of the method in a tint for each variant; in a figure of one method, the colour of the variant."""
         if len({p.method for p in self.points}) > 1 or len(self.labels) == 1:
-            colour = style.method_colour(point.method)
-            return style.lighter(colour) if self.variant(point) % 2 else colour
+            return style.tint(style.method_colour(point.method), self.variant(point))
         return style.VARIANT_COLOURS[self.labels.index(point.label) % len(style.VARIANT_COLOURS)]
 
     @cached_property
@@ -125,6 +133,22 @@ class LineChart:
         """Position of each value of x: the number itself, or its rank where it is none."""
         found = data.values(self.points, self.x)
         return {v: float(v) if self.numeric else float(i) for i, v in enumerate(found)}
+
+    def same(self, panels: Sequence[tuple[str, Sequence[Point]]]) -> list[str]:
+        """A sentence on lines that lie on each other in every panel that has both, so that only one is seen."""
+        lines: dict[str, dict[tuple[int, Any], float]] = {}
+        for i, (_, members) in enumerate(panels):
+            for p in members:
+                if p.status == "ok" and p.at(self.x) is not None and p.shown(self.y)[1] is not None:
+                    lines.setdefault(p.label, {})[i, p.at(self.x)] = p.shown(self.y)[1]
+        scale = 0.0 if "y" in log_axes(self.options) else max((abs(v) for line in lines.values()
+                                                                for v in line.values()), default=0.0)
+        groups: list[list[str]] = []
+        for label, line in lines.items():
+            group = next((g for g in groups if all(_one_line(line, lines[other], scale) for other in g)), None)
+            groups.append([label]) if group is None else group.append(label)
+        told = [", ".join(group) for group in groups if len(group) > 1]
+        return [f"On one line: {'; '.join(told)}."] if told else []
 
     @property
     def log_x(self) -> bool:
@@ -260,3 +284,16 @@ class LineChart:
                 ends[p.label] = p.shown(self.y)[1]
         ordered = [*sorted(ends, key=lambda label: -ends[label]), *(label for label in found if label not in ends)]
         return {label: found[label] for label in ordered}
+
+
+def _broken(label: str) -> list[str]:
+    """A legend entry in lines; short parts between commas stay whole."""
+    parts = (part.replace(" ", HARD_SPACE) if len(part) <= SHORT_PART else part for part in label.split(", "))
+    return [line.replace(HARD_SPACE, " ") for line in textwrap.wrap(", ".join(parts), LONG_LABEL + 4)]
+
+
+def _one_line(line: Mapping[Any, float], other: Mapping[Any, float], scale: float) -> bool:
+    """Whether two lines that share at least two places cannot be told apart at any of them."""
+    shared = line.keys() & other.keys()
+    return len(shared) > 1 and all(math.isclose(line[at], other[at], rel_tol=SEEN_APART, abs_tol=SEEN_APART * scale)
+                                   for at in shared)

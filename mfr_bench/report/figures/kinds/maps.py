@@ -13,7 +13,7 @@ from ...data import Point, Result, number
 from ..bar_chart import UNMEASURED
 from ..kind import Kind
 from ..scales import nothing
-from ..series import Options, labels_of, series_of
+from ..series import Options, labels_of, refusals, series_of
 from ..sheet import EDGE, fitted, sheet_of
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_COLUMNS = 5
-GAP, HEADING, LINE, BAR = 0.1, 0.3, 0.11, 0.62  # inches; HEADING: room for two lines
+GAP, HEADING, LINE, BAR = 0.1, 0.3, 0.12, 0.62  # inches; HEADING: room for two lines
 HEADING_PT = 7.0
 LEAST_SEEN = 1 / 255
 CHECKS = 16  # squares of the checkerboard along the longer side
@@ -112,7 +112,8 @@ class Maps:
         axes.set_yticks([])
         for side in axes.spines.values():
             side.set_visible(True)
-        axes.set_title("\n".join(self.heading(point, width)), loc="left", fontsize=HEADING_PT, pad=2.5, linespacing=1.0)
+        axes.set_title("\n".join(self.heading(point, width)), loc="left", fontsize=HEADING_PT, pad=2.5,
+                       linespacing=1.15)
         array = self.kept.get(point.cell["key"])
         if array is None:
             sign = point.sign if point.status != "ok" else f"{self.name} {UNMEASURED}"
@@ -146,13 +147,13 @@ class Maps:
     def notes(self) -> list[str]:
         meaning = MEANINGS.get(self.name, "")
         if not meaning:
-            return []
+            return refusals(self.points)
         found = [f"Colour: {meaning}; one scale for all panels, from 0 to {number(self.highest)}."]
         most = max((float(array.max()) for array in self.kept.values()), default=0.0)
         if self.name in ("error", "loss") and most < LEAST_SEEN:
             found.append(f"The largest error of all panels is {number(most, 2)}, less than one step of 8 bits "
                          f"({LEAST_SEEN:.2g}): the panels are black because the images are right.")
-        return found
+        return [*found, *refusals(self.points)]
 
 
 def over_checks(image: Any) -> Any:

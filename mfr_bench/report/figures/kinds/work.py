@@ -96,8 +96,8 @@ class Work:
         _rows(axes, [""] * len(points))
         axes.set_xlim(0, 118)
         axes.set_title("of the time, at the device's limits", loc="left", fontsize=7.0, pad=3)
-        axes.set_xlabel("above: bytes at copy bandwidth; below: shading at fill rate (%)", fontsize=style.SMALL_PT,
-                        labelpad=1.5, loc="right")
+        axes.set_xlabel("above: bytes at copy bandwidth (%)\nbelow: shading at fill rate (%)", fontsize=style.SMALL_PT,
+                        labelpad=1.5)
         axes.grid(axis="x")
 
     def _shares(self, point: Point) -> list[tuple[float, float, str]]:
