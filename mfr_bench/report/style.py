@@ -45,7 +45,8 @@ FAMILY_COLOURS = (
 SHADES = ((0.0, 1.0), (-0.073, 0.42), (-0.106, 1.5), (0.102, 1.72), (-0.145, 1.78), (-0.037, 1.03), (-0.145, 0.65),
           (0.146, 0.98))  # of hue (turns) and of lightness (factor)
 
-TINTS = (0.0, 0.45, 0.25, 0.62)  # of a method's variants beside other methods: how far on the way to white
+TINTS = (0.0, 0.45, 0.25, 0.62)  # of a method's variants beside other methods: how far on the way to white, or black
+LIGHT = 0.45  # the lightness from which variants are darker than their method
 
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "*", "d", "8", "H")
 LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1)), (0, (5, 1, 1.2, 1)), (0, (3, 1, 1, 1, 1, 1)))
@@ -98,15 +99,26 @@ def _pass_colour(name: str) -> str:
     return SPARE_PASS_COLOURS[zlib.crc32(name.encode()) % len(SPARE_PASS_COLOURS)]
 
 
-def lighter(colour: str, share: float = 0.45) -> str:
-    """The colour, so far on its way to white."""
-    channels = (int(colour[i:i + 2], 16) for i in (1, 3, 5))
-    return "#" + "".join(f"{round(c + share * (255 - c)):02x}" for c in channels)
+def lighter(colour: str) -> str:
+    return _towards(255, colour, 0.45)
 
 
 def tint(colour: str, variant: int) -> str:
-    """The colour of a method for one of its variants: the first has it as it is."""
-    return lighter(colour, TINTS[variant % len(TINTS)])
+    """The colour of a method for one of its variants: the first has it as it is, light ones grow darker."""
+    return _towards(255 if lightness(colour) < LIGHT else 0, colour, TINTS[variant % len(TINTS)])
+
+
+def lightness(colour: str) -> float:
+    """The luma of a colour, from 0 for black to 1 for white."""
+    return sum(weight * c for weight, c in zip((0.299, 0.587, 0.114), _channels(colour), strict=True)) / 255
+
+
+def _towards(end: int, colour: str, share: float) -> str:
+    return "#" + "".join(f"{round(c + share * (end - c)):02x}" for c in _channels(colour))
+
+
+def _channels(colour: str) -> tuple[int, ...]:
+    return tuple(int(colour[i:i + 2], 16) for i in (1, 3, 5))
 
 
 @cache

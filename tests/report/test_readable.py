@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from matplotlib import colors
 
-from mfr_bench.report import data, figures
+from mfr_bench.report import data, figures, style
 from mfr_bench.report.figures.sheet import fitted
 
 from . import planted
@@ -174,3 +174,16 @@ def test_symbols_of_what_k_is_chosen_by_are_spelt_out(tmp_path):
     figure = built(tmp_path, cells, {"kind": "histogram", "x": "memory_mb"})
     assert "M_b: memory budget (MiB)." in small_print(figure) and "R_h" not in small_print(figure)
     assert any("M_b 4" in text for text in all_texts(figure))
+
+
+def test_tints_of_variants_are_seen_on_white():
+    for colour in style.FAMILY_COLOURS:
+        tints = [style.tint(colour, variant) for variant in range(4)]
+        assert len(set(tints)) == 4 and tints[0] == colour
+        assert max(map(style.lightness, tints[1:])) <= max(0.8, style.lightness(colour))
+
+
+def test_a_lone_size_is_no_heading(tmp_path):
+    cells = [cell(m, m.upper(), 2.0) for m in ("kb", "kb-ps")]
+    axes, = built(tmp_path, cells, BARS | {"x": "width"}).axes
+    assert texts_of(axes)[-2:] == ["KB", "KB-PS"] and not any("width" in text for text in texts_of(axes))

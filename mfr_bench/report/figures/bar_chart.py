@@ -35,6 +35,7 @@ SLOTS_PER_ROW = 48  # bars side by side whose labels can still be read
 ROW_IN, NUMBER_GAP_IN = 1.75, 0.08  # least height of a plot; around the number above a bar
 GROUP_GAP = 1.0  # in bars
 HEADING_PT, HEADING_RISE_PT = 8, 3.5  # of the words over a group, which clear the highest tick's label
+SAID_BELOW = ("width", "height", "order", "layout")  # a lone value of these stands in the small print alone
 SIGN_START, MARK_SHARE = 0.02, 0.04  # of a plot's height: the foot of a sign, half a printed mark with its gap
 UNMEASURED = "not measured"
 
@@ -261,8 +262,11 @@ def _headings(axes: Axes, chart: Chart, groups: Sequence[BarGroup], slot_width: 
         name = data.short(chart.options["x"])
         size = min(HEADING_PT, HEADING_PT * (LEFT - EDGE) / text_width(name, HEADING_PT, "bold"))
         axes.annotate(name, (-1.0, 1.0), ha="right", fontsize=size, **across)
+    said_below = data.bare(chart.options["x"]) in SAID_BELOW and len(data.values(chart.points, chart.options["x"])) == 1
     for group in groups:
         axes.axvspan(*group.span, color=style.BAND, linewidth=0, zorder=0)
+        if said_below:
+            continue
         axes.annotate(group.heading.split(" = ")[-1] if long else group.heading, (sum(group.span) / 2, 1.0),
                       ha="center", fontsize=HEADING_PT, **across)
 

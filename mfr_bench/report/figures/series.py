@@ -152,13 +152,15 @@ def refusals(points: Iterable[Point]) -> list[str]:
             lacking.setdefault(reason, []).append(p.label)
         elif p.ending.image == "wrong":
             wrong.setdefault(LOSES_TIES if p.method in tie_losers() else "", []).append(p.label)
-    told = [f"{_listed(labels)}{f' ({reason})' if reason else ''}" for reason, labels in lacking.items()]
-    said = [f"{_listed(labels)}{f' ({why})' if why else ''}" for why, labels in wrong.items()]
+    told = [f"{listed(labels)}{f' ({reason})' if reason else ''}" for reason, labels in lacking.items()]
+    said = [f"{listed(labels)}{f' ({why})' if why else ''}" for why, labels in wrong.items()]
     return [f"{sign}: {'; '.join(found)}." for sign, found in (("Unsupported", told), ("Wrong image", said)) if found]
 
 
-def _listed(labels: Iterable[str]) -> str:
-    return ", ".join(dict.fromkeys(labels))
+def listed(labels: Iterable[str]) -> str:
+    """Labels, each once, so that they can be told apart: some have commas themselves."""
+    found = list(dict.fromkeys(labels))
+    return (" and " if any("," in label for label in found) else ", ").join(found)
 
 
 @cache
