@@ -264,13 +264,16 @@ class Frame:
         """Fragments of the deepest pixel, as the frame of a planned method has left them."""
         return int(self.words(self.variant.method.capacity.deepest)[0])
 
-    def draw_fitting(self) -> None:
-        """Draw until every growing buffer has room for the frame, and its plan is that of the next.
+    def draw_fitting(self) -> int:
+        """Draw until every growing buffer has room for the frame, and its plan is that of the next: how many frames.
 
         Raises CapacityError where a buffer cannot grow further.
         """
+        frames = 1
         while not self.draw():
             self.device.check(f"{self.variant.method.id}: growing to {self._capacity} elements")
+            frames += 1
+        return frames
 
     # --- what a frame left ---
 

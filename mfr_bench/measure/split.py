@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import contextmanager
 
-FRAMES = ("warm-up", "measure", "passes", "last frames")  # kinds of work of the device; the others are the host's
+FRAMES = ("first frames", "warm-up", "measure", "passes", "last frames")  # work of the device; the rest is the host's
 OTHER = "other"  # what no kind counted
 
 
@@ -35,6 +35,13 @@ class Split:
         finally:
             self._settle()
             self._stack.pop()
+
+    def move(self, seconds: float, of: str, to: str) -> None:
+        """Count as another kind so much of what a kind has spent, or all of it if that is less."""
+        moved = min(seconds, self.seconds.get(of, 0.0))
+        if moved > 0:
+            self.seconds[of] -= moved
+            self.seconds[to] = self.seconds.get(to, 0.0) + moved
 
     def rounded(self) -> dict[str, float]:
         return {kind: round(seconds, 3) for kind, seconds in self.seconds.items()}

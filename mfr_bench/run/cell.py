@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -83,17 +84,25 @@ class CellWork:
         scene, device = self.scene, self.bench.device
         scene.show(0)
         self._phases.begin("compile")
+        begun = time.perf_counter()
         with self.bench.split.work("compile"):
             frame = Frame(device, self.fitted, scene.scene_buffer, scene.canvas)
             try:
                 self._phases.begin("first frame")
-                frame.draw_fitting()
+                self._first_frames = frame.draw_fitting()
                 device.finish()
                 device.check(f"{self.job.cell.method}: first frame")
             except BaseException:
                 frame.release()
                 raise
+        self._first_s = time.perf_counter() - begun
         return frame
+
+    def _split_first_frames(self) -> None:
+        """Of what the first frames took, count what later ones take as frames of the device: the rest is compiling."""
+        middle_ms = self.sampler.interval[1]
+        if middle_ms is not None:
+            self.bench.split.move(min(self._first_s, self._first_frames * middle_ms / 1e3), "compile", "first frames")
 
     def sample_twice(self) -> None:
         """From now on sample an A/A pair too, in turns with each other and with the cells of the scene."""
@@ -177,6 +186,7 @@ class CellWork:
             if self.fitted.stats.effect.msaa > 1:
                 self.images.count_edges()
             self._measured, self._also = self._values(), self._details()
+        self._split_first_frames()
 
     @property
     def ready(self) -> bool:

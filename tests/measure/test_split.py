@@ -75,3 +75,15 @@ def test_what_is_taken_is_counted_once(clock):
         clock.now += 2
     assert times.taken() == {"check": 2.0}
     assert times.taken() == {}
+
+
+def test_a_part_of_a_kind_is_moved_to_another_and_never_more_than_there_is(clock):
+    times = split.Split()
+    with times.work("compile"):
+        clock.now += 3
+    times.move(1, "compile", "first frames")
+    assert times.rounded() == {"compile": 2.0, "first frames": 1.0}
+    times.move(7, "compile", "first frames")
+    times.move(7, "flip", "first frames")
+    assert times.rounded() == {"compile": 0.0, "first frames": 3.0}
+    assert split.busy_share(times.whole(4.0)) == 0.75

@@ -38,6 +38,14 @@ def test_a_row_has_everything_that_was_measured(run, tmp_path):
     assert len(ResultFolder(tmp_path).cells()) == 3
 
 
+def test_of_the_first_frames_so_much_is_the_devices_as_later_ones_take(run):
+    """Frames take 1 ms by the planted clock; each of these methods draws one frame before its images are read."""
+    _, made = run([cell("floor"), cell(), cell("kplus-array", k=2)])
+    spent_s = made.measuring.bench.split.seconds
+    assert spent_s["first frames"] == pytest.approx(3 * 1e-3)
+    assert spent_s["compile"] > 0
+
+
 def test_frames_are_interleaved(run):
     """Every method's turn comes before any method's next: of 2 frames to warm up and 3, of 1 that settles and 3, of 2.
 
