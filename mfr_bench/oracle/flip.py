@@ -104,8 +104,8 @@ def _around_what_differs(reference: np.ndarray, test: np.ndarray) -> np.ndarray:
     call takes 0.1 s, however small its image is.
     """
     found = np.zeros(reference.shape[:2], np.float32)
-    differ = np.argwhere(np.any(reference != test, axis=-1))
-    if not len(differ):
+    differ = np.any(reference != test, axis=-1)
+    if not differ.any():
         return found
     side, blocks = _blocks(differ)
     if len(blocks) * _width(side) ** 2 >= found.size:
@@ -125,9 +125,23 @@ def _width(side: int) -> int:
 
 
 def _blocks(differ: np.ndarray) -> tuple[int, np.ndarray]:
-    """The corners (y, x) of the blocks that hold all pixels that differ, and their side: the least work of all."""
-    found = ((side, np.unique(differ // side * side, axis=0)) for side in SIDES)
+    """The corners (y, x) of the blocks that hold all pixels that differ, and their side: the least work of all.
+
+    differ: bool (H, W).
+    """
+    found, within = [], 1
+    for side in SIDES:
+        differ, within = _any_of_each_block(differ, side // within), side
+        found.append((side, side * np.argwhere(differ)))
     return min(found, key=lambda each: len(each[1]) * _width(each[0]) ** 2)
+
+
+def _any_of_each_block(of: np.ndarray, side: int) -> np.ndarray:
+    """Whether any element of each block of side x side elements is true; the last blocks may reach beyond the edge."""
+    rows, columns = (-(-length // side) for length in of.shape)
+    padded = np.zeros((rows * side, columns * side), dtype=bool)
+    padded[:of.shape[0], :of.shape[1]] = of
+    return padded.reshape(rows, side, columns, side).any(axis=(1, 3))
 
 
 def _cut_out(image: np.ndarray, blocks: Iterable[tuple[int, int]], side: int) -> np.ndarray:

@@ -50,6 +50,17 @@ def test_images_that_differ_everywhere_or_are_small_are_taken_whole(shape, sizes
     assert sizes == [(*shape, 3)]
 
 
+@pytest.mark.parametrize("shape", [(1, 1), (37, 260), (512, 300)], ids=str)
+@pytest.mark.parametrize("share", [0.0002, 0.01, 1.0])
+def test_the_blocks_are_those_with_a_pixel_that_differs(shape, share):
+    differ = np.random.default_rng(5).random(shape) < share
+    differ[-1, -1] = True
+    side, blocks = flip._blocks(differ)
+    assert blocks.tolist() == np.unique(np.argwhere(differ) // side * side, axis=0).tolist()
+    assert all(len(blocks) * flip._width(side) ** 2 <= len(other) * flip._width(size) ** 2 for size in flip.SIDES
+               for other in [np.unique(np.argwhere(differ) // size, axis=0)])
+
+
 def patches(cuts_y, cuts_x, speckles, seed=4):
     """Two images of rectangles between these lines, whose colours differ, with some single pixels of their own."""
     random = np.random.default_rng(seed)
