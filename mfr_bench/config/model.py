@@ -47,6 +47,9 @@ class Measure(_Plain):
     memory that the process that measures takes, which is then ended; None means 80 % of what is free when the run
     starts.
 
+    wait_s: what a run may spend, beside a tenth of the time of its samples, to wait while the device is slower than it
+    was, and to sample again what was sampled meanwhile.
+
     eliminate: the methods of a scene draw in rounds of one frame each, and the clearly slower leave early; their time
     limits are pooled, as wall time for all of the scene. max_error: largest error of a channel, against the image of
     all fragments, with which a method takes part; without it a method leaves only to one whose error and memory are no
@@ -65,13 +68,14 @@ class Measure(_Plain):
     keep: Annotated[tuple[Literal[KEPT], ...], Allowed(f"a list of {', '.join(KEPT)}")] = ()
     hard_limit_s: Seconds | None = None
     hard_limit_mb: Mebibytes | None = None
+    wait_s: Annotated[float, Interval(ge=0, le=3600), Allowed("seconds from 0 to 3600")] = 0.0
     eliminate: bool = False
     max_error: Unit | None = None
 
     def as_dict(self) -> dict[str, Any]:
-        """The fields; keys of elimination are left out at their defaults, so that older records stay valid."""
+        """The fields; keys that came later are left out at their defaults, so that older records stay valid."""
         return {name: value for name, value in super().as_dict().items()
-                if name not in ("eliminate", "max_error") or value}
+                if name not in ("wait_s", "eliminate", "max_error") or value}
 
     @property
     def longest_s(self) -> float:

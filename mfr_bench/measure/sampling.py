@@ -37,6 +37,7 @@ class Sampler:
     measure: Measure
     warmup_ms: list[float] = field(default_factory=list)
     samples_ms: list[float] = field(default_factory=list)
+    aside_ms: list[float] = field(default_factory=list)  # samples that were taken back
     stop_reason: str | None = None
     warm: bool = False
     spent_s: float = 0.0  # in frames, warm-up included
@@ -108,6 +109,14 @@ class Sampler:
         self.warm = True
         self.spent_s += time_ms / 1e3
         self.samples_ms.append(time_ms)
+
+    def set_aside(self, first: int) -> None:
+        """Take back the samples from the one of that number on: something slowed the device down meanwhile."""
+        taken_ms = self.samples_ms[first:]
+        del self.samples_ms[first:]
+        self.aside_ms += taken_ms
+        self.spent_s -= sum(taken_ms) / 1e3
+        self.stop_reason = None
 
     def interrupt(self) -> bool:
         """Stop here. Whether there are samples enough to keep."""

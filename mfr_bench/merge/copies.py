@@ -12,7 +12,7 @@ from ..store import KEY_FILE, ResultFolder
 from ..store.record import NODE, Cell, Shared, cell_key, fault, other_schema, parsed
 
 REPEATED = frozenset({  # what another run of the same cell gives anew
-    "warmup_ms", "samples_ms", "passes", "measured", "device"})
+    "warmup_ms", "samples_ms", "references_ms", "aside_ms", "passes", "measured", "device"})
 REPEATED_VALUES = frozenset({
     "samples", "time_ms", "time_ms_low", "time_ms_high", "noisy", "stop_reason", "repeats", "sessions",
     "distinct_images"})

@@ -11,6 +11,7 @@ from typing import Any
 from ..gpu.context import Device
 from ..gpu.timers import Timer
 from ..measure.split import Split
+from ..measure.watch import Unwatched, Watch
 from ..scene import Scene
 from ..scene.kinds import kind_of
 from .ahead import Ahead
@@ -27,7 +28,7 @@ class Bench:
     """The device and the timer of every cell, and `emit`, which receives the events of its measurement.
 
     answers: what this process knows of scenes. beside: another process, which does what no frame waits for; None where
-    there is none.
+    there is none. watch: tells whether the device was slower while samples were taken.
     """
 
     device: Device
@@ -36,6 +37,7 @@ class Bench:
     interrupted: Callable[[], bool] = lambda: False
     answers: Answers = field(default_factory=Answers)
     beside: Aside | None = None
+    watch: Watch | Unwatched = field(default_factory=Unwatched)
 
     def __post_init__(self) -> None:
         self.here = AtOnce(self.answers)

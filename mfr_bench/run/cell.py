@@ -49,6 +49,7 @@ class CellWork:
         self._pair: tuple[Sampler, ...] = ()  # an A/A pair: the same twice more, for the noise floor
         self.passes = {name: list(times_ms) for name, times_ms in partial.passes.items()}
         self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
+        self.references_ms: list[float] = []  # of the reference frame around the turn of each sample
         self.done = False  # nothing more is drawn for it
         self.repeats = 1  # frames in a sample
         self.pass_frames = PASS_FRAMES  # frames whose passes are timed
@@ -111,13 +112,21 @@ class CellWork:
     def batch(self, sampler: Sampler) -> None:
         """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed."""
         self._phases.begin("sampling")
+        first, watch, wait_s = len(sampler.samples_ms), self.bench.watch, sampler.measure.wait_s
         with self.bench.paused():
-            for _ in sampler.turn():
-                self.bench.stop_if_asked()
-                self.frame.show(self.scene.show(len(sampler.samples_ms)))
-                with self.bench.split.work("measure" if sampler.warm else "warm-up"):
-                    sampler.add(self._sample(sampler.warm))
-            passes = self._time_passes(1) if sampler.warm else {}
+            with self.bench.split.work("reference"), watch.turn() as turn:
+                for _ in sampler.turn():
+                    self.bench.stop_if_asked()
+                    self.frame.show(self.scene.show(len(sampler.samples_ms)))
+                    with self.bench.split.work("measure" if sampler.warm else "warm-up"):
+                        sampler.add(self._sample(sampler.warm))
+            if again := watch.again(turn, wait_s):
+                sampler.set_aside(first)
+                with self.bench.split.work("wait"):
+                    watch.wait(wait_s, self.bench.stop_if_asked)
+            elif sampler is self.sampler and turn.reference_ms is not None:
+                self.references_ms += [round(turn.reference_ms, 4)] * (len(sampler.samples_ms) - first)
+            passes = self._time_passes(1) if sampler.warm and not again else {}
         self._emit_new(passes)
 
     def warm_up(self, frames: int) -> None:
@@ -226,6 +235,8 @@ class CellWork:
         every = [Fitted(self.variant, stats) for stats in self.scene.frames]
         found = {"warmup_ms": self.sampler.warmup_ms, "samples_ms": self.sampler.samples_ms, "passes": self.passes,
                  "buffers": self.frame.memory_bytes, "frames": frame_values(every)}
+        if self.references_ms:
+            found |= {"references_ms": self.references_ms, "aside_ms": self.sampler.aside_ms}
         if self.job.cell.measure.counters:
             with self.bench.split.work("count"):
                 found["work"] = work_of(self.frame)

@@ -10,8 +10,10 @@ from multiprocessing.connection import Connection
 
 from ..errors import DeviceError, UnknownDeviceError
 from ..gpu.device import open_device
+from ..gpu.reference import ReferenceFrame
 from ..gpu.selftest import calibrate
 from ..gpu.timers import GpuTimer, WallTimer
+from ..measure.watch import Watch
 from ..methods import catalog
 from .answers import Answers
 from .aside import OtherProcess
@@ -47,7 +49,8 @@ def serve(link: Connection, want: str, timer: str) -> int:
     channel = Channel(link)
     answers = Answers()
     beside = OtherProcess(device.kind == "cpu", answers)
-    bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted, answers, beside)
+    watch = Watch(ReferenceFrame(device))
+    bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted, answers, beside, watch)
     measuring = Measuring(bench, catalog())
     link.send(Ready(device.info, device.limits, timer, calibration, device.bound_threads))
     while True:

@@ -64,9 +64,10 @@ def key(parts: Mapping[str, Any], texts: Mapping[str, str] = MappingProxyType({}
     return hashlib.sha256(f"{{{text}}}".encode()).hexdigest()[:KEY_DIGITS]
 
 
-GUARDS = ("hard_limit_s", "hard_limit_mb")  # settings that end a cell, and change no number of one that ends well
+GUARDS = ("hard_limit_s", "hard_limit_mb", "wait_s")  # settings that change no number of a cell that ends well
 
 
+SAMPLES = ("warmup_ms", "samples_ms", "aside_ms", "references_ms")  # lists of times in ms
 PACKAGES = ("package", "effect_package", "scene_package")  # from outside: of a cell's method, effect and scene
 
 
@@ -288,7 +289,7 @@ def _wrong_parts(cell: Cell) -> str | None:
 
 def _wrong_lists(cell: Cell) -> str | None:
     """The first of a cell's samples, passes, frames and further places that is not of its type; None if all are."""
-    if not all(is_samples(cell.get(name) or []) for name in ("warmup_ms", "samples_ms")):
+    if not all(is_samples(cell.get(name) or []) for name in SAMPLES):
         return "samples: not a list of numbers"
     passes, frames = cell.get("passes") or {}, cell.get("frames") or []
     if not (isinstance(passes, dict) and all(map(is_samples, passes.values()))):

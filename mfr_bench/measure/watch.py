@@ -1,0 +1,87 @@
+"""Tells whether the device was slower while samples were taken than in the best of times, and waits until it is not."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+SLOWER = 1.2  # times the best reference, from which on samples are not those of the device left alone
+SHARE = 0.1  # of the time of all turns, that a run may spend to take turns again, and to wait
+PAUSE_S = 0.05  # between two looks while waiting
+
+
+class Turn:
+    """What the reference frame showed around one turn: its longer time, and whether that is slower than usual."""
+
+    reference_ms: float | None = None
+    slower = False
+    took_s = 0.0
+
+
+class Watch:
+    """Times a reference frame before and after each turn of samples.
+
+    draw_ms: draws the reference frame and returns its time in ms. clock, sleep: in seconds.
+    """
+
+    def __init__(self, draw_ms: Callable[[], float], clock: Callable[[], float] = time.monotonic,
+                 sleep: Callable[[float], None] = time.sleep):
+        self._draw_ms, self._clock, self._sleep = draw_ms, clock, sleep
+        self.best_ms = math.inf  # of the reference so far
+        self._turns_s = self._spent_s = 0.0
+
+    def _look(self) -> float:
+        now_ms = self._draw_ms()
+        self.best_ms = min(self.best_ms, now_ms)
+        return now_ms
+
+    @contextmanager
+    def turn(self) -> Iterator[Turn]:
+        """Watch a turn; what is yielded tells of it when the turn has ended."""
+        seen, before_ms, begun_s = Turn(), self._look(), self._clock()
+        yield seen
+        seen.took_s = self._clock() - begun_s
+        self._turns_s += seen.took_s
+        seen.reference_ms = max(before_ms, self._look())
+        seen.slower = seen.reference_ms > SLOWER * self.best_ms
+
+    def again(self, turn: Turn, wait_s: float) -> bool:
+        """Whether a turn during which the device was slower is to be taken again.
+
+        wait_s: what a run may spend on this and on waiting, beside SHARE of the time of all turns.
+        """
+        if not turn.slower or turn.took_s > self._left_s(wait_s):
+            return False
+        self._spent_s += turn.took_s
+        return True
+
+    def wait(self, wait_s: float, look_around: Callable[[], None]) -> None:
+        """Wait until the reference is as fast as usual, or nothing is left to spend; look_around: called meanwhile."""
+        while (left_s := self._left_s(wait_s)) > 0:
+            begun_s = self._clock()
+            if self._look() <= SLOWER * self.best_ms:
+                return
+            look_around()
+            self._sleep(min(PAUSE_S, left_s))
+            self._spent_s += self._clock() - begun_s
+
+    def _left_s(self, wait_s: float) -> float:
+        return SHARE * self._turns_s + wait_s - self._spent_s
+
+
+class Unwatched:
+    """Looks at nothing: no turn is taken again."""
+
+    @contextmanager
+    def turn(self) -> Iterator[Turn]:
+        """A turn of which nothing is known."""
+        yield Turn()
+
+    def again(self, turn: Turn, wait_s: float) -> bool:
+        """Never."""
+        return False
+
+    def wait(self, wait_s: float, look_around: Callable[[], None]) -> None:
+        """Go on at once."""
