@@ -85,9 +85,11 @@ def colour_refs(variant: Variant, step: Pass) -> list[str]:
     return [ref for ref in step.into if split_ref(ref)[0] not in depth]
 
 
-def texel_bindings(step: Pass) -> list[Binding]:
+def texel_bindings(variant: Variant, step: Pass) -> list[Binding]:
     """The texture units of the buffers that a pass reads through textures of their memory."""
-    return [Binding(ref, texels_name(ref), TEXELS_UNIT - index) for index, ref in enumerate(step.texels)]
+    names = {b.name for b in variant.buffers}
+    return [Binding(ref, texels_name(ref), TEXELS_UNIT - index)
+            for index, ref in enumerate(ref for ref in step.texels if ref in names)]
 
 
 def texels_name(buffer: str) -> str:

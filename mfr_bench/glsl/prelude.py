@@ -73,6 +73,7 @@ COVERAGE_FILE = "scene/coverage.glsl"
 FRAGMENT_FILE, ONE_SAMPLE_FILE = "scene/fragment.glsl", "scene/one_sample.glsl"
 COLOUR_FILE, SHADE_FILE = "common/colour.glsl", "scene/shade.glsl"
 DRAWN_AS = {"masked": "quad"}  # kinds of primitives that the vertex shader of another draws
+TYPES_OF_64_BITS = ("uint64_t", "int64_t")
 _INTEGER = {"r32ui": "u"}  # the letter before GLSL's type for texels that are whole numbers
 # Fragment and payload as GLSL types, by the words of the payload. A struct of three words has no padding in std430.
 TYPES: Mapping[int, tuple[str, ...]] = {
@@ -151,21 +152,33 @@ def _buffer_block(buffer: Buffer, bound: Binding, readonly: bool) -> str:
     return _said(block, buffer)
 
 
-def _readers(variant: Variant, step: Pass, words: frozenset[str], texels: bool) -> list[str]:
-    """NAME_at(i) for each buffer that the shader reads so: through a texture of the same memory, or as it lies."""
-    units = {b.ref: b for b in texel_bindings(step)} if texels else {}
+def _readers(fitted: Fitted, step: Pass, words: frozenset[str], texels: bool) -> list[str]:
+    """NAME_at(i) for each buffer that the shader reads so: through a texture of the same memory, or as it lies.
+
+    An element of 64 bits is read as (low word, high word).
+    """
+    variant = fitted.variant
+    units = {b.ref: b for b in texel_bindings(variant, step)} if texels else {}
+    declared = {b.name: b for b in variant.buffers}
     lines: list[str] = []
     for b in buffer_bindings(variant, step):
         if reader_name(b.name) not in words:
             continue
         if b.ref in units:
-            sampler, parts = units[b.ref], ", ".join(f"texel.{part}" for part in "xyz"[:1 + variant.payload_words])
-            fetched = f"uvec4 texel = texelFetch({sampler.name}, int(at))"
-            lines += [f"layout(binding = {sampler.index}) uniform usamplerBuffer {sampler.name};",
-                      f"FRAGMENT {reader_name(b.name)}(uint at) {{ {fetched}; return FRAGMENT({parts}); }}"]
+            lines += _texel_reader(fitted, declared[b.ref], units[b.ref])
         else:
-            lines.append(f"#define {reader_name(b.name)}(at) {b.name}[at]")
+            wide = declared[split_ref(b.ref)[0]].type in TYPES_OF_64_BITS
+            element = f"unpackUint2x32(uint64_t({b.name}[at]))" if wide else f"{b.name}[at]"
+            lines.append(f"#define {reader_name(b.name)}(at) {element}")
     return lines
+
+
+def _texel_reader(fitted: Fitted, buffer: Buffer, sampler: Binding) -> list[str]:
+    parts = ", ".join(f"texel.{part}" for part in "xyz"[:fitted.element_bytes(buffer) // 4])
+    read = "uvec2" if buffer.type in TYPES_OF_64_BITS else buffer.type
+    body = f"{{ uvec4 texel = texelFetch({sampler.name}, int(at)); return {read}({parts}); }}"
+    return [f"layout(binding = {sampler.index}) uniform usamplerBuffer {sampler.name};",
+            f"{read} {reader_name(buffer.name)}(uint at) {body}"]
 
 
 def _said(declaration: str, resource: Buffer | Target | None) -> str:
@@ -262,7 +275,7 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
              *_uniform_blocks(fitted.variant, step, words)]
     if not is_vertex:
         lines += _resources(fitted, step, words)
-        lines += _readers(fitted.variant, step, words, texels and not counted)
+        lines += _readers(fitted, step, words, texels and not counted)
         lines += [clearing] if "CLEAR" in words else []
         lines += _outputs(fitted, step)
         lines += ["layout(early_fragment_tests) in;"] if step.state.early else []

@@ -76,7 +76,7 @@ class PassRunner:
             self.program = frame.device.program(self._stages(), f"method {frame.variant.method.id}, pass {step.name}")
         if step.kind in ("geometry", "fullscreen"):
             self.vao = frame.device.ctx.vertex_array(self.program, self._content())
-        self._texel_units = [(bound.ref, bound.index) for bound in texel_bindings(step)]
+        self._texel_units = [(bound.ref, bound.index) for bound in texel_bindings(frame.variant, step)]
         self._groups: dict[tuple[int, int], int] = {}  # work groups, by width and height of what they go over
         self.instances = frame.fitted.value(step.instances)
         self.samples = frame.stats.samples if step.kind == "geometry" else 1  # of a pixel, to rasterize into

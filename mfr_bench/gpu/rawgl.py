@@ -22,7 +22,8 @@ TEXTURE0, MULTISAMPLE, TEXTURE_SAMPLES, SAMPLES, NUM_SAMPLE_COUNTS = 0x84C0, 0x8
 FORMATS = {"r8": 0x8229, "rg8": 0x822B, "rgba8": 0x8058, "r16": 0x822A, "rgba16f": 0x881A, "r32f": 0x822E,
            "rg32f": 0x8230, "rgba32f": 0x8814, "r32ui": 0x8236, "depth16": 0x81A5, "depth32f": 0x8CAC,
            "depth24_stencil8": 0x88F0}
-TEXEL_FORMATS = {2: 0x823C, 3: 0x8D71}  # of a texture of a buffer's memory, by the words of an element: RG32UI, RGB32UI
+# Of a texture of a buffer's memory, by the words of an element: R32UI, RG32UI, RGB32UI.
+TEXEL_FORMATS = {1: 0x8236, 2: 0x823C, 3: 0x8D71}
 TEXTURE_BUFFER = 0x8C2A
 EQUATIONS = {"add": 0x8006, "max": 0x8008}
 FACTORS = {"zero": 0, "one": 1, "one_minus_src_alpha": 0x0303, "one_minus_dst_alpha": 0x0305, "dst_alpha": 0x0304}

@@ -31,10 +31,10 @@ METHODS = [
         steps=in_screen_region(
             clear("semaphore", "nodes"),
             Pass("store", "geometry", "methods/visibility/store.frag", writes=("semaphore", "nodes")),
-            Pass("opacity", "fullscreen", "methods/visibility/opacity.frag", reads=("nodes",), into=(IMAGE,),
-                 fetch="methods/ps/fetch.glsl"),
-            Pass("shade", "geometry", "methods/visibility/shade.frag", reads=("nodes",), into=(IMAGE,),
-                 state=State(blend=ADD)),
+            Pass("opacity", "fullscreen", "methods/visibility/opacity.frag", reads=("nodes",), texels=("nodes",),
+                 into=(IMAGE,), fetch="methods/ps/fetch.glsl"),
+            Pass("shade", "geometry", "methods/visibility/shade.frag", reads=("nodes",), texels=("nodes",),
+                 into=(IMAGE,), state=State(blend=ADD)),
         ),
     ),
 ]

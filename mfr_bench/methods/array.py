@@ -29,7 +29,8 @@ def array(method_id: str, name: str, source: str, summary: str, *params: Param, 
         steps=in_screen_region(
             clear("counter"),
             *(occupied(store) if select else (store,)),
-            resolve("counter", "nodes", fetch="methods/array/fetch.glsl", select=select, defines=SLOTS),
+            resolve("counter", "nodes", fetch="methods/array/fetch.glsl", texels=("nodes",), select=select,
+                    defines=SLOTS),
         ),
         **more,
     )

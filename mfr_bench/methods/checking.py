@@ -44,6 +44,10 @@ def _wrong_resources(method: Method) -> Iterator[Mistake]:
             if name.partition(".")[0] not in known:
                 yield Mistake(name, f"pass {step.name} uses {name!r}, which is no buffer or target of the method; "
                                     f"{one_of(name, known)}")
+        for name in step.texels:
+            if name not in step.reads:
+                yield Mistake(name, f"pass {step.name} has {name!r} in texels, and does not read it; "
+                                    f"{one_of(name, step.reads)}")
 
 
 def _wrong_formulas(method: Method) -> Iterator[Mistake]:

@@ -25,9 +25,9 @@ TILES = f"{COLUMNS}*ceil(H/{TILE})"
 ORDERERS = 64  # tiles that a work group orders, one for each invocation
 
 SLOTS = {"SLOTS": "n"}
-ALONE = resolve("counter", "nodes", fetch="methods/array/fetch.glsl", defines=SLOTS)
+ALONE = resolve("counter", "nodes", fetch="methods/array/fetch.glsl", texels=("nodes",), defines=SLOTS)
 IN_ORDER = {"TILE": TILE, "TILE_COLUMNS": COLUMNS, "TILE_COUNT": TILES, "ORDERED": ORDERED}
-ORDER_TILES = Pass("order", "compute", "methods/coherent/order.comp", reads=("counter", "nodes"),
+ORDER_TILES = Pass("order", "compute", "methods/coherent/order.comp", reads=("counter", "nodes"), texels=("nodes",),
                    writes=("tile_order",), groups=f"min(65535, ceil({TILES}/{ORDERERS}))",
                    defines={**IN_ORDER, "LOCAL": ORDERED, "ORDERERS": ORDERERS,
                             "SORT_INSERTION": 0, "SORT_SHELL": 0, "SORT_BUBBLE": 0},

@@ -35,7 +35,7 @@ METHODS = [
             clear("semaphore", "nodes", "tail", "tail_count"),
             Pass("store", "geometry", "methods/hybrid/store.frag",
                  writes=("semaphore", "nodes", "tail", "tail_count")),
-            resolve_sorted("nodes", "tail", "tail_count", fetch="methods/ps/fetch.glsl",
+            resolve_sorted("nodes", "tail", "tail_count", fetch="methods/ps/fetch.glsl", texels=("nodes",),
                            resolver="methods/hybrid/resolve.glsl", mixes=True),
         ),
     ),

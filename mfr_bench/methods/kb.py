@@ -76,7 +76,7 @@ def only(where: When, *steps: Pass) -> tuple[Pass, ...]:
 
 def kept_sorted(**more) -> Pass:
     """The resolve of the sorted slots of a pixel."""
-    return resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", hazards=True, **more)
+    return resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", texels=("nodes",), hazards=True, **more)
 
 
 METHODS = [
@@ -176,7 +176,8 @@ METHODS = [
         steps=in_screen_region(
             clear("depths"),
             *occupied(Pass("store", "geometry", "methods/kb/store_coded.frag", writes=("depths", "colours"))),
-            resolve("depths", "colours", fetch="methods/kb/fetch_coded.glsl", hazards=True),
+            resolve("depths", "colours", fetch="methods/kb/fetch_coded.glsl", texels=("depths", "colours"),
+                    hazards=True),
         ),
     ),
 ]

@@ -106,7 +106,7 @@ def kplus(method_id: str, name: str, section: str, summary: str, *params: Param,
         steps=in_screen_region(
             clear("counter", "semaphore", "nodes"),
             *occupied(store(shader, defines=PER_PIXEL)),
-            resolve("counter", "nodes", fetch=FETCH, defines=PER_PIXEL),
+            resolve("counter", "nodes", fetch=FETCH, texels=("nodes",), defines=PER_PIXEL),
         ),
         **{"guarantee": "exact k nearest", "ties": TIES, "beside": SLOTTED_WORDS, **more},
     )
@@ -128,7 +128,7 @@ def ranged(method_id: str, name: str, section: str, summary: str, counting: tupl
             *by_sums(again("referencing", "methods/kplus/empty.frag", "counter", "nodes", reads=("address",),
                            defines=EXACT_RANGES)),
             *occupied(*by_sums(store(reads=("address",), defines=EXACT_RANGES))),
-            *by_sums(resolve("counter", "address", "nodes", fetch=FETCH, defines=EXACT_RANGES)),
+            *by_sums(resolve("counter", "address", "nodes", fetch=FETCH, texels=("nodes",), defines=EXACT_RANGES)),
         ),
         **more,
     )
@@ -168,7 +168,7 @@ def slotted_dynamic(method_id: str, name: str, structure: str) -> Method:
             HISTOGRAM_PASS,
             clear("counter", "semaphore", "nodes"),
             *occupied(store(defines=PER_PIXEL)),
-            resolve("counter", "nodes", fetch=FETCH, defines=PER_PIXEL),
+            resolve("counter", "nodes", fetch=FETCH, texels=("nodes",), defines=PER_PIXEL),
         ),
     )
 
@@ -196,7 +196,7 @@ MULTI_PASS = Method(
         clear("counter", "semaphore", "nodes", "last", "repeats"),
         Loop((
             store("methods/kplus/store_beyond.frag", reads=("last", "repeats"), defines=PER_PIXEL),
-            resolve("counter", "nodes", fetch=FETCH, defines=PER_PIXEL, state=State(blend=UNDER)),
+            resolve("counter", "nodes", fetch=FETCH, texels=("nodes",), defines=PER_PIXEL, state=State(blend=UNDER)),
             Pass("advance", "fullscreen", "methods/kplus/advance.frag",
                  writes=("counter", "nodes", "last", "repeats"), defines=PER_PIXEL, counts=True),
         ), times="min(ceil(n / k), ceil(layers / k) or ceil(n / k))"),

@@ -36,7 +36,7 @@ METHODS = [
                  expand=partial(zeroed_apart, shared=("cell_counter",))),
             *occupied(Pass("store", "geometry", "methods/ll/store.frag", writes=("cell_counter", "next", "cells"),
                            defines={"ALLOCATION_PAGED": 0})),
-            resolve_sorted("next", "cells", fetch="methods/ll/fetch.glsl", hazards=True),
+            resolve_sorted("next", "cells", fetch="methods/ll/fetch.glsl", texels=("next", "cells"), hazards=True),
         ),
     ),
 ]

@@ -42,7 +42,7 @@ METHODS = [
                 Pass("store_depth", "geometry", "methods/mdt/store_depth.frag", writes=("depths",)),
                 Pass("store", "geometry", "methods/mdt/store_colour.frag", reads=("depths",), writes=("colours",)),
             ),
-            resolve_sorted("depths", "colours", fetch="methods/mdt/fetch.glsl"),
+            resolve_sorted("depths", "colours", fetch="methods/mdt/fetch.glsl", texels=("depths", "colours")),
         ),
     ),
     Method(
@@ -57,7 +57,7 @@ METHODS = [
         steps=in_screen_region(
             clear("nodes", "lock64"),
             *occupied(Pass("store", "geometry", "methods/mdt/store64.frag", writes=("nodes", "lock64"))),
-            resolve_sorted("nodes", fetch="methods/mdt/fetch64.glsl"),
+            resolve_sorted("nodes", fetch="methods/mdt/fetch64.glsl", texels=("nodes",)),
         ),
     ),
 ]

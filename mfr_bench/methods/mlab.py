@@ -34,7 +34,7 @@ METHODS = [
         steps=in_screen_region(
             clear("semaphore", "nodes"),
             Pass("store", "geometry", "methods/mlab/store.frag", writes=("semaphore", "nodes")),
-            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", mixes=True),
+            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", texels=("nodes",), mixes=True),
         ),
     ),
 ]

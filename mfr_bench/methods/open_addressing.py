@@ -83,17 +83,18 @@ def open_addressing(method_id: str, name: str, section: str, summary: str, order
 
 
 READS = ("ages", "offsets", "cells", "records")
+TABLE = {"fetch": FETCH, "texels": ("cells", "records")}
 
 METHODS = [
     open_addressing("open-post", "POST-OPEN", "§1.3.1-1.3.2",
                     "one hash table for all pixels, evicting younger fragments; sorted when rendered",
-                    "unsorted", resolve(*READS, fetch=FETCH), ties="kept, in no fixed order",
+                    "unsorted", resolve(*READS, **TABLE), ties="kept, in no fixed order",
                     cost="fragments are evicted and placed anew, with an atomic maximum for each cell tried, which "
                          "emulated is a loop of its own: open addressing is the slower allocation (gpupro5_ch1 §1.8)",
                     params=(LOAD_FACTOR, ATOMIC64, RENDERS, *RESOLVE_OPTIONS, TOUCHED)),
     open_addressing("open-pre", "PRE-OPEN", "§1.3.3",
                     "one hash table for all pixels, evicting younger fragments; kept sorted by the insertion",
-                    "sorted", resolve_sorted(*READS, fetch=FETCH), ties="kept, the larger payload as a number first",
+                    "sorted", resolve_sorted(*READS, **TABLE), ties="kept, the larger payload as a number first",
                     cost="every fragment traverses its pixel's whole list in global memory by evictions, quadratic in "
                          "its fragments, with an atomic maximum each step: the method that depth complexity hits "
                          "hardest (gpupro5_ch1 §1.7.2, Figure 1.6)",

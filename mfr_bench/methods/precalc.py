@@ -86,7 +86,7 @@ METHODS = [
             Pass("scan", "fullscreen", "methods/precalc/address_fixed.frag", writes=("address",)),
             Pass("store", "geometry", "methods/precalc/store_fixed.frag", reads=("address",),
                  writes=("counter", "nodes")),
-            resolve("counter", "address", "nodes", fetch="methods/precalc/fetch_fixed.glsl"),
+            resolve("counter", "address", "nodes", fetch="methods/precalc/fetch_fixed.glsl", texels=("nodes",)),
         ),
     ),
 ]

@@ -36,7 +36,7 @@ METHODS = [
         steps=in_screen_region(
             clear("semaphore", "nodes"),
             *occupied(Pass("store", "geometry", "methods/ps/store.frag", writes=("semaphore", "nodes"))),
-            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl"),
+            resolve_sorted("nodes", fetch="methods/ps/fetch.glsl", texels=("nodes",)),
         ),
     ),
 ]

@@ -43,7 +43,7 @@ NODES = Buffer("nodes", "2*capacity", type="FRAGMENT", doc="fragments, the range
 GROUP_TOTAL = Buffer("group_total", "counters", clear="0u", doc="fragments of each group of pixels")
 FETCH = "methods/sbuffer/fetch.glsl"
 STORE = Pass("store", "geometry", "methods/sbuffer/store.frag", writes=("address", "nodes"))
-RESOLVE = resolve("counter", "address", "nodes", fetch=FETCH)
+RESOLVE = resolve("counter", "address", "nodes", fetch=FETCH, texels=("nodes",))
 
 
 def referencing(bounded: bool = False) -> tuple[Pass, ...]:
@@ -108,7 +108,8 @@ METHODS = [
             params=(*RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD),
             fixed=(COUNTERS.at(1), MAPPING.at("forward"), HASH.at("column"))),
     sbuffer("kb-ab-sb", "KB-AB_SB", "kplus_2015 §2, §5", "S-buffer of all fragments; the resolve picks the k nearest",
-            fill=occupied_steps(), finish=resolve("counter", "address", "nodes", fetch=FETCH, select=True),
+            fill=occupied_steps(), finish=resolve("counter", "address", "nodes", fetch=FETCH, texels=("nodes",),
+                                                   select=True),
             guarantee="exact k nearest",
             ties="kept; the first to arrive wins the last place", local="k",
             params=(K, COUNTERS, MAPPING, HASH, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD)),

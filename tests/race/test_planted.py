@@ -157,7 +157,7 @@ FAULTS = [
             "touched=tiles", fragments=(2, *(0,) * 30, 2, *(0,) * 20, 2)),
     # A method that loses equal depths keeps one of each all the same; and nothing else is in its place.
     Fault("no fragment of a depth kept", "kb-mdt32", "methods/mdt/fetch.glsl",
-          "at >= pixels && depths[at - pixels] == depth", "at < pixels", ("k=3",), fragments=(4,), ties=True),
+          "at >= pixels && depths_at(at - pixels) == depth", "at < pixels", ("k=3",), fragments=(4,), ties=True),
     Fault("a layer skipped behind equal depths", "peel-f2b", "methods/peel/f2b.frag", "gl_FragCoord.z <= texel",
           "gl_FragCoord.z <= 0.02 + texel", fragments=(3,), ties=True),
 ]

@@ -26,7 +26,7 @@ METHODS = [
         steps=in_screen_region(
             clear("counter"),
             Pass("store", "geometry", "methods/my_array/store.frag", writes=("counter", "nodes")),
-            resolve("counter", "nodes", fetch="methods/my_array/fetch.glsl"),
+            resolve("counter", "nodes", fetch="methods/my_array/fetch.glsl", texels=("nodes",)),
         ),
     ),
 ]

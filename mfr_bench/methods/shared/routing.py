@@ -43,4 +43,4 @@ def collected(samples: str, most: str) -> tuple[Pass, ...]:
 
 def resolve_collected(most: str) -> Pass:
     """The resolve of the array that the passes have filled."""
-    return resolve("counter", "nodes", fetch="methods/array/fetch.glsl", defines={"SLOTS": most})
+    return resolve("counter", "nodes", fetch="methods/array/fetch.glsl", texels=("nodes",), defines={"SLOTS": most})

@@ -79,7 +79,7 @@ class Pass:
     instances: str = "1"  # fullscreen: how often it is drawn, a formula
     counts: bool = False  # count the samples that pass, by an occlusion query
     # Of the buffers that it reads, those that it reads through a texture of the same memory where the device has one so
-    # large; of these it sees NAME_at(i) as NAME[i].
+    # large; of these it sees NAME_at(i) as NAME[i]. A resolve does so with whatever it reads for each fragment.
     texels: tuple[str, ...] = ()
     totals: str | None = None  # a buffer whose words, as the pass leaves them, add up to the capacity
     decides: bool = False  # afterwards the host sets k and the capacity, as the method's `Decided` says

@@ -30,7 +30,7 @@ void order_tile(uvec2 tile) {
     uint t = tile.y * uint(TILE_COLUMNS) + tile.x, most, leader = leading_pixel(uint(TILE) * tile, most);
     uint ordered = min(most, uint(ORDERED));
     for (uint slot = 0u; slot < ordered; ++slot) {
-        fragments[slot] = nodes[slot * pixels + leader];
+        fragments[slot] = nodes_at(slot * pixels + leader);
         fragments[slot].y = slot;
     }
     sort_fragments(ordered);

@@ -45,7 +45,7 @@ uint share_order(uint count, uvec2 first) {
     barrier();
     uint leader = leading_pixel(first, most), ordered = min(most, uint(ORDERED));
     for (uint slot = lane; slot < ordered; slot += uint(LANES))
-        tile_words[DEPTHS + slot] = nodes[slot * pixels + leader].x;
+        tile_words[DEPTHS + slot] = nodes_at(slot * pixels + leader).x;
     barrier();
     for (uint slot = lane; slot < ordered; slot += uint(LANES)) tile_words[RANKED + rank_of(slot, ordered)] = slot;
     barrier();

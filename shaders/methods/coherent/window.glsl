@@ -36,7 +36,7 @@ vec4 composite_in_order(uint p, uint count, uint ordered, out bool right) {
     for (uint rank = 0u; rank < ordered && right; ++rank) {
         uint slot = ordered_slot(rank);
         if (slot >= count) continue;
-        FRAGMENT nearest = exchange(nodes[slot * pixels + p]);
+        FRAGMENT nearest = exchange(nodes_at(slot * pixels + p));
         right = nearest.x >= depth;
         depth = nearest.x;
         if (met++ >= uint(WINDOW)) colour = onto(colour, colour_of(nearest));

@@ -2,7 +2,6 @@
 // contain a code of depth and colour. A slot whose halves come from two different fragments is detected in three cases
 // of four and then reads as empty.
 // Source: a reconstruction; the code of Zhang 2014 is not public.
-// Buffers: reads depths, colours.
 #include "common/hash.glsl"
 
 const uint DEPTH_BITS = 0x3FFFFFFFu;
@@ -11,7 +10,7 @@ uint coded(uint depth, uint colour) {
     return depth | (mix_bits(depth ^ mix_bits(colour)) & ~DEPTH_BITS);
 }
 
-FRAGMENT read_slot(uint p, uint slot) {
-    uint at = slot * pixels + p, code = depths[at], depth = code & DEPTH_BITS, colour = colours[at];
+FRAGMENT decoded(uint code, uint colour) {
+    uint depth = code & DEPTH_BITS;
     return code != EMPTY && code == coded(depth, colour) ? FRAGMENT(depth, colour) : FRAGMENT(EMPTY, 0u);
 }

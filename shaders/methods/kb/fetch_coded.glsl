@@ -1,4 +1,5 @@
 // Reads the slots of a pixel whose code is right, in any order.
+// Buffers: reads depths, colours.
 #include "methods/kb/coded.glsl"
 
 uint fetch_pixel, fetch_slot;
@@ -10,7 +11,8 @@ void fetch_begin(uint p) {
 
 bool fetch_next(out FRAGMENT fragment) {
     for (; fetch_slot < BOUND; ++fetch_slot) {
-        fragment = read_slot(fetch_pixel, fetch_slot);
+        uint at = fetch_slot * pixels + fetch_pixel;
+        fragment = decoded(depths_at(at), colours_at(at));
         if (fragment.x != EMPTY) {
             ++fetch_slot;
             return true;

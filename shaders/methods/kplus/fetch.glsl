@@ -16,7 +16,7 @@ void fetch_begin(uint p) {
 
 bool fetch_next(out FRAGMENT fragment) {
     if (fetch_slot >= fetch_end) return false;
-    fragment = NODE(fetch_pixel, fetch_slot);
+    fragment = nodes_at(PLACE(fetch_pixel, fetch_slot));
     ++fetch_slot;
     return true;
 }

@@ -14,16 +14,18 @@ const uint COUNTED = ONE_TAKEN - 1u;
 #include "methods/sbuffer/sums.glsl"
 uint first_cell;
 #define FIND_CELLS(p) first_cell = first_of_range(p, address[p], ROOM(p));
-#define NODE(p, slot) nodes[first_cell + (slot)]  // depth bits, RGBA8
+#define PLACE(p, slot) (first_cell + (slot))
 #else
 #define FIND_CELLS(p)
-#define NODE(p, slot) nodes[address[p] + (slot)]  // depth bits, RGBA8
+#define PLACE(p, slot) (address[p] + (slot))
 #endif
 #else
 #define FIND_CELLS(p)
-#define NODE(p, slot) nodes[(slot) * pixels + (p)]
+#define PLACE(p, slot) ((slot) * pixels + (p))
 #define ROOM(p) BOUND
 #endif
+
+#define NODE(p, slot) nodes[PLACE(p, slot)]  // depth bits, RGBA8
 
 uint taken(uint p) {
     return counter[p] >> COUNTED_BITS;

@@ -5,12 +5,12 @@
 uint fetch_at;
 
 void fetch_begin(uint list) {
-    fetch_at = IS_HELPER ? EMPTY : next[list];
+    fetch_at = IS_HELPER ? EMPTY : next_at(list);
 }
 
 bool fetch_next(out FRAGMENT fragment) {
     if (fetch_at >= capacity) return false;
-    fragment = cells[fetch_at];
-    fetch_at = next[uint(BUCKETS) * pixels + fetch_at];
+    fragment = cells_at(fetch_at);
+    fetch_at = next_at(uint(BUCKETS) * pixels + fetch_at);
     return true;
 }

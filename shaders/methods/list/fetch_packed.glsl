@@ -1,8 +1,6 @@
 // Reads the fragments of a list of 64-bit records (link, inverted depth) in the order of its links.
 // Buffers: reads records, payload.
-#define BUFFER64 records
 #include "common/helper.glsl"
-#include "common/load64.glsl"
 #include "common/payload.glsl"
 
 uint fetch_at;
@@ -13,9 +11,9 @@ void fetch_begin(uint p) {
 
 bool fetch_next(out FRAGMENT fragment) {
     if (IS_HELPER) return false;
-    uvec2 record = load64(fetch_at);
+    uvec2 record = records_at(fetch_at);
     if (record == uvec2(0u)) return false;
     fetch_at = record.x;
-    fragment = fragment_of(~record.y, payload[fetch_at - pixels]);
+    fragment = fragment_of(~record.y, payload_at(fetch_at - pixels));
     return true;
 }

@@ -11,7 +11,7 @@ void fetch_begin(uint p) {
 
 bool fetch_next(out FRAGMENT fragment) {
     if (fetch_at == 0u || fetch_at > capacity) return false;
-    fragment = cells[--fetch_at];
-    if (fetch_at % uint(PAGE) == 0u) fetch_at = page_link[fetch_at / uint(PAGE)];
+    fragment = cells_at(--fetch_at);
+    if (fetch_at % uint(PAGE) == 0u) fetch_at = page_link_at(fetch_at / uint(PAGE));
     return true;
 }

@@ -5,14 +5,14 @@
 uint fetch_node, fetch_left;
 
 void fetch_begin(uint p) {
-    fetch_node = IS_HELPER ? pixels + p : next[p];
+    fetch_node = IS_HELPER ? pixels + p : next_at(p);
     fetch_left = BOUND;
 }
 
 bool fetch_next(out uvec2 fragment) {
-    fragment = cells[fetch_node];
+    fragment = cells_at(fetch_node);
     if (fetch_left == 0u || fragment.x == EMPTY) return false;
     --fetch_left;
-    fetch_node = next[fetch_node];
+    fetch_node = next_at(fetch_node);
     return true;
 }

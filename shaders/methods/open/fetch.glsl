@@ -6,10 +6,10 @@
 
 uvec2 cell_at(uint at) {
 #if ATOMIC64_NATIVE
-    return unpackUint2x32(cells[at]);
+    return cells_at(at);
 #else
-    uint record = cells[at];
-    return record == 0u ? uvec2(0u) : records[record - 1u];
+    uint record = cells_at(at);
+    return record == 0u ? uvec2(0u) : records_at(record - 1u);
 #endif
 }
 

@@ -11,6 +11,6 @@ void fetch_begin(uint p) {
 
 bool fetch_next(out FRAGMENT fragment) {
     if (fetch_at >= fetch_end) return false;
-    fragment = nodes[fetch_at++];
+    fragment = nodes_at(fetch_at++);
     return true;
 }

@@ -1,7 +1,7 @@
 // Reads the sorted slots of a pixel.
 // Buffers: reads nodes.
 FRAGMENT slot_fragment(uint at) {
-    return nodes[at];
+    return nodes_at(at);
 }
 
 #include "common/sorted_slots.glsl"
