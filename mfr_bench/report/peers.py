@@ -19,6 +19,7 @@ COLUMNS: Mapping[str, tuple[str, ...]] = {
     "measured.csv": ("method", "parameters", "implementation", "commit", "measured", "device", "date", "width",
                      "height", "density", "n", "k", "ours_ms", "theirs_ms", "ratio", "ratio_low", "ratio_high"),
     "reasons.csv": ("method", "parameters", "implementation", "reason"),
+    "reads.csv": ("method", "parameters", "n", "k", "ratio", "ratio_low", "ratio_high"),
     "differences.csv": ("method", "source", "here", "choice", "worth"),
 }
 HEAD = """# Fair to every method
@@ -47,26 +48,10 @@ ALIKE_FOR_ALL = """## What is one decision for all methods
 - How shaders know k as the bound of their loops: `bound`, which docs/methods.md tells.
 - How a resolve reads what is stored for each fragment: through textures of the buffers' memory, where the device has
   them so large (GL_MAX_TEXTURE_BUFFER_SIZE), otherwise as it lies. llvmpipe reads a storage buffer lane by lane in a
-  loop, and a texture for all lanes at once. CPU time of a frame through textures over that of buffers as they lie,
-  256×256 pixels, all covered, with the 95 % interval of the median of 9 rounds:
+  loop, and a texture for all lanes at once.
 
-| method | n = 16 | n = 64 |
-| --- | --- | --- |
-| `ab-array` | 0.95 [0.87, 1.02] | 0.83 [0.82, 0.84] |
-| `ab-array` (sort: lplus) | 0.90 [0.89, 0.91] | 0.87 [0.81, 0.91] |
-| `ab-precalc-fixed` | | 0.92 [0.91, 0.92] |
-| `ab-sb` | 0.97 [0.92, 1.00] | 0.93 [0.92, 0.93] |
-| `ab-ll` | 0.95 [0.93, 0.99] | 0.99 [0.93, 1.37] |
-| `ab-ll-paged` | | 1.00 [0.97, 1.01] |
-| `kb-ab-array` (k: 8) | | 0.70 [0.69, 0.72] |
-| `kplus-array` (k: 8) | 0.98 [0.98, 1.06] | 1.00 [0.99, 1.01] |
-| `kplus-array` (k: 64) | | 0.89 [0.88, 0.92] |
-| `kplus-sb` (k: 16) | | 0.97 [0.94, 1.01] |
-| `kb-ps` (k: 8) | 1.01 [0.99, 1.02] | 1.00 [0.98, 1.00] |
-| `kb-mdt32` (k: 16) | | 0.99 [0.98, 0.99] |
-| `mlab` (k: 16) | | 0.99 [0.99, 1.01] |
-
-With 4 and 8 fragments AB_Array, S-buffer, AB_LL and K⁺B-Array take 0.93 to 1.00. No GPU was measured.
+CPU time of a frame through textures over that of buffers as they lie on llvmpipe, 256×256 pixels, all of them covered,
+with the 95 % interval of the median of 9 rounds; no GPU was measured:
 """
 DIFFERENCES = """## Where methods differ from their sources, and what that is worth
 
@@ -79,7 +64,8 @@ def as_markdown() -> str:
     """The page. Raises StoreError for tables whose columns are others, or for a ratio without its reason."""
     rows = list(table("measured.csv"))
     reasons = {(r["method"], r["parameters"], r["implementation"]): r["reason"] for r in table("reasons.csv")}
-    lines = [HEAD, *_measured(rows), "", REASONS, *_reasons(rows, reasons), "", OPEN, ALIKE_FOR_ALL, DIFFERENCES]
+    lines = [HEAD, *_measured(rows), "", REASONS, *_reasons(rows, reasons), "", OPEN, ALIKE_FOR_ALL, *_reads(), "",
+              DIFFERENCES]
     lines += markdown_table(("method", "the source", "here", "chosen by", "worth"),
                             ((f"`{r['method']}`", r["source"], r["here"], r["choice"] and f"`{r['choice']}`",
                               r["worth"]) for r in table("differences.csv")))
@@ -102,6 +88,12 @@ def _measured(rows: Iterable[dict[str, str]]) -> list[str]:
               f"{r['width']}×{r['height']}", f"{float(r['density']):.0%}", r["n"], r["k"], r["ours_ms"], r["theirs_ms"],
               f"{r['ratio']} [{r['ratio_low']}, {r['ratio_high']}]") for r in rows)
     return markdown_table(head, cells)
+
+
+def _reads() -> list[str]:
+    return markdown_table(("method", "parameters", "n", "k", "ratio"), (
+        (f"`{r['method']}`", r["parameters"], r["n"], r["k"], f"{r['ratio']} [{r['ratio_low']}, {r['ratio_high']}]")
+        for r in table("reads.csv")))
 
 
 def _reasons(rows: Iterable[dict[str, str]], reasons: Mapping[tuple[str, str, str], str]) -> list[str]:
