@@ -149,7 +149,7 @@ FAULTS = [
     Fault("an order that is read before it is there", "ab-coherent", "methods/coherent/order.glsl",
           "= slot;\n    barrier();", "= slot;", ("resolve=compute",)),
     Fault("a rank by depths that are not there yet", "ab-coherent", "methods/coherent/order.glsl",
-          "[slot * pixels + leader].x;\n    barrier();", "[slot * pixels + leader].x;", ("resolve=compute",)),
+          "(slot * pixels + leader).x;\n    barrier();", "(slot * pixels + leader).x;", ("resolve=compute",)),
     counted("adaptive", "methods/adaptive/store.frag", "atomicAdd(counter[p], 1u)", "counter[p]++"),
     counted("adaptive", "methods/adaptive/allocate.frag", "atomicAdd(taken[0], count)",
           "((taken[0] += count) - count)", "spare_memory=0"),
