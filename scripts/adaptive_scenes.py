@@ -1,0 +1,214 @@
+#!/usr/bin/env python3
+"""Measures `adaptive` beside the fastest other exact method where geometry does not fill rectangles.
+
+scripts/adaptive_scenes.py FILE [--rounds 7] [--only TEXT] [--deep] [--table]
+
+FILE is a CSV table with a row for each scene; a scene that has one is not measured again. All methods draw a scene in
+turns in one process, by its processor time; every image is compared with the oracle's. --only: scenes whose names have
+TEXT. --deep: the scenes with up to 1024 layers at 512x512 instead. --table: print FILE in Markdown, measure nothing.
+For a driver that draws on the CPU.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from statistics import median
+
+from in_turns import add_row, geometric_mean, in_turns, ratio, rows_of
+
+from mfr_bench.errors import MfrError
+from mfr_bench.gpu.device import open_device
+from mfr_bench.gpu.frame import Frame
+from mfr_bench.gpu.single import Shown
+from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
+from mfr_bench.scene import Scene, generate
+from mfr_bench.scene.kinds.mesh import View
+from mfr_bench.store.status import EXACT_ERROR
+
+ROOT = Path(__file__).resolve().parents[1]
+OTHERS = {"ab-array": "AB_Array", "ab-ll": "AB_LL", "ab-sb": "AB_SB", "ab-precalc-fixed": "PreCalc_Fixed",
+          "ab-dfb": "DFB"}
+MINE, FLOOR, REUSE = "adaptive", "floor", "ab-sb reuse_count=on"
+MESH_LIKE = ("hairball", "needles", "temple", "mesh", "hair,")  # how the names of meshes and their stand-ins begin
+FEW = 16  # layers: where no pixel has more, the frames are told apart in the summary
+KEPT = 2  # others that are measured in all rounds, the fastest by a first look
+LOOK_ROUNDS = 3
+
+
+def stand_in(kind: str, most: int, mean: float, density: float = 0.5, **more) -> Scene:
+    return Scene(kind=kind, depth_complexity=most, mean_depth=mean, pixel_density=density, size=(256, 256), seed=1,
+                 **more)
+
+
+def quads(layers: int, **more) -> Scene:
+    return Scene(depth_complexity=layers, size=(256, 256), seed=1, **more)
+
+
+def mesh(name: str) -> Scene:
+    return Scene(kind="mesh", file=name, folder=str(ROOT / "configs" / "meshes"), depth_complexity=1, size=(256, 256),
+                 alpha="material", order="random", seed=1,
+                 view=View(projection="perspective", eye=(1, 2, 3), target=(0, 0, 0)))
+
+
+def hair(width: float, thin: str) -> Scene:
+    return Scene(kind="strands", depth_complexity=1, size=(256, 256), strands=5000, segments=16, alpha=(0.4, 0.9),
+                 order="file", seed=1, width=width, thin=thin)
+
+
+def scattered(layers: int, **more) -> Scene:
+    return quads(layers, layout="random", quad_size=(16, 16), **more)
+
+
+def tiles(layers: int, density: float) -> Scene:
+    return quads(layers, layout="tiles", pixel_density=density)
+
+
+SCENES: Mapping[str, Scene] = {
+    **{f"{kind}, {most} layers": stand_in(kind, most, mean)
+       for kind in ("hairball", "needles", "temple") for most, mean in ((6, 2.5), (16, 8), (60, 30))},
+    "temple, 200 layers": stand_in("temple", 200, 100),
+    "hairball, 60 layers in 5 %": stand_in("hairball", 60, 30, 0.05),
+    "temple, 60 layers in 5 %": stand_in("temple", 60, 30, 0.05),
+    "hairball, 60 layers, opaque": stand_in("hairball", 60, 30, alpha=(1.0, 1.0)),
+    "mesh knot.obj": mesh("knot.obj"), "mesh solids.obj": mesh("solids.obj"),
+    "hair, half a pixel, slivers": hair(0.5, "sliver"), "hair, 2 pixels wide": hair(2.0, "alpha"),
+    **{f"16 × 16 quads at random places, {layers} in the mean": scattered(layers) for layers in (1, 4, 16, 64)},
+    "16 × 16 quads at random places, 16 in the mean, opaque": scattered(16, alpha=(1.0, 1.0)),
+    "slanted quads, 16 layers": quads(16, slant=0.7, pixel_density=0.5),
+    "slanted quads, 64 layers": quads(64, slant=0.7, pixel_density=0.1),
+    "tiles of quads, 4 layers in 1 %": tiles(4, 0.01),
+    **{f"tiles of quads, {layers} layers": tiles(layers, 0.5) for layers in (4, 16, 64)},
+}
+DEEP: Mapping[str, Scene] = {
+    f"{name}, {scene.depth_complexity} layers": replace(scene, size=(512, 512))
+    for name, scene in {
+        "quads in a block": quads(1024, pixel_density=0.2),
+        "tiles of quads": tiles(1024, 0.2), "slanted quads": quads(1024, slant=0.7, pixel_density=0.1),
+        "hairball": stand_in("hairball", 1024, 200, 0.2), "needles": stand_in("needles", 1024, 200, 0.2)}.items()}
+
+
+@contextmanager
+def drawn(on: Shown, names: Sequence[str]) -> Iterator[dict[str, Frame]]:
+    """Frames of the methods, each drawn until it fits and its image found right; what cannot be drawn is told."""
+    frames: dict[str, Frame] = {}
+    try:
+        for name in names:
+            try:
+                frames[name] = checked(on, name)
+            except (MfrError, MemoryError) as error:
+                print(f"{name} is left out: {error}", file=sys.stderr)
+        yield frames
+    finally:
+        for frame in frames.values():
+            frame.release()
+
+
+def checked(on: Shown, name: str) -> Frame:
+    """A frame of a method with its parameters, `id name=value …`. Exits where an exact image is wrong."""
+    method, *given = name.split()
+    variant = catalog()[method].variant(dict(each.split("=") for each in given))
+    frame = Frame(on.device, Fitted(variant, on.stats), on.scene_buffer, on.canvas)
+    frame.draw_fitting()
+    frame.draw()
+    errors = on.errors(variant, frame.image())
+    if errors and (errors["max_abs_error"] > EXACT_ERROR or frame.lost_fragments()):
+        raise SystemExit(f"{name}: the image is wrong by {errors['max_abs_error']:.3g}; its times would mean nothing")
+    return frame
+
+
+def measured(device, name: str, scene: Scene, rounds: int) -> dict[str, object]:
+    """The row of a scene."""
+    on = Shown(device, generate(scene))
+    try:
+        with drawn(on, [MINE, FLOOR, REUSE, *OTHERS]) as frames:
+            looked = in_turns(device, frames, LOOK_ROUNDS)
+            kept = sorted((m for m in OTHERS if m in frames), key=lambda m: median(looked[m]))[:KEPT]
+            times = in_turns(device, {m: frames[m] for m in (MINE, FLOOR, REUSE, *kept) if m in frames}, rounds)
+            return {"scene": name, **depths(on), "plan": plan_of(frames[MINE]), **compared(times)}
+    finally:
+        on.canvas.release()
+        on.scene_buffer.release()
+
+
+def depths(on: Shown) -> dict[str, object]:
+    """Fragments of a covered pixel in the mean and at most, and the share of the pixels that are covered."""
+    covered = int(sum(on.stats.histogram[1:]))
+    return {"mean": round(on.stats.F / max(1, covered), 1), "most": on.stats.n,
+            "covered": round(covered / on.stats.P, 4)}
+
+
+def plan_of(frame: Frame) -> str:
+    return "guessed" if frame.plan.guessed else f"`{frame.plan.path}`"
+
+
+def compared(times: Mapping[str, Sequence[float]]) -> dict[str, object]:
+    """The columns that times in ms come to: those of the fastest other, and the ratios to it and to two more."""
+    fastest = min((m for m in times if m in OTHERS), key=lambda m: median(times[m]))
+    low, middle, high = ratio(times[MINE], times[fastest])
+    beside = {column: round(ratio(times[MINE], times[m])[1], 3) if m in times else ""
+              for column, m in (("floor", FLOOR), ("reuse", REUSE))}
+    return {"ms": round(median(times[MINE]), 2), "fastest": fastest, "fastest_ms": round(median(times[fastest]), 2),
+            "ratio": round(middle, 3), "low": "" if low is None else round(low, 3),
+            "high": "" if high is None else round(high, 3), **beside}
+
+
+COLUMNS = {
+    "scene": lambda r: r["scene"],
+    "fragments of a covered pixel: mean, most": lambda r: f"{float(r['mean']):g}, {r['most']}",
+    "covered": lambda r: f"{100 * float(r['covered']):.0f} %",
+    "plan": lambda r: r["plan"],
+    "adaptive, ms": lambda r: f"{float(r['ms']):.1f}",
+    "fastest other, ms": lambda r: f"{OTHERS[r['fastest']]} {float(r['fastest_ms']):.1f}",
+    "over it": lambda r: f"{float(r['ratio']):.2f}" + (f" [{float(r['low']):.2f}, {float(r['high']):.2f}]"
+                                                      if r["low"] else ""),
+    "over the floor": lambda r: f"{float(r['floor']):.2f}" if r["floor"] else "",
+    "over AB_SB that reuses its count": lambda r: f"{float(r['reuse']):.2f}" if r["reuse"] else "",
+}
+LEFT = 4  # columns of words; those of numbers go to the right, but for the name of the fastest
+
+
+def as_table(rows: Sequence[Mapping[str, str]]) -> str:
+    """The rows in Markdown, and a line on all of them."""
+    rules = ["---" if i < LEFT or name.startswith("fastest") else "---:" for i, name in enumerate(COLUMNS)]
+    lines = [list(COLUMNS), rules, *([told(row) for told in COLUMNS.values()] for row in rows)]
+    return "\n".join(["| " + " | ".join(line) + " |" for line in lines] + ["", *summary(rows)])
+
+
+def summary(rows: Sequence[Mapping[str, str]]) -> list[str]:
+    """How often it is fastest, and geometric means: of all scenes, of meshes and their stand-ins, deep and shallow."""
+    like = [row for row in rows if row["scene"].startswith(MESH_LIKE)]
+    groups = {"all scenes": rows, "meshes and their stand-ins": like,
+              f"of these, more than {FEW} layers": [row for row in like if int(row["most"]) > FEW],
+              f"of these, up to {FEW} layers": [row for row in like if int(row["most"]) <= FEW]}
+    return [f"{name}: fastest in {sum(r < 1 for r in ratios)} of {len(ratios)}, at most {max(ratios):.2f}, geometric "
+            f"mean {geometric_mean(ratios):.3f}"
+            for name, some in groups.items() if (ratios := [float(row["ratio"]) for row in some])]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("file", type=Path)
+    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--deep", action="store_true")
+    parser.add_argument("--table", action="store_true")
+    given = parser.parse_args()
+    scenes = {name: scene for name, scene in (DEEP if given.deep else SCENES).items() if given.only in name}
+    done = {row["scene"] for row in rows_of(given.file)}
+    if not given.table and scenes.keys() - done:
+        device = open_device("cpu")
+        for name, scene in scenes.items():
+            if name not in done:
+                add_row(given.file, measured(device, name, scene, given.rounds))
+    order = {name: place for place, name in enumerate((*SCENES, *DEEP))}
+    print(as_table(sorted(rows_of(given.file), key=lambda row: order.get(row["scene"], len(order)))))
+
+
+if __name__ == "__main__":
+    main()
