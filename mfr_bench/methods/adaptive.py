@@ -154,6 +154,10 @@ class Layout:
         return ("nodes",) if self.defines["PLANES"] else ("counter", "nodes")
 
     @property
+    def may_be_guessed(self) -> bool:
+        return bool(self.defines["DENSE"] and not self.defines["PLANES"])
+
+    @property
     def reads(self) -> tuple[str, ...]:
         return self.storage if self.defines["DENSE"] else (*self.storage, "fragment_counts")
 
@@ -223,10 +227,11 @@ def _resolve(index: int, layout: Layout) -> Pass:
     low, high = BOUNDS[index], BOUNDS[index + 1]
     return Pass("resolve", "fullscreen", "methods/adaptive/resolve.frag", region=True, into=(IMAGE,),
                 runs_in=lambda plan: layout.runs_in(plan) and low < plan.known.layers <= high and not _classed(plan),
-                reads=layout.reads, writes=() if high <= HALVES else ("nodes",),
+                reads=layout.reads,
+                writes=(*(("deepest",) if layout.may_be_guessed else ()), *(("nodes",) if high > HALVES else ())),
                 texels=() if high <= UNCHUNKED else ("nodes",),
                 resolver=f"methods/adaptive/{_resolver(high)}.glsl",
-                defines={**layout.defines, "NETWORK": min(high, HALVES)})
+                defines={**layout.defines, "NETWORK": min(high, HALVES), "ASKS": int(layout.may_be_guessed)})
 
 
 def _resolver(most: int) -> str:
@@ -237,7 +242,8 @@ def _resolver(most: int) -> str:
 def _resolve_class(index: int, layout: Layout) -> Pass:
     step = _resolve(index, layout)
     low, high = BOUNDS[index], BOUNDS[index + 1]
-    return replace(step, into=(IMAGE, PIXEL_CLASS.name), defines={**step.defines, "CLASS": index},
+    return replace(step, into=(IMAGE, PIXEL_CLASS.name), defines={**step.defines, "CLASS": index, "ASKS": 0},
+                   writes=tuple(name for name in step.writes if name != "deepest"),
                    vertex="screen/triangle_of_class.vert", command="draws",
                    runs_in=_where(layout.runs_in, _classed,
                                   lambda plan: low < plan.known.layers and high >= UNCLASSED),
@@ -264,9 +270,8 @@ CLASSIFIES = {"into": (PIXEL_CLASS.name,), "clears": {PIXEL_CLASS.name: (1.0,)},
 
 
 def _store(layout: Layout, runs_in: Callable[[Plan], bool], guessed: bool = False, **more) -> Pass:
-    """The pass that stores fragments; one that is `guessed` also tells of a pixel without room for all of its own."""
-    return Pass("store", "geometry", "methods/adaptive/store.frag", runs_in=runs_in,
-                writes=(*layout.storage, *(("deepest",) if guessed else ())),
+    """The pass that stores fragments; where room is `guessed`, those that find none count as not lost yet."""
+    return Pass("store", "geometry", "methods/adaptive/store.frag", runs_in=runs_in, writes=layout.storage,
                 defines={**layout.defines, "GUESSED": int(guessed)}, **more)
 
 
@@ -283,7 +288,8 @@ STORING = (
     *(_store(layout, _where(layout.runs_in, _guessed), guessed=True, counts_for_plan=True)
       for layout in (IN_CELLS, IN_CHUNKS)),
     *_whole_and_cut(_store(IN_RANGES, IN_RANGES.runs_in)),
-    Pass("resolve", "fullscreen", "methods/adaptive/classify.frag", region=True, reads=("counter",), writes=("draws",),
+    Pass("resolve", "fullscreen", "methods/adaptive/classify.frag", region=True, reads=("counter",),
+         writes=("draws", "deepest"),
          defines={**IN_CELLS.defines, **CLASSES}, runs_in=_classed_by_counter, **CLASSIFIES),
     *(Pass("resolve", "fullscreen", "methods/adaptive/stored.frag", region=True, reads=layout.reads,
            defines=layout.defines, runs_in=layout.runs_in, probes=STORED) for layout in LAYOUTS),

@@ -245,7 +245,7 @@ def test_every_frame_cuts_at_the_first_quarter_that_is_opaque_enough(device):
 
 
 @pytest.mark.parametrize(("shader", "right", "wrong"), [
-    ("classify.frag", "classify(counter[place()])", "classify(1u)"), ("cut.frag", "16.0 + 0.5", "8.0")])
+    ("classify.frag", "classify(count)", "classify(1u)"), ("cut.frag", "16.0 + 0.5", "8.0")])
 def test_a_wrong_line_of_the_cut_is_seen(device, plant, shader, right, wrong):
     scene = generate(SceneConfig(size=(64, 48), depth_complexity=90, alpha=(0.1, 0.2), seed=7))
 

@@ -108,25 +108,35 @@ def pile(count: int, opaque: bool = False) -> Quads:
     return scene
 
 
-def after_an_overflow(device) -> tuple[int, int, bool]:
-    """Layers of a frame in which 7 fragments of a pixel met room for 2, its geometry passes, whether it is right."""
-    with animated(device, [pile(2), pile(7)], spare_memory=1000.0) as (frame, quads):
+def after_an_overflow(device, before: int = 2, after: int = 7) -> tuple[int, int, bool]:
+    """Layers of a frame in which more fragments met room for fewer, its geometry passes, whether it is right."""
+    with animated(device, [pile(before), pile(after)], spare_memory=1000.0) as (frame, quads):
         frame.draw_fitting()
-        assert frame.plan.guessed and frame.plan.known.layers == 2
-        show(frame, quads, pile(7))
+        assert frame.plan.guessed and before <= frame.plan.known.layers < after
+        show(frame, quads, pile(after))
         assert frame.draw()
         return frame.plan.known.layers, frame.geometry_passes, error(frame, quads, quads.scene) <= EXACT_ERROR
 
 
-def test_a_frame_tells_how_many_layers_it_needs(device):
-    """And one more for each eight of them, for the frames to come."""
-    assert after_an_overflow(device) == (8, 2, True)
+UNCLASSED, CLASSED = (2, 7, 8), (20, 30, 40)  # fragments of a pixel in two frames, and layers of the second
 
 
-@pytest.mark.parametrize(("right", "wrong"), [("slot + 1u);", "slot);"), ("atomicMax(deepest", "atomicMin(deepest")])
-def test_a_wrong_line_of_what_a_frame_tells_is_seen(device, plant, right, wrong):
-    plant("methods/adaptive/store.frag", right, wrong)
-    assert after_an_overflow(device) != (8, 2, True)
+@pytest.mark.parametrize(("before", "after", "layers"), [UNCLASSED, CLASSED])
+def test_a_frame_tells_how_many_layers_it_needs(device, before, after, layers):
+    """And one more for each eight of them, for the frames to come; where pixels are classified and where not."""
+    assert after_an_overflow(device, before, after) == (layers, 2, True)
+
+
+@pytest.mark.parametrize(("shader", "right", "wrong", "case"), [
+    ("room.glsl", "atomicMax(deepest", "atomicMin(deepest", UNCLASSED),
+    ("room.glsl", "capacity / PLACES", "capacity", UNCLASSED),
+    ("room.glsl", "atomicMax(deepest[0], count)", "atomicMax(deepest[0], count - 1u)", UNCLASSED),
+    ("resolve.frag", "ask_for_room(counter[place()]);", "", UNCLASSED),
+    ("classify.frag", "ask_for_room(count);", "", CLASSED)])
+def test_a_wrong_line_of_what_a_frame_tells_is_seen(device, plant, shader, right, wrong, case):
+    plant(f"methods/adaptive/{shader}", right, wrong)
+    before, after, layers = case
+    assert after_an_overflow(device, before, after) != (layers, 2, True)
 
 
 @pytest.mark.parametrize(("layers", "opaque"), [

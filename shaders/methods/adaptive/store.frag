@@ -3,9 +3,9 @@
 // counter gives the layer, or with PLANES the number of the primitive does. Otherwise the cells are those of the pixel's range, and the counter starts at the first of them.
 // Invariant: no pixel has more fragments than layers, or than were counted, so every cell is inside the buffer. The
 // test for that would count a lost fragment; llvmpipe stores faster with this test than without it. With GUESSED the
-// number of layers is a guess: a fragment without a cell leaves in `deepest` how many its pixel needs.
+// number of layers is a guess: a fragment without a cell is not stored, and whoever reads the counter tells of it.
 // Source: Crassin 2010 (dense); sbuffer_2012 §3.3 (ranges).
-// Buffers: updates counter, deepest; writes nodes.
+// Buffers: updates counter; writes nodes.
 #include "scene/fragment.glsl"
 #include "methods/adaptive/region.glsl"
 
@@ -23,9 +23,7 @@ void main() {
     uint cell = slot;
 #endif
     if (cell < capacity) nodes[cell] = incoming();
-#if GUESSED
-    else atomicMax(deepest[0], slot + 1u);
-#else
+#if !GUESSED
     else atomicAdd(lost_fragments, 1u);
 #endif
 }
