@@ -1,4 +1,4 @@
-"""The session of `decide`: it writes its results as far as its time budget allows, and prints none."""
+"""The sessions of `decide`: they write their results as far as the time budget allows, and print none."""
 
 from __future__ import annotations
 
@@ -47,3 +47,13 @@ class BudgetedSession(Session):
         else:
             part.folder.write_manifest(part.manifest)
             self.cut.append(f"tables and figures; mfr-bench plot {part.folder.path} draws them")
+
+
+class CountingSession(BudgetedSession):
+    """A session whose cell is read for what it counted in the scene; nothing else is written of it."""
+
+    def _at_the_end(self, parts: Sequence[Part]) -> None:
+        """Calibrate nothing."""
+
+    def _tell(self, part: Part) -> None:
+        self.folder = part.folder

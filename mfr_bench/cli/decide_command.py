@@ -59,7 +59,8 @@ def decide(size: str | None, layers: int | None, covered: float, mesh: str | Non
     from ..decide.question import parsed_duration
 
     whole = budget(parsed_duration(time_budget))
-    question, scene = _asked(size, layers, covered, overrides_of(mesh, fragments), config, memory_mb, max_error)
+    question, scene = _asked(size, layers, covered, overrides_of(mesh, fragments, settable=False), config,
+                             memory_mb, max_error)
     if measured:
         _answer_over(measured, question, scene, within, as_json)
         return 0
@@ -107,7 +108,7 @@ def _of_config(config: str, memory_mb: float | None, error: float, overrides: tu
     stats, measured = expected_stats(cell.scene), kind_of(cell.scene).measured
     covered = sum(stats.histogram[1:]) / stats.P
     layers = MESH_DEEPER * stats.n if measured else stats.n
-    return Question(tuple(cell.scene.size), layers, covered, memory_mb, error), as_written(cell.scene)
+    return Question(tuple(cell.scene.size), layers, covered, memory_mb, error, measured), as_written(cell.scene)
 
 
 def _answer_over(folders: tuple[str, ...], question, scene, within: float, as_json: bool) -> None:
@@ -142,6 +143,8 @@ def _raced(question, scene, budget, out: str | None, device: str):
 
     with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor, \
             TemporaryDirectory() as folder:
+        if question.estimated:
+            question = _counted(question, scene, supervisor, interruption, budget, Path(folder, "count"))
         found, excluded = _candidates(question, scene, budget)
         supervisor.ready()
         found, excluded = within_time(found, excluded, budget.seconds)
@@ -153,6 +156,30 @@ def _raced(question, scene, budget, out: str | None, device: str):
         kept = results.path / path.name
         write_file(kept, path.read_bytes())
     return answers(question, load(results), [*excluded, *late], str(kept), cut)
+
+
+def _counted(question, scene, supervisor, interruption, budget, folder: Path):
+    """The question with the layers and the coverage that the device finds; as it is where no time was left."""
+    from dataclasses import replace
+
+    import yaml
+
+    from ..decide.experiment import count_of
+    from .budgeted_session import CountingSession
+    from .run_command import plans_of
+
+    folder.mkdir()
+    path = folder / "count.yaml"
+    path.write_text(yaml.safe_dump(count_of(scene, budget.seconds), sort_keys=False, allow_unicode=True),
+                    encoding="utf-8")
+    session = CountingSession(supervisor, interruption.asked, str(folder / "out"), budget)
+    session.run(plans_of([str(path)], None, None, ()))
+    values = next((cell["values"] for cell in session.folder.cells()), {})
+    layers, covered = values.get("max_fragments"), values.get("covered_pixels")
+    if not layers or not covered:
+        return question
+    width, height = question.size
+    return replace(question, layers=layers, covered=covered / (width * height), estimated=False)
 
 
 def _candidates(question, scene, budget):
@@ -177,9 +204,11 @@ def _measured(config: Path, supervisor, interruption, out: str | None, budget):
     With it come the candidates that have no row, and what else the budget cut, in words.
     """
     from ..decide.candidates import NOT_FINISHED, Excluded
+    from ..methods import FLOOR, catalog
     from .budgeted_session import BudgetedSession
     from .run_command import plans_of
 
     session = BudgetedSession(supervisor, interruption.asked, out, budget)
     session.run(plans_of([str(config)], None, None, ()))
-    return session.folder, [Excluded(label, NOT_FINISHED) for label in session.late], session.cut
+    late = [label for label in session.late if label != catalog()[FLOOR].name]
+    return session.folder, [Excluded(label, NOT_FINISHED) for label in late], session.cut

@@ -25,16 +25,19 @@ def own_scene(remark: str = ""):
     return lambda command: mesh(fragments(command))
 
 
-def overrides_of(mesh: str | None, fragments: str | None) -> list[str]:
-    """Settings KEY=VALUE for the one of the files that is given, if any. Raises UsageError where both are."""
+def overrides_of(mesh: str | None, fragments: str | None, settable: bool = True) -> list[str]:
+    """Settings KEY=VALUE for the one of the files that is given, if any. Raises UsageError where both are.
+
+    settable: whether the command takes --set, so that notes may name it.
+    """
     if mesh is not None and fragments is not None:
         raise UsageError("--mesh with --fragments; allowed: one way to give the scene")
     if mesh is not None:
-        return mesh_overrides(mesh)
-    return fragment_overrides(fragments) if fragments is not None else []
+        return mesh_overrides(mesh, settable)
+    return fragment_overrides(fragments, settable) if fragments is not None else []
 
 
-def fragment_overrides(file: str) -> list[str]:
+def fragment_overrides(file: str, settable: bool = True) -> list[str]:
     """Settings KEY=VALUE for recorded fragments, as they were submitted. Raises UsageError for a bad file."""
     from ..scene.recording import samples_of, viewport_of
 
@@ -42,19 +45,20 @@ def fragment_overrides(file: str) -> list[str]:
     scene = {"kind": "fragments", "file": str(path), "size": viewport_of(path), "order": "file"}
     if (msaa := samples_of(path)) > 1:
         scene["msaa"] = msaa
-        note(f"{path.name}: its coverage masks leave {msaa} samples a pixel; --set scene.msaa=1 leaves them out")
+        note(f"{path.name}: its coverage masks leave {msaa} samples a pixel"
+             + "; --set scene.msaa=1 leaves them out" * settable)
     return [f"name=fragments-{_name_of(path)}", f"title={json.dumps(f'Methods on {path.name}')}",
             f"scene={json.dumps(scene)}"]
 
 
-def mesh_overrides(file: str) -> list[str]:
+def mesh_overrides(file: str, settable: bool = True) -> list[str]:
     """Settings KEY=VALUE for the mesh, seen from the front. Raises UsageError for a file that does not do."""
     path = Path(file).absolute()
     return [f"name=mesh-{_name_of(path)}", f"title={json.dumps(f'Methods on {path.name}')}", "scene.kind=mesh",
-            f"scene.file={json.dumps(str(path))}", "scene.view={}", f"scene.alpha={_alpha(path)}"]
+            f"scene.file={json.dumps(str(path))}", "scene.view={}", f"scene.alpha={_alpha(path, settable)}"]
 
 
-def _alpha(path: Path) -> str:
+def _alpha(path: Path, settable: bool) -> str:
     """The file's own opacities where any triangle is translucent; else others, and a note that says so."""
     from ..scene.meshes.faces import OPAQUE
     from ..scene.meshes.read import read_mesh
@@ -64,8 +68,8 @@ def _alpha(path: Path) -> str:
         note(f"{path.name}: {line}")
     if (found.rgba[:, 3] < OPAQUE).any():
         return "material"
-    note(f"{path.name}: every triangle is opaque; opacities from {OPACITIES[0]} to {OPACITIES[1]} stand for its own; "
-         "--set scene.alpha=0.5 sets another")
+    note(f"{path.name}: every triangle is opaque; opacities from {OPACITIES[0]} to {OPACITIES[1]} stand for its own"
+         + "; --set scene.alpha=0.5 sets another" * settable)
     return json.dumps(OPACITIES)
 
 

@@ -193,7 +193,9 @@ THRESHOLD = click.option("--threshold", metavar="PERCENT", type=Percentage(), de
 WITHIN = click.option("--within", metavar="PERCENT", type=Percentage(), default="20", show_default=True,
                       help="Over devices: how much longer than a device's best counts as near it.")
 WHOLE = click.option("--all", "whole", is_flag=True, help="Show every cell, those that are the same too.")
-ONLY = click.option("--only", metavar="METHOD,...", type=MethodName(), help="Only these methods, by id.")
+ONLY = click.option("--only", metavar="METHOD,...", type=MethodName(), multiple=True,
+                    callback=lambda context, param, value: ",".join(value) if value else None,
+                    help="Only these methods, by id.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 

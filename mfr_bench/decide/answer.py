@@ -76,7 +76,7 @@ class Answer:
 
     @property
     def close(self) -> list[tuple[Point, float]]:
-        """The other finalists within 5 % of the fastest, with the ratio of their times."""
+        """The other finalists that take no more than 5 % longer than `best`, with the ratio of their times to its."""
         others = [(p, p.over(self.best)[1]) for p in self.finalists[1:]] if self.best else []
         return [(p, ratio) for p, ratio in others if ratio is not None and ratio <= CLOSE]
 
@@ -143,8 +143,10 @@ class Answer:
         memory = data.number(best.measure("memory_mib")[1])
         said = [f"  time {time}, memory {memory} MiB, largest error {row['max_error_all']:.3g}, on {row['device']}",
                 f"  fastest{self._among} with a chance of {data.percent(self.confidence)}"]
-        said += ["  within 5 %: " + "; ".join(f"{written(p)} ({ratio:.3f} times)" for p, ratio in self.close)
-                 if self.close else "  nothing else is within 5 %", f"  in full: {self.command}"]
+        near = "; ".join(f"{written(p)} ({ratio:.3f} times, chance {data.percent(self.chances[p.cell['key']])})"
+                         for p, ratio in self.close)
+        said += [f"  no more than 5 % slower: {near}" if near else "  all others are more than 5 % slower",
+                 f"  in full: {self.command}"]
         return [line for text in said for line in textwrap.wrap(text, width, subsequent_indent="    ",
                                                                 break_on_hyphens=False)]
 

@@ -41,3 +41,10 @@ def config_of(question: Question, scene: Mapping[str, Any], found: Sequence[Cand
     return {"name": f"decide-{digest}", "title": f"Decision for {question}", "scene": dict(scene),
             "methods": methods, "measure": measure,
             "figures": [{"kind": "bars", "x": "depth_complexity", "y": "time_ms", "log": "y"}]}
+
+
+def count_of(scene: Mapping[str, Any], budget_s: float) -> dict[str, Any]:
+    """A config that has a device count the fragments of the question's scene: its floor, in one frame."""
+    return {"name": "count", "scene": dict(scene), "methods": ["floor"],
+            "measure": {"min_samples": 1, "max_samples": 1, "time_limit_s": 0.05,
+                        "hard_limit_s": round(max(1.0, COMPILING_SHARE * budget_s), 3)}}

@@ -18,7 +18,8 @@ class Question:
     """The scene in numbers, and the bounds that an answer keeps.
 
     size: pixels. layers: most fragments of a pixel. covered: share of the pixels with any. memory_mb: MiB, or None for
-    any. max_error: largest error of a channel against the image of all fragments.
+    any. max_error: largest error of a channel against the image of all fragments. estimated: whether layers and covered
+    are guesses, which only a device can replace.
     """
 
     size: tuple[int, int]
@@ -26,6 +27,7 @@ class Question:
     covered: float = 1.0
     memory_mb: float | None = None
     max_error: float = EXACT_ERROR
+    estimated: bool = False
 
     @property
     def exact(self) -> bool:
@@ -33,8 +35,9 @@ class Question:
         return self.max_error <= EXACT_ERROR
 
     def __str__(self) -> str:
-        parts = [f"{self.size[0]}×{self.size[1]} pixels", f"up to {self.layers} layers",
-                 f"{100 * self.covered:g} % of the pixels covered",
+        about = "about " * self.estimated
+        parts = [f"{self.size[0]}×{self.size[1]} pixels", f"up to {about}{self.layers} layers",
+                 f"{about}{100 * self.covered:.3g} % of the pixels covered",
                  "any memory" if self.memory_mb is None else f"at most {self.memory_mb:g} MiB",
                  "exact images" if self.exact else f"an error of at most {self.max_error:.4g}"]
         return ", ".join(parts)

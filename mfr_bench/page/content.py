@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 from collections import Counter
@@ -28,9 +29,12 @@ class Measured:
     meaning: str
 
 
+DEFAULT_BUDGET_MB = 3072.0  # of measure.memory_budget_mb, in configs/meshes.yaml too
+FASTEST = "fastest_ratio"  # a ratio to another cell, which no cell has by itself
 MEASURED = (
     Measured("time_ms", "time (ms)", "median of whole frames, with its 95 % interval"),
     Measured("floor_ratio", "× floor", "time over that of the same geometry with plain alpha blending"),
+    Measured(FASTEST, "× fastest", "time over that of the fastest method that shows every fragment of the scene"),
     Measured("memory_mib", "memory (MiB)", "objects that the method allocated"),
     Measured("max_abs_error", "error", "largest channel error against the promised image"),
     Measured("rmse", "RMSE", "root mean square error against the image of all fragments"),
@@ -110,7 +114,8 @@ def without_paths(text: Any) -> str:
 def experiment(result: Result, anchor: str, figures: Sequence[Path]) -> Experiment:
     """The content of the page about a result. figures: the PNG files of its figures, in their order."""
     axes = tuple(axis for axis in result.axes if data.bare(axis) != "device")
-    lines = tuple(_line(p, axes) for p in result.points)
+    ratios = to_the_fastest(result.points)
+    lines = tuple(_line(p, axes, ratios.get(id(p))) for p in result.points)
     return Experiment(
         anchor=anchor, name=result.name, title=str(result.manifest.get("title") or result.name),
         source=_source(result), provenance=without_paths(result.provenance), setting=_setting(result),
@@ -144,11 +149,29 @@ def _tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _line(point: Point, axes: Iterable[str]) -> Line:
+def to_the_fastest(points: Iterable[Point]) -> dict[int, float]:
+    """Ratios of times, by the identity of a point, among those of a scene and device in which every fragment shows."""
+    scenes: dict[str, list[Point]] = {}
+    for p in points:
+        if p.shows_all and not data.is_floor(p):
+            scenes.setdefault(json.dumps([p.cell["scene"], p.row["device"]], sort_keys=True), []).append(p)
+    found = {}
+    for alike in scenes.values():
+        fastest = min(alike, key=lambda p: p.row["time_ms"])
+        found |= {id(p): 1.0 if p is fastest else p.over(fastest)[1] for p in alike if alike[1:]}
+    return {key: ratio for key, ratio in found.items() if ratio is not None}
+
+
+def _line(point: Point, axes: Iterable[str], to_fastest: float | None) -> Line:
     places = tuple(Value("" if (v := point.at(axis)) is None else data.plain(v), _raw(v)) for axis in axes)
     return Line(point.label, point.method, str(point.row.get("device") or ""), point.sign,
                 without_paths(point.row.get("reason") or ""), places,
-                tuple(_measure(point, column.name) for column in MEASURED))
+                tuple(_ratio(to_fastest) if column.name == FASTEST else _measure(point, column.name)
+                      for column in MEASURED))
+
+
+def _ratio(value: float | None) -> Value:
+    return Value("") if value is None else Value(data.number(value), value)
 
 
 def _raw(value: Any) -> float | str | None:
@@ -200,7 +223,8 @@ def command_of(manifest: Mapping[str, Any], name: str) -> str:
     """The command that measures the experiment again."""
     scene = manifest.get("scene") or {}
     config = Path(str(manifest.get("config") or name)).stem
-    words = ["mfr-bench", "run", *_own_scene(scene, config, name)]
+    named = _own_scene(scene, config, name)
+    words = ["mfr-bench", "run", *named, *_memory(manifest.get("measure") or {}, named != [config])]
     if manifest.get("profile"):
         words += ["--profile", str(manifest["profile"])]
     return shlex.join(words)
@@ -213,3 +237,10 @@ def _own_scene(scene: Mapping[str, Any], config: str, name: str) -> list[str]:
         return [config]
     size = ["--size", "x".join(str(pixels) for pixels in scene["size"])] if option == "--mesh" else []
     return [option, Path(str(scene["file"])).name, *size]
+
+
+def _memory(measure: Mapping[str, Any], own: bool) -> list[str]:
+    """The budget of memory that was given beside a scene of one's own, if any."""
+    budget_mb = measure.get("memory_budget_mb")
+    given = own and isinstance(budget_mb, (int, float)) and budget_mb != DEFAULT_BUDGET_MB
+    return ["--memory-mb", f"{budget_mb:g}"] if given else []

@@ -101,6 +101,13 @@ def test_only_some_methods(mfr, tiny, here, only, found):
     assert {method for method, _ in cells(here / "out")} == found
 
 
+def test_only_may_be_given_several_times(mfr, tiny, here):
+    """The last of several was taken alone, without a word."""
+    assert mfr("run", tiny, "--out", "out", "--only", "kplus-array", "--only", "ab-array", "--dry-run").status == 0
+    assert mfr("run", tiny, "--out", "out", "--only", "floor", "--only", "ab-array").status == 0
+    assert {method for method, _ in cells(here / "out")} == {"floor", "ab-array"}
+
+
 def test_set_changes_the_config(mfr, tiny, here):
     assert mfr("run", tiny, "--out", "out", "--set", "k=3", "--set", "scene.size=[20,10]").status == 0
     found = cells(here / "out")

@@ -68,3 +68,25 @@ def test_the_text_form_fits_a_narrow_terminal(mfr, on_device, few, monkeypatch):
 def test_a_bad_question_is_one_line(mfr, here, arguments, said):  # noqa: F811
     ended = mfr("decide", *arguments)
     assert ended.status == 2 and said in ended.complaint
+
+
+def stacked(path, layers):
+    """A mesh of `layers` pairs of faces of one depth, front and back, over the middle of the view."""
+    corners = [(x, y, z) for z in range(layers) for x, y in ((0, 0), (1, 0), (0, 1))]
+    faces = [face for z in range(layers) for face in ((3 * z, 3 * z + 1, 3 * z + 2), (3 * z, 3 * z + 2, 3 * z + 1))]
+    head = (f"ply\nformat ascii 1.0\nelement vertex {len(corners)}\nproperty float x\nproperty float y\n"
+            f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
+    path.write_text(head + "".join(f"{x} {y} {z}\n" for x, y, z in corners) + "".join(f"3 {a} {b} {c}\n"
+                                                                                     for a, b, c in faces))
+
+
+def test_the_layers_of_a_mesh_are_counted(mfr, on_device, few, here, monkeypatch):  # noqa: F811
+    """What a grid of boxes guesses of it had k-buffers race with too small a k, and leave for their error."""
+    monkeypatch.setattr("mfr_bench.cli.decide_command.MESH_DEEPER", 0.3)  # a guess that is too low
+    stacked(here / "leaves.ply", 5)
+    ended = mfr("decide", "--mesh", "leaves.ply", "--size", "32x24", "--time-budget", "40s")
+    assert ended.status == 0 and "up to 10 layers" in ended.out
+    assert re.search(r"\b3\d\.\d % of the pixels covered", ended.out)
+    assert "error above" not in ended.out
+    assert "--set scene.alpha" not in ended.err  # which decide does not take
+    assert "Blending floor" not in ended.out

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from mfr_bench.page.content import MEASURED, command_of, without_paths
+from mfr_bench.page.content import MEASURED, command_of, to_the_fastest, without_paths
 from mfr_bench.page.pictures import kept_picture
 from mfr_bench.page.write import SCRIPTS, _file, page_text, write_page
 from mfr_bench.report import data
@@ -33,6 +33,14 @@ def test_every_cell_stands_in_the_table_with_its_values(results, text):
         else:
             assert point.row["reason"] in row
     assert all(f">{column.heading}</th>" in text for column in MEASURED)
+
+
+def test_times_are_over_that_of_the_fastest_of_the_scene_that_shows_every_fragment(tmp_path):
+    cells = [planted.cell("floor", "floor", 1.0), planted.cell("zbuffer", "Z-buffer", 1.5, values={"rmse": 0.2}),
+             planted.cell("ab-ll", "AB_LL", 4.0), planted.cell("ab-sb", "AB_SB", 10.0)]
+    result = data.load(planted.folder(tmp_path, cells))
+    found = to_the_fastest(result.points)
+    assert {p.label: round(found[id(p)], 3) for p in result.points if id(p) in found} == {"AB_LL": 1.0, "AB_SB": 2.5}
 
 
 def test_figures_and_kept_images_are_inside(text):
@@ -79,6 +87,10 @@ def test_an_empty_folder_has_a_page(tmp_path):
 @pytest.mark.parametrize(("manifest", "command"), [
     ({"config": "meshes.yaml", "scene": {"kind": "mesh", "file": "/home/a/my model.glb", "size": [64, 48]}},
      "mfr-bench run --mesh 'my model.glb' --size 64x48"),
+    ({"config": "meshes.yaml", "scene": {"kind": "mesh", "file": "a.glb", "size": [64, 48]},
+      "measure": {"memory_budget_mb": 64.0}}, "mfr-bench run --mesh a.glb --size 64x48 --memory-mb 64"),
+    ({"config": "smoke.yaml", "scene": {"kind": "quads"}, "measure": {"memory_budget_mb": 64.0}},
+     "mfr-bench run smoke"),
     ({"config": "meshes.yaml", "scene": {"kind": "fragments", "file": "/home/a/recorded.npz", "size": [64, 48]}},
      "mfr-bench run --fragments recorded.npz"),
     ({"config": "mesh-model.yaml", "scene": {"kind": "mesh", "file": "model.glb"}}, "mfr-bench run mesh-model"),
