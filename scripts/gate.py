@@ -6,8 +6,8 @@ scripts/gate.py judge DIR
 
 `measure` makes a source tree for each slowdown, in which the store pass of KB-LL runs an idle loop at k = 16, and lets
 each tree measure the same 28 cells in every round, in random order, in a process of its own. A measurement that was cut
-off goes on: runs that are whole are kept. `judge` compares each run with that of its round whose tree has no loop, and
-prints a table in Markdown.
+off goes on: runs that are whole are kept. How long the loops are comes from trials before the rounds. `judge` compares
+each run with that of its round whose tree has no loop, and prints a table in Markdown.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ STORE = "shaders/methods/ll/store.frag"
 FACTORS = (1.05, 1.3, 2.0, 10.0, 100.0)
 PLAIN, AGAIN = "plain", "again"  # trees without a loop, run twice in each round
 TRIAL = "trial", 300  # a tree, and the turns of its loop, from whose time the others follow
+TRIALS = 7  # pairs of runs without and with that loop: a machine is slower for seconds at a time
 CONFIG = """\
 name: gate
 title: The gate
@@ -43,7 +44,7 @@ scene: {kind: quads, size: [96, 96], pixel_density: 0.5, depth_complexity: 16, s
 methods: [ab-array, ab-ll, ab-sb, peel-f2b, peel-dual, kb-ps, kb-mdt32, kb-ab-array, kb-ab-ll, kb-ll, kplus-array,
           kplus-heap, mlab]
 zip: {scene.depth_complexity: [16, 32], k: [8, 16]}
-measure: {target_rel_ci: 0.05, min_samples: 7, max_samples: 50, time_limit_s: 0.2}
+measure: {target_rel_ci: 0.05, min_samples: 7, max_samples: 50, time_limit_s: 0.2, wait_s: 20}
 """
 LOOP = """\
 void main() {{
@@ -82,18 +83,27 @@ def mfr(source: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
 
 
 def turns_of(folder: Path, device: str) -> dict[str, int]:
-    """The turns of each tree's loop, from what a trial's loop adds to the time of the slowed cell; found once."""
+    """The turns of each tree's loop, from what a trial's loop adds to the time of the slowed cell; found once.
+
+    The median of several pairs of runs counts, which take turns in going first.
+    """
     kept = folder / "turns.json"
     if not kept.exists():
-        plain_ms, slowed_ms = (trial_ms(folder, name, turns, device) for name, turns in ((PLAIN, 0), TRIAL))
-        each = (slowed_ms / plain_ms - 1) / TRIAL[1]
+        each = median(trial(folder, number, device) for number in range(1, TRIALS + 1)) / TRIAL[1]
         kept.write_text(json.dumps({f"{factor:g}": max(1, round((factor - 1) / each)) for factor in FACTORS}))
     return {PLAIN: 0, AGAIN: 0} | json.loads(kept.read_text())
 
 
-def trial_ms(folder: Path, name: str, turns: int, device: str) -> float:
-    """The time of a frame of the slowed cell with a loop of so many turns, in ms."""
-    out = folder / "trials" / name
+def trial(folder: Path, number: int, device: str) -> float:
+    """What the trial's loop adds to a frame of the slowed cell, over the time without it."""
+    trees = [(PLAIN, 0), TRIAL]
+    times_ms = {name: trial_ms(folder, number, name, turns, device) for name, turns in trees[::(-1) ** number]}
+    return times_ms[TRIAL[0]] / times_ms[PLAIN] - 1
+
+
+def trial_ms(folder: Path, number: int, name: str, turns: int, device: str) -> float:
+    """The time of a frame of the slowed cell with a loop of so many turns, in ms, by a run of its own."""
+    out = folder / "trials" / f"{number}" / name
     run_in(tree(folder / "trees" / name, turns), folder, out, device, "--only", SLOWED)
     with open(out / "results.csv") as file:
         return next(float(row["time_ms"]) for row in csv.DictReader(file)

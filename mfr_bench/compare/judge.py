@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from ..stats import Interval
 from ..store.status import EXACT_ERROR
 from .few import Frames, log_ratio
 from .noise import Noise, Shift, estimate
+from .references import steady
 from .sides import Entry, Side, changed_environment, refuse_other_devices
 
 FASTER, SLOWER, SAME, UNCLEAR, MISSING = "FASTER", "SLOWER", "SAME", "UNCLEAR", "MISSING"
@@ -22,10 +24,13 @@ TOLD = (SLOWER, FASTER, SAME)
 ERROR_RATE = 0.02  # of a whole comparison: the chance of any false alarm, were the noise as it is estimated
 SAME_RATE = 0.05  # of each cell that is called the same: the chance that it is not
 SUPPORT = 2.0  # deviations by which another cell of the method must have moved the same way
+ALIKE = 3.0  # times as far, on a logarithmic scale: the most that it may have moved
 TOGETHER = 2.0  # and by which, where the cells of the method decide it together
 ALONE = 2.0  # times the noise between runs counts for a cell whose method has no other
 MOST_BURST = 8.0  # times as long: the longest that two cores, shared with other work, made a cell that did not change
 AGAINST = 4.0  # and for one that no other cell of its method supports
+HIDDEN_BURST = 4.0  # times as long: what a burst may do to a cell while hardly any other shows it
+FURTHER = 2.5  # times as far as any cell of another method: what it may do beyond that
 Judged = tuple[str, str, Interval, float | None]  # verdict, reason, ratio with its interval, ratio as measured
 RMSE_GROWTH = 1.1  # a larger error: methods with races have another one in every run
 
@@ -185,7 +190,8 @@ class _Timed:
                  alike: bool):
         self._same, self._absolute = math.log1p(threshold), absolute
         frames = Frames(_samples(entry) for pair in pairs for entry in pair)
-        shifts = {id(a): shift for b, a in pairs if (shift := _shift(b, a, frames))}
+        known = steady(pairs) if alike else [None] * len(pairs)
+        shifts = {id(a): shift for (b, a), s in zip(pairs, known, strict=True) if (shift := _shift(b, a, frames, s))}
         self._index = {key: number for number, key in enumerate(shifts)}
         self._shifts = list(shifts.values())
         self._noise: Noise = estimate(self._shifts, floor, alike)
@@ -193,8 +199,10 @@ class _Timed:
         self._critical = NormalDist().inv_cdf(1 - ERROR_RATE / 2 / max(1, len(self._shifts)))
         self._of_method: dict[Any, list[int]] = defaultdict(list)
         for number, shift in enumerate(self._shifts):
-            self._of_method[shift.method].append(number)
-        self._methods: dict[Any, tuple[float, ...]] = {}  # see `_method`
+            if shift.steady is not False:
+                self._of_method[shift.method].append(number)
+        self._outermost = sorted(range(len(self._shifts)), key=lambda n: -abs(self._moved(n)))
+        self._methods: dict[tuple[Any, float], _Together] = {}  # by method and sign
 
     @property
     def common(self) -> tuple[float, float] | None:
@@ -212,39 +220,46 @@ class _Timed:
     def _beyond_noise(self, number: int) -> bool:
         """Whether a cell moved further than two runs of one thing do, by itself or together with others of its method.
 
-        A method that changed moves in more than one of its cells; a burst of load hits one.
+        A method that changed moves in more than one of its cells; a burst of load hits one. What moved while the
+        device was slower is a burst's doing.
         """
         if abs(self._moved(number)) > self._burst_reach(number):
             return True
-        sign = math.copysign(1.0, self._distance(number))
-        together, *seconds = self._method(self._shifts[number].method)
-        if not seconds:
+        if self._shifts[number].steady is False:
             return False
-        mine, support = sign * self._distance(number), sign * seconds[sign > 0]
+        sign = math.copysign(1.0, self._distance(number))
+        mine, method = abs(self._distance(number)), self._method(self._shifts[number].method, sign)
+        support = method.support(abs(self._moved(number)))
         if mine > self._critical and min(support, mine) > SUPPORT:
             return True
-        return sign * together > self._critical and mine > SUPPORT and support > TOGETHER
+        return method.distance > self._critical and mine > SUPPORT and support > TOGETHER
 
-    def _method(self, method: Any) -> tuple[float, ...]:
-        """The distances of a method's cells together, and the second least and the second largest of several."""
-        if method not in self._methods:
-            distances = sorted(self._distance(i) for i in self._of_method[method])
-            capped = [max(-self._critical, min(self._critical, d)) for d in distances]
-            seconds = (distances[1], distances[-2]) if distances[1:] else ()
-            self._methods[method] = math.fsum(capped) / math.sqrt(len(capped)), *seconds
-        return self._methods[method]
+    def _method(self, method: Any, sign: float) -> _Together:
+        """How far the cells of a method moved in one direction."""
+        if (method, sign) not in self._methods:
+            cells = sorted((sign * self._moved(i), sign * self._distance(i)) for i in self._of_method[method])
+            self._methods[method, sign] = _Together(cells, self._critical)
+        return self._methods[method, sign]
 
     def _burst_reach(self, number: int) -> float:
         """The logarithmic distance that a burst of load longer than its sampling may move a cell without support.
 
         That is several times as far as cells are apart, or the length of the tails of that; or what a burst did to the
-        slowest frames. Nothing of it is put down to what few samples leave open, whose size is a guess: where the guess
-        is too large, too little would be left for bursts. What the cell's own samples leave open counts once besides.
+        slowest frames, unless the device is known to have been as fast as ever. Nothing of it is put down to what few
+        samples leave open, whose size is a guess: where the guess is too large, too little would be left for bursts.
+        What the cell's own samples leave open counts once besides.
         """
         shift, noise = self._shifts[number], self._noise
         times = AGAINST if self._of_method[shift.method][1:] else ALONE
-        burst = max(shift.burst, self._critical * max(times, noise.stretch) * noise.spread)
-        return math.hypot(self._critical * shift.error, min(math.log(MOST_BURST), burst))
+        apart = self._critical * max(times, noise.stretch) * noise.spread
+        slowed = {True: 0.0, None: shift.burst, False: max(shift.burst, math.log(HIDDEN_BURST))}[shift.steady]
+        return math.hypot(self._critical * shift.error, min(self._most_burst(shift.method), max(apart, slowed)))
+
+    def _most_burst(self, method: Any) -> float:
+        """The logarithm of the most that a burst makes of a cell: a strong one shows in cells of other methods too."""
+        others = next((n for n in self._outermost if self._shifts[n].method != method), None)
+        shown = 0.0 if others is None else FURTHER * abs(self._moved(others))
+        return min(math.log(MOST_BURST), max(math.log(HIDDEN_BURST), shown))
 
     def judge(self, after: Entry) -> Judged:
         """Verdict, reason, ratio with its interval, ratio as measured."""
@@ -262,6 +277,8 @@ class _Timed:
             return (SLOWER if moved > 0 else FASTER), ""
         if abs(moved) + NormalDist().inv_cdf(1 - SAME_RATE) * deviation < self._same:
             return SAME, ""
+        if self._shifts[number].steady is False:
+            return UNCLEAR, "the reference frame was slower while it was sampled: measure both again"
         if abs(moved) <= reach:
             return UNCLEAR, "no more than what two runs of one thing differ by here"
         if abs(moved) <= self._limit:
@@ -269,19 +286,41 @@ class _Timed:
         return UNCLEAR, "no other cell of the method moved with it: measure both again"
 
 
+class _Together:
+    """How far the cells of a method moved in one direction, given as changes and distances, the least change first."""
+
+    def __init__(self, cells: Sequence[tuple[float, float]], critical: float):
+        capped = [max(-critical, min(critical, distance)) for _, distance in cells]
+        self.distance = math.fsum(capped) / math.sqrt(len(capped)) if capped else 0.0
+        self._moved = [moved for moved, _ in cells]
+        self._seconds: list[float] = []  # second largest distance of each cell and those that moved less
+        two = [-math.inf, -math.inf]
+        for _, distance in cells:
+            two = sorted([*two, distance])[1:]
+            self._seconds.append(two[0])
+
+    def support(self, moved: float) -> float:
+        """The distance of another cell than the one that moved so far, or of this one where the other's is larger.
+
+        One that moved much further supports nothing: its own change is no reason for a burst of the other to be more.
+        """
+        alike = bisect_right(self._moved, ALIKE * moved)
+        return self._seconds[alike - 1] if alike else -math.inf
+
+
 def _samples(entry: Entry) -> list[float]:
     """Frame times in ms of a cell whose time counts."""
     return entry.point.cell.get("samples_ms") or [] if entry.point.row["time_ms"] is not None else []
 
 
-def _shift(before: Entry, after: Entry, frames: Frames) -> Shift | None:
-    """The verdict on a cell that has samples on both sides, of one timer; `frames`: of all cells."""
+def _shift(before: Entry, after: Entry, frames: Frames, known: bool | None) -> Shift | None:
+    """The change of a cell that has samples on both sides, of one timer; `frames`: of all cells; known: see `Shift`."""
     over, under = _samples(after), _samples(before)
     if not over or not under or before.point.row["timer"] != after.point.row["timer"]:
         return None
     found = log_ratio(over, under, frames)
     burst = frames.burst(min(before.point.row["time_ms"], after.point.row["time_ms"]))
-    return Shift(after.scene, after.method, *found, burst) if found else None
+    return Shift(after.scene, after.method, *found, burst, known) if found else None
 
 
 def _verdict(before: Entry, after: Entry, judged: Callable[[Entry, Entry], Judged]) -> CellVerdict:

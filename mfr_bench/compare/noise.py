@@ -27,7 +27,8 @@ TAILS = ((0.8, 1.0), (0.9, 1.0), (0.95, 0.9))  # quantile of the distances, and 
 class Shift:
     """The change of one cell: logarithm of the ratio of its times, and the standard error of that within the runs.
 
-    `burst`: logarithm of how many times as long the slowest frames of such a time are.
+    `burst`: logarithm of how many times as long the slowest frames of such a time are. `steady`: whether the device was
+    as fast as ever while the cell was sampled, on both sides; None where nothing tells.
     """
 
     scene: Hashable
@@ -35,6 +36,7 @@ class Shift:
     log_ratio: float
     error: float
     burst: float = 0.0
+    steady: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -61,12 +63,14 @@ def estimate(shifts: Sequence[Shift], floor: float, alike: bool = True) -> Noise
     if not alike:
         return Noise((0.0,) * len(shifts), tuple(max(LEAST, math.hypot(s.error, floor)) for s in shifts), floor,
                      floor, 1.0, floor)
-    common = _common(shifts)
-    rest = [s.log_ratio - c for s, c in zip(shifts, common, strict=True)]
-    errors = [s.error for s in shifts]
+    telling = _telling(shifts)
+    common = _common(shifts, telling)
+    rest = [s.log_ratio - c for s, c in zip(shifts, common, strict=True)
+            if telling is shifts or s.steady is not False]
+    errors = [s.error for s in telling]
     between = _between(rest, errors, floor)
-    deviations = tuple(max(LEAST, math.hypot(error, between)) for error in errors)
-    distances = sorted(abs(r) / d for r, d in zip(rest, deviations, strict=True))
+    deviations = tuple(max(LEAST, math.hypot(s.error, between)) for s in shifts)
+    distances = sorted(abs(r) / max(LEAST, math.hypot(e, between)) for r, e in zip(rest, errors, strict=True))
     spread = max(LEAST, _between(rest, [0.0] * len(rest), floor))
     stretch, least = (_stretch(distances), 0.0) if _show_spread(distances) else (1.0, floor)
     return Noise(common, deviations, max(LEAST, between), spread, stretch, least)
@@ -77,17 +81,23 @@ def _show_spread(cells: Sized) -> bool:
     return len(cells) >= SPREAD_LEAST
 
 
-def _common(shifts: Sequence[Shift]) -> tuple[float, ...]:
+def _telling(shifts: Sequence[Shift]) -> Sequence[Shift]:
+    """The cells that tell how far two runs are apart: those that nothing is known to have slowed, where enough are."""
+    found = [shift for shift in shifts if shift.steady is not False]
+    return found if _show_spread(found) else shifts
+
+
+def _common(shifts: Sequence[Shift], telling: Sequence[Shift]) -> tuple[float, ...]:
     """The change common to each cell's scene: the median over methods of their medians; 0 where methods are few."""
     scenes: dict[Hashable, dict[Hashable, list[float]]] = defaultdict(lambda: defaultdict(list))
-    for shift in shifts:
+    for shift in telling:
         scenes[shift.scene][shift.method].append(shift.log_ratio)
     everywhere: dict[Hashable, list[float]] = defaultdict(list)
-    for shift in shifts:
+    for shift in telling:
         everywhere[shift.method].append(shift.log_ratio)
     of_all = _median_of(everywhere, 0.0)
     of_scene = {scene: _median_of(methods, of_all) for scene, methods in scenes.items()}
-    return tuple(of_scene[shift.scene] for shift in shifts)
+    return tuple(of_scene.get(shift.scene, of_all) for shift in shifts)
 
 
 def _median_of(methods: dict[Hashable, list[float]], otherwise: float) -> float:

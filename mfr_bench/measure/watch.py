@@ -7,7 +7,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-SLOWER = 1.2  # times the best reference, from which on samples are not those of the device left alone
+from ..stats import SLOWER_REFERENCE
+
 SHARE = 0.1  # of the time of all turns, that a run may spend to take turns again, and to wait
 PAUSE_S = 0.05  # between two looks while waiting
 
@@ -45,7 +46,7 @@ class Watch:
         seen.took_s = self._clock() - begun_s
         self._turns_s += seen.took_s
         seen.reference_ms = max(before_ms, self._look())
-        seen.slower = seen.reference_ms > SLOWER * self.best_ms
+        seen.slower = seen.reference_ms > SLOWER_REFERENCE * self.best_ms
 
     def again(self, turn: Turn, wait_s: float) -> bool:
         """Whether a turn during which the device was slower is to be taken again.
@@ -61,7 +62,7 @@ class Watch:
         """Wait until the reference is as fast as usual, or nothing is left to spend; look_around: called meanwhile."""
         while (left_s := self._left_s(wait_s)) > 0:
             begun_s = self._clock()
-            if self._look() <= SLOWER * self.best_ms:
+            if self._look() <= SLOWER_REFERENCE * self.best_ms:
                 return
             look_around()
             self._sleep(min(PAUSE_S, left_s))
