@@ -92,7 +92,7 @@ def as_written(scene) -> dict[str, Any]:
 
     found = {key.name: plain(getattr(scene, key.name)) for key in fields(scene)
              if not key.metadata.get(LOCAL) and getattr(scene, key.name) != key.default}
-    whole = Path(scene.folder or ".")
+    whole = Path(scene.folder or ".").absolute()
     if scene.file:
         found["file"] = str(whole / scene.file)
     for part in found.get("files", ()):

@@ -125,10 +125,10 @@ class Answer:
 
     def text(self, width: int) -> str:
         """The answer for people, at most `width` columns wide."""
-        lines = textwrap.wrap(f"Question: {self.question}.", width)
+        lines = textwrap.wrap(f"Question: {self.question}.", width, break_on_hyphens=False)
         best = self.best
         if best is None:
-            lines += textwrap.wrap(self._none, width)
+            lines += textwrap.wrap(self._none, width, break_on_hyphens=False)
         else:
             lines += ["", *textwrap.wrap(f"Answer: {written(best)}", width), *self._figures(width)]
         for cut in self.cut:

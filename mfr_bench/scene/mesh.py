@@ -132,6 +132,12 @@ def guess(config: Scene) -> Estimate:
 
 
 @lru_cache(maxsize=64)
+def occludes(config: Scene) -> bool:
+    """Whether opaque triangles are drawn into a depth buffer first."""
+    return mesh(config).occluded
+
+
+@lru_cache(maxsize=64)
 def estimate(config: Scene) -> Estimate:
     """About how the meshes cover the viewport."""
     return estimate_of(mesh(config))

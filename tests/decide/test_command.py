@@ -90,3 +90,14 @@ def test_the_layers_of_a_mesh_are_counted(mfr, on_device, few, here, monkeypatch
     assert "error above" not in ended.out
     assert "--set scene.alpha" not in ended.err  # which decide does not take
     assert "Blending floor" not in ended.out
+
+
+def test_a_mesh_beside_a_config_is_found_from_a_config_elsewhere(here):  # noqa: F811
+    """The scene of a question is written into a folder of its own."""
+    from mfr_bench.cli.decide_command import _of_config
+
+    stacked(here / "leaves.ply", 2)
+    (here / "own.yaml").write_text(
+        "name: own\nscene: {kind: mesh, file: leaves.ply, size: [16, 12]}\nmethods: [ab-array]\n")
+    _, scene = _of_config("own.yaml", None, 1e-4)
+    assert scene["file"] == str(here.resolve() / "leaves.ply")

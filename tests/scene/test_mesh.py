@@ -11,6 +11,7 @@ from mfr_bench.gpu.single import shown
 from mfr_bench.methods import catalog
 from mfr_bench.plan import expand, expected_stats
 from mfr_bench.scene import generate
+from mfr_bench.scene.kinds import kind_of
 from mfr_bench.scene.kinds.mesh import Transform, View
 from mfr_bench.scene.mesh import matrix_of
 
@@ -68,6 +69,14 @@ def test_opaque_triangles_may_be_stored_like_all_others(scene_of, device):
     scene = scene_of(f", opaque: store, view: {{{BOX}}}")
     with shown(device, generate(scene)) as on:
         assert (on.truth.counts[:, :4] == 3).all() and on.stats.n == 3
+
+
+@pytest.mark.parametrize(("keys", "refused"), [("", True), (", opaque: store", False), (", alpha: 0.5", False)])
+def test_opaque_triangles_in_several_samples_a_pixel_are_refused_before_they_are_drawn(scene_of, keys, refused):
+    """The process that measures ended over them, and every cell of the scene was a crash."""
+    scene = scene_of(f"{keys}, msaa: 4", CONFIG.replace(", alpha: material", "") if "alpha" in keys else CONFIG)
+    lacks = kind_of(scene).lacks(scene)
+    assert ("scene.opaque: store" in lacks) if refused else lacks is None
 
 
 @pytest.mark.parametrize(("order", "expected"), [("file", [0, 0, 1, 1]), ("object", [0, 0, 1, 1]),

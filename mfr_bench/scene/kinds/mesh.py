@@ -140,6 +140,11 @@ def paths(scene: CommonKeys) -> list[Path]:
     return [_place(Path(scene.folder or ".", name), name) for name in names]
 
 
+def _missing(scene: CommonKeys) -> list[str]:
+    """The names of files that have to be fetched first."""
+    return [path.name for path in paths(scene) if not path.is_file()]
+
+
 def _place(path: Path, name: str) -> Path:
     listed = packaged(name)
     return path if path.is_file() or not listed else listed[0].folder / name
@@ -186,15 +191,19 @@ class Mesh(EstimatedKind):
         return scene.fragment_probability < 1 or scene.opaque == "depth"
 
     def lacks(self, scene: CommonKeys) -> str | None:
-        missing = [path.name for path in paths(scene) if not path.is_file()]
-        return f"{', '.join(missing)} on this machine; get it: {FETCH}" if missing else None
+        if missing := _missing(scene):
+            return f"{', '.join(missing)} on this machine; get it: {FETCH}"
+        if scene.msaa > 1 and scene.opaque == "depth" and self.module.occludes(scene):
+            return ("scene.opaque: store in several samples a pixel, since opaque triangles are drawn into a depth "
+                    "buffer of one")
+        return None
 
     def record(self, scene: CommonKeys) -> dict[str, Any]:
-        digest = "not fetched" if self.lacks(scene) else self.module.digest(scene)
+        digest = "not fetched" if _missing(scene) else self.module.digest(scene)
         return {"files": [path.name for path in paths(scene)], "digest": digest}
 
     def estimate(self, scene: CommonKeys):
-        return self.module.guess(scene) if self.lacks(scene) else self.module.estimate(scene)
+        return self.module.guess(scene) if _missing(scene) else self.module.estimate(scene)
 
 
 KIND = Mesh()
