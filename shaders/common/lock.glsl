@@ -8,6 +8,8 @@
 
 // The lock is released inside the iteration that acquired it, because the lanes of a warp wait for each other. The
 // barrier after acquiring it prevents reads from moving before it; the barrier before releasing it publishes writes.
+// A plain store releases: as long as the lock is held, others change the semaphore from 1 to 1 alone, so that none of
+// them can undo the store, however late it arrives.
 #define CRITICAL_BEGIN(p, wanted) \
     bool waiting = (wanted) && !IS_HELPER; \
     COUNT(refused, !waiting && !IS_HELPER) \
@@ -17,7 +19,7 @@
             memoryBarrierBuffer();
 #define CRITICAL_END(p) \
             memoryBarrierBuffer(); \
-            atomicExchange(semaphore[p], 0u); \
+            semaphore[p] = 0u; \
             waiting = false; \
             COUNT(spins, tries) \
             COUNT_MOST(longest_wait, tries) \

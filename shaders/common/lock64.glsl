@@ -14,7 +14,8 @@ uvec2 result64(uint operation, uvec2 held, uvec2 value) {
     return less64(held, value) == (operation == MAX64) ? value : held;
 }
 
-// The lock is released inside the iteration that acquired it, because the lanes of a warp wait for each other.
+// The lock is released inside the iteration that acquired it, because the lanes of a warp wait for each other, and by a
+// plain store, as in common/lock.glsl.
 bool update64(uint operation, uint at, uvec2 value, out uvec2 old) {
     uint p = pixel_index();
     bool waiting = !IS_HELPER;
@@ -25,7 +26,7 @@ bool update64(uint operation, uint at, uvec2 value, out uvec2 old) {
             old = BUFFER64[at];
             BUFFER64[at] = result64(operation, old, value);
             memoryBarrierBuffer();
-            atomicExchange(lock64[p], 0u);
+            lock64[p] = 0u;
             waiting = false;
         }
     }

@@ -26,6 +26,12 @@ def test_a_method_ends_in_lockstep(method_id):
     assert found.failure is None or found.checker.promises_nothing
 
 
+@pytest.mark.parametrize("method_id", ["kplus-array", "kb-ps", "kb-mdt64"])
+def test_a_lock_that_a_late_store_releases_is_taken_in_lockstep(method_id):
+    settings = ("atomic64=emulated",) if method_id == "kb-mdt64" else ()
+    assert outcome(method_id, How(schedules=2000, weak=True, warp=4), *settings).failure is None
+
+
 @pytest.mark.parametrize("method_id", ["lin-pre", "kb-ll"])
 def test_a_load_through_a_link_is_a_race_by_vulkan_s_model(method_id):
     """The headers of these shaders say that they rely on OpenGL's coherent loads."""

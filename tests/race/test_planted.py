@@ -14,10 +14,10 @@ LOCK, LOCK64 = "common/lock.glsl", "common/lock64.glsl"
 SCHEDULES, SCENES = 40_000, 4
 TAKEN = "        if (atomicExchange(semaphore[p], 1u) == 0u) { \\\n            memoryBarrierBuffer();"
 TAKEN64 = "        if (atomicExchange(lock64[p], 1u) == 0u) {\n            memoryBarrierBuffer();"
-LEFT = "            memoryBarrierBuffer(); \\\n            atomicExchange(semaphore[p], 0u); \\"
+LEFT = "            memoryBarrierBuffer(); \\\n            semaphore[p] = 0u; \\"
 FILL = ("        NODE(p, slot) = fragment;\n        memoryBarrierBuffer();\n"
         "        atomicAdd(counter[p], ONE_TAKEN);\n")
-LEFT64 = "            memoryBarrierBuffer();\n            atomicExchange(lock64[p], 0u);"
+LEFT64 = "            memoryBarrierBuffer();\n            lock64[p] = 0u;"
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,8 @@ def of_the_lock(method: str, *settings: str) -> list[Fault]:
     return faults(method, LOCK, settings, [
         ("no barrier behind the lock", TAKEN, TAKEN.replace("\n            memoryBarrierBuffer();", "\n"), True),
         ("no barrier before the release", LEFT, LEFT.replace("memoryBarrierBuffer(); ", ""), True),
-        ("released before the work", TAKEN, f"{TAKEN} atomicExchange(semaphore[p], 0u);"),
-        ("never released", "            atomicExchange(semaphore[p], 0u); \\", "            \\"),
+        ("released before the work", TAKEN, f"{TAKEN} semaphore[p] = 0u;"),
+        ("never released", "            semaphore[p] = 0u; \\", "            \\"),
         ("taken by a load and a store", "atomicExchange(semaphore[p], 1u) == 0u",
          "semaphore[p] == 0u && (semaphore[p] = 1u) == 1u"),
         ("one try", "waiting && tries < uint(LOCK_TRIES)", "waiting && tries < 1u"),
@@ -61,8 +61,8 @@ def of_the_wide_lock(method: str, *settings: str) -> list[Fault]:
     return faults(method, LOCK64, ("atomic64=emulated", *settings), [
         ("no barrier behind the lock of 64 bits", TAKEN64, TAKEN64.replace("memoryBarrierBuffer();", ""), True),
         ("no barrier before its release", LEFT64, LEFT64.replace("memoryBarrierBuffer();", ""), True),
-        ("released before the work of 64 bits", TAKEN64, f"{TAKEN64} atomicExchange(lock64[p], 0u);"),
-        ("the lock of 64 bits never released", "            atomicExchange(lock64[p], 0u);\n", ""),
+        ("released before the work of 64 bits", TAKEN64, f"{TAKEN64} lock64[p] = 0u;"),
+        ("the lock of 64 bits never released", "            lock64[p] = 0u;\n", ""),
         ("one try for 64 bits", "waiting && tries < uint(LOCK_TRIES)", "waiting && tries < 1u"),
     ])
 

@@ -158,6 +158,7 @@ void lockstep_join(int id) {
 void run_lockstep() {
     int left = fill_warps();
     while (left && !m.failure) {
+        if (m.options.weak) drain_some();
         size_t which = size_t(choose(SIDE, left));
         step(warps[which]);
         if (!warps[which].depth) std::swap(warps[which], warps[size_t(--left)]);

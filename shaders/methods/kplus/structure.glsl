@@ -22,9 +22,10 @@ bool refused(uint p, FRAGMENT fragment) {
     return surely_worse(fragment, NODE(p, 0u));
 }
 
+// As long as a slot is free, slot 0 is empty, and need not be read.
 void insert(uint p, FRAGMENT fragment) {
-    if (!worse(NODE(p, 0u), fragment)) return;
     uint room = ROOM(p), slot = taken(p) + 1u;
+    if (slot > room && !worse(NODE(p, 0u), fragment)) return;
     bool heap = is_heap(room);
     if (slot < room) {
         if (heap) heap_fill(p, slot, fragment);
