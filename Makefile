@@ -2,6 +2,7 @@
 
 VENV := .venv
 WORKERS := 2
+RUN_READY := $(VENV)/run-ready
 PYTHON_READY := $(VENV)/python-ready
 DRIVER_READY := $(VENV)/driver-ready
 
@@ -11,10 +12,10 @@ DRIVER_READY := $(VENV)/driver-ready
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
-bench: setup  ## measure configs/smoke.yaml; print its table, where the figures and the page are (ARGS="--device cpu")
+bench: $(RUN_READY) $(DRIVER_READY)  ## measure configs/smoke.yaml; print its table, where the figures and the page are (ARGS="--device cpu")
 	@$(VENV)/bin/mfr-bench run smoke --report results/report.html $(ARGS)
 
-papers: setup  ## measure the papers' experiments into results/<device>/ (ARGS="--profile smoke" on a CPU)
+papers: $(RUN_READY) $(DRIVER_READY)  ## measure the papers' experiments into results/<device>/ (ARGS="--profile smoke" on a CPU)
 	@$(VENV)/bin/mfr-bench run $$($(VENV)/bin/mfr-bench configs --papers) $(ARGS)
 
 test: setup  ## run every test, two at a time (WORKERS=0 for one, ARGS="-k scene")
@@ -38,23 +39,30 @@ drivers:  ## test every driver that a CPU runs, in fresh roots; needs root (ARGS
 
 setup: $(PYTHON_READY) $(DRIVER_READY)  ## make .venv (PYTHON=/path/to/python3) and see to an OpenGL driver
 
-lock:  ## renew requirements.lock (needs uv; ARGS=--upgrade for the newest versions)
-	uv pip compile --quiet --universal --generate-hashes --python-version 3.10 --extra mesh --extra cluster --extra parquet --extra test --extra build \
-		--custom-compile-command "make lock" --output-file requirements.lock $(ARGS) pyproject.toml
+LOCK := uv pip compile --quiet --universal --generate-hashes --python-version 3.10 --extra build --custom-compile-command "make lock"
+
+lock:  ## renew requirements.lock and requirements-run.lock (needs uv; ARGS=--upgrade for the newest versions)
+	$(LOCK) --extra mesh --extra cluster --extra parquet --extra test --output-file requirements.lock $(ARGS) pyproject.toml
+	$(LOCK) --constraint requirements.lock --output-file requirements-run.lock pyproject.toml
 
 clean:  ## remove .venv, builds and caches, but no results
 	rm -rf $(VENV) dist .hypothesis .pytest_cache .ruff_cache
 	find mfr_bench tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
-$(PYTHON_READY): pyproject.toml requirements.lock
-	@scripts/setup.sh python
+# What measuring needs, and nothing that only tests do: a third of the packages.
+$(RUN_READY): pyproject.toml requirements-run.lock
+	@scripts/setup.sh run
 	@echo '$(CURDIR)' >$@
 
-$(DRIVER_READY): $(PYTHON_READY)
+$(PYTHON_READY): $(RUN_READY) requirements.lock
+	@scripts/setup.sh python
+	@touch $@
+
+$(DRIVER_READY): $(RUN_READY)
 	@scripts/setup.sh driver
 	@touch $@
 
 # A virtual environment knows its own path: after a move it is set up again.
-ifneq ($(shell cat $(PYTHON_READY) 2>/dev/null),$(CURDIR))
-.PHONY: $(PYTHON_READY)
+ifneq ($(shell cat $(RUN_READY) 2>/dev/null),$(CURDIR))
+.PHONY: $(RUN_READY)
 endif

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Sets up what the Makefile's targets need, or stops with the line that does.
 #
-#   scripts/setup.sh python   .venv with the locked dependencies and this package, editable
+#   scripts/setup.sh run      .venv with this package, editable, and what it needs to measure (requirements-run.lock)
+#   scripts/setup.sh python   the other locked dependencies as well, of tests and extras (requirements.lock)
 #   scripts/setup.sh driver   an OpenGL >= 4.3 driver: Mesa's software driver where there is none
 #
 # PYTHON=/path/to/python3 chooses the interpreter of a new .venv.
@@ -79,8 +80,9 @@ make_venv() {
     "$python" -m venv "$venv" || stop "$python -m venv $venv failed (above); set PYTHON=/path/to/another/python3"
 }
 
+# Python compiles a module when it is first imported: most of what is installed never is.
 pip_install() {
-    "$venv/bin/python" -m pip install --quiet --no-input --disable-pip-version-check --no-deps "$@"
+    "$venv/bin/python" -m pip install --quiet --no-input --disable-pip-version-check --no-deps --no-compile "$@"
 }
 
 can_compile() {
@@ -89,33 +91,34 @@ import os, sys, sysconfig
 sys.exit(not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")))'
 }
 
-# Compiles what has no wheel; the versions that the builds themselves need come from the lock, too.
+# compile_dependencies LOCK: also those that have no wheel; what their builds need comes from the lock, too.
 compile_dependencies() {
     can_compile || apt_install "this Python or processor lacks some wheels, and compiling them needs a compiler" \
         g++ "$(version_name "$venv/bin/python")-dev"
     say "compiling the dependencies that have no wheel here (minutes)"
     sed -n 's/ *\\$//; /^[a-z]/p' requirements.lock >"$venv/constraints.txt"
     PIP_CONSTRAINT=$venv/constraints.txt PIP_BUILD_CONSTRAINT=$venv/constraints.txt \
-        pip_install --require-hashes -r requirements.lock || stop "a dependency did not compile (above)"
+        pip_install --require-hashes -r "$1" || stop "a dependency did not compile (above)"
 }
 
+# install_dependencies LOCK: what a file of pinned requirements names.
 install_dependencies() {
-    say "installing requirements.lock into $venv"
+    say "installing $1 into $venv"
     log=$venv/pip.log
-    if ! pip_install --require-hashes --only-binary :all: -r requirements.lock 2>"$log"; then
+    if ! pip_install --require-hashes --only-binary :all: -r "$1" 2>"$log"; then
         if grep -q "Retrying" "$log" || ! grep -q "No matching distribution" "$log"; then
             cat "$log" >&2
-            stop "pip could not install requirements.lock (above)"
+            stop "pip could not install $1 (above)"
         fi
-        compile_dependencies
+        compile_dependencies "$1"
     fi
 }
 
-setup_python() {
+setup_run() {
     "$venv/bin/python" -c "
 import pip, sys
 sys.exit(sys.version_info < (3, 10) or sys.prefix == sys.base_prefix)" 2>/dev/null || make_venv
-    install_dependencies
+    install_dependencies requirements-run.lock
     pip_install --no-build-isolation --editable . || stop "the package itself did not install (above)"
 }
 
@@ -138,7 +141,8 @@ setup_driver() {
 }
 
 case ${1:-} in
-    python) setup_python ;;
+    run) setup_run ;;
+    python) install_dependencies requirements.lock ;;
     driver) setup_driver ;;
-    *) stop "usage: scripts/setup.sh python|driver" ;;
+    *) stop "usage: scripts/setup.sh run|python|driver" ;;
 esac

@@ -94,19 +94,35 @@ def test_sdist_builds_the_same_wheel(wheel, unpacked_sdist, tmp_path):
 
 def test_sdist_is_complete_without_what_machines_measured(unpacked_sdist):
     """Its two commands can be run; results/ holds the papers' numbers and the comparisons with others' code only."""
-    for needed in ("Makefile", "requirements.lock", "scripts/setup.sh", "tests/test_packaging.py", "LICENSE"):
+    for needed in ("Makefile", "requirements.lock", "requirements-run.lock", "scripts/setup.sh",
+                   "tests/test_packaging.py", "LICENSE"):
         assert (unpacked_sdist / needed).is_file(), needed
     assert sorted(f.name for f in (unpacked_sdist / "results").iterdir()) == ["peers", "reference"]
 
 
-def test_lock_pins_every_dependency_with_hashes():
-    """Each requirement of pyproject.toml is pinned, every pin has a hash, and no line names an index or a path."""
-    lines = (ROOT / "requirements.lock").read_text().splitlines()
+def pinned_in(lock: str) -> dict[str, str]:
+    """The line of each pin, by the package. Every pin has a hash, and no line names an index or a path."""
+    lines = (ROOT / lock).read_text().splitlines()
     entries = [line for line in lines if not line.lstrip().startswith("#")]
     pins = [i for i, line in enumerate(entries) if not line.startswith(" ")]
     assert all(re.match(r"[a-z0-9-]+==\S+( ; .+)? \\$", entries[i]) for i in pins)
     assert all(entries[i + 1].startswith("    --hash=sha256:") for i in pins)
+    return {entries[i].partition("==")[0]: entries[i] for i in pins}
 
-    pinned = {entries[i].partition("==")[0] for i in pins}
+
+def test_lock_pins_every_dependency_with_hashes():
+    """Each requirement of pyproject.toml is pinned."""
+    pinned = pinned_in("requirements.lock").keys()
     declared = {re.match(r"[\w-]+", line)[0].lower() for line in requires("mfr-bench")}
     assert declared <= pinned, f"run `make lock`: {declared - pinned}"
+
+
+def test_what_measuring_needs_has_the_same_pins():
+    """What `make bench` installs is all that the package needs without extras, in the versions that are tested."""
+    every, some = (pinned_in(lock) for lock in ("requirements.lock", "requirements-run.lock"))
+    versions = {name: line.split()[0] for name, line in every.items()}
+    assert {name: line.split()[0] for name, line in some.items()}.items() <= versions.items()
+    assert len(some) < len(every) / 2
+    without_extras = {re.match(r"[\w-]+", line)[0].lower() for line in requires("mfr-bench")
+                      if "extra ==" not in line or 'extra == "build"' in line}
+    assert without_extras <= some.keys(), f"run `make lock`: {without_extras - some.keys()}"
