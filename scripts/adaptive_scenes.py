@@ -88,9 +88,9 @@ SCENES: Mapping[str, Scene] = {
 DEEP: Mapping[str, Scene] = {
     f"{name}, {scene.depth_complexity} layers": replace(scene, size=(512, 512))
     for name, scene in {
-        "quads in a block": quads(1024, pixel_density=0.2),
-        "tiles of quads": tiles(1024, 0.2), "slanted quads": quads(1024, slant=0.7, pixel_density=0.1),
-        "hairball": stand_in("hairball", 1024, 200, 0.2), "needles": stand_in("needles", 1024, 200, 0.2)}.items()}
+        "quads in a block": quads(1024, pixel_density=0.02),
+        "tiles of quads": tiles(1024, 0.02), "slanted quads": quads(1024, slant=0.7, pixel_density=0.02),
+        "hairball": stand_in("hairball", 1024, 200, 0.05), "needles": stand_in("needles", 1024, 200, 0.05)}.items()}
 
 
 @contextmanager

@@ -75,7 +75,7 @@ class PassRunner:
         if step.kind != "clear":
             self.program = frame.device.program(self._stages(), f"method {frame.variant.method.id}, pass {step.name}")
         if step.kind in ("geometry", "fullscreen"):
-            self.vao = frame.device.ctx.vertex_array(self.program, self._content())
+            self.vao = self._vertex_array()
         self._texel_units = [(bound.ref, bound.index) for bound in texel_bindings(frame.variant, step)]
         self._groups: dict[tuple[int, int], int] = {}  # work groups, by width and height of what they go over
         self.instances = frame.fitted.value(step.instances)
@@ -85,11 +85,11 @@ class PassRunner:
     def _texture(self, ref: str, iteration: int) -> Texture:
         return self.frame.allocation.texture(ref, iteration)
 
-    def _content(self) -> list[tuple]:
-        """The attributes of each instance."""
-        if self.step.by_tile:
-            return [(self.frame.allocation.named(TILE_LIST), "1u", "in_tile")]
-        return self.frame.scene_buffer.attributes(self.program) if self.step.kind == "geometry" else []
+    def _vertex_array(self):
+        if self.step.kind == "geometry":
+            return self.frame.scene_buffer.vertex_array(self.program)
+        tiles = [(self.frame.allocation.named(TILE_LIST), "1u", "in_tile")] if self.step.by_tile else []
+        return self.frame.device.ctx.vertex_array(self.program, tiles)
 
     def _stages(self) -> tuple[StageSource, ...]:
         return stages(self.frame.fitted, self.step)

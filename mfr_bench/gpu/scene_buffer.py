@@ -38,24 +38,26 @@ class Layout:
     """The way that the primitives of a geometry reach the device.
 
     mode and vertices: GL's mode, and vertices of a primitive. per_vertex: whether a record is one vertex of a
-    primitive; else it is a whole primitive, drawn as an instance.
+    primitive; else it is a whole primitive, drawn as an instance. indices: the vertices of a primitive that are drawn,
+    one after the other; without them each once.
     """
 
     mode: int
     vertices: int
     per_vertex: bool
     attributes: tuple[Attribute, ...]
+    indices: tuple[int, ...] = ()
 
 
 COLOUR = Attribute("in_rgba", "4f1", "4x", ("rgba", "u1", 4))
-TRIANGLE = Layout(TRIANGLES, 3, True, (Attribute("in_corner", "4f", "16x", ("corner", "<f4", 4)), COLOUR))
+CORNER = Attribute("in_corner", "4f", "16x", ("corner", "<f4", 4))
+TRIANGLE = Layout(TRIANGLES, 3, True, (CORNER, COLOUR))
+# The two triangles of a strip. Instances of four vertices take a software driver up to an eighth of a frame longer.
+STRIP = Layout(TRIANGLES, 4, True, (CORNER, COLOUR), indices=(0, 1, 2, 2, 1, 3))
 QUAD = Layout(TRIANGLE_STRIP, 4, False, (Attribute("in_rect", "4i", "16x", ("rect", "<i4", 4)),
                                          Attribute("in_depth", "1f", "4x", ("depth", "<f4")), COLOUR))
 LAYOUTS: Mapping[str, Layout] = {
-    "quad": QUAD, "masked": QUAD,
-    "strip": Layout(TRIANGLE_STRIP, 4, False, (*(Attribute(f"in_corner{i}", "4f", "16x", (f"corner{i}", "<f4", 4))
-                                                 for i in range(4)), COLOUR)),
-    "triangle": TRIANGLE, "reversed": TRIANGLE,
+    "quad": QUAD, "masked": QUAD, "strip": STRIP, "triangle": TRIANGLE, "reversed": TRIANGLE,
 }
 
 
@@ -66,12 +68,18 @@ class SceneBuffer:
         self.device, self.scene = device, scene
         self._layout = LAYOUTS[scene.geometry]
         self.buffer = device.ctx.buffer(_packed(scene))
+        self._indices = device.ctx.buffer(_indices(scene)) if self._layout.indices else None
         self._two_channel: tuple | None = None  # for payloads of two channels: codes of the primitives, base colours
         self._opaque = OpaqueDepth(device, scene.viewport) if scene.occluded else None
         if self._opaque:
             self._opaque.draw(scene)
 
-    def attributes(self, program) -> list[tuple]:
+    def vertex_array(self, program):
+        """The vertex array by which the program draws the scene."""
+        return self.device.ctx.vertex_array(program, self._attributes(program), index_buffer=self._indices,
+                                            index_element_size=4)
+
+    def _attributes(self, program) -> list[tuple]:
         """The attributes that the program uses, as moderngl's vertex_array takes them."""
         attributes, per = self._layout.attributes, "/v" if self._layout.per_vertex else "/i"
         used = [a.name for a in attributes if a.name in program]
@@ -81,7 +89,7 @@ class SceneBuffer:
 
     def draw(self, vertex_array, commands=None) -> None:
         """Draw every primitive; with `commands`, a buffer of an indirect draw for each instance, in their order."""
-        vertices, count = self._layout.vertices, len(self.scene)
+        vertices, count = len(self._layout.indices) or self._layout.vertices, len(self.scene)
         if commands is not None:
             room = commands.size // (4 * COMMAND_WORDS)
             vertex_array.render_indirect(commands, mode=self._layout.mode, count=min(count, room))
@@ -106,6 +114,8 @@ class SceneBuffer:
         """Upload the next frame of an animation."""
         self.scene = scene
         _write(self.buffer, _packed(scene))
+        if self._indices:
+            _write(self._indices, _indices(scene))
         for buffer, data in zip(self._two_channel or (), self._encoded() if self._two_channel else (), strict=True):
             _write(buffer, data)
         if self._opaque:
@@ -120,8 +130,9 @@ class SceneBuffer:
 
     def release(self) -> None:
         """Free the device memory."""
-        for buffer in (self.buffer, *(self._two_channel or ()), *([self._opaque] if self._opaque else ())):
-            buffer.release()
+        for made in (self.buffer, self._indices, *(self._two_channel or ()), self._opaque):
+            if made:
+                made.release()
 
 
 class OpaqueDepth:
@@ -178,6 +189,12 @@ def _fields(scene: Geometry) -> dict[str, np.ndarray]:
     """The fields of the records by name."""
     if LAYOUTS[scene.geometry] is QUAD:
         return {"rect": scene.rect, "depth": scene.depth, "rgba": scene.rgba}
-    if LAYOUTS[scene.geometry].per_vertex:
-        return {"corner": scene.position.reshape(-1, 4), "rgba": np.repeat(scene.rgba, 3, axis=0)}
-    return {f"corner{i}": scene.position[:, i] for i in range(4)} | {"rgba": scene.rgba}
+    return {"corner": scene.position.reshape(-1, 4),
+            "rgba": np.repeat(scene.rgba, LAYOUTS[scene.geometry].vertices, axis=0)}
+
+
+def _indices(scene: Geometry) -> bytes:
+    """The vertices to draw, uint32, primitive by primitive; room for one primitive where there is none."""
+    layout = LAYOUTS[scene.geometry]
+    first = np.arange(max(1, len(scene)), dtype=np.uint32)[:, None] * np.uint32(layout.vertices)
+    return (first + np.array(layout.indices, dtype=np.uint32)).tobytes()

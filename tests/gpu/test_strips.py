@@ -1,12 +1,16 @@
 """A device draws slanted primitives as their corners say: the oracle sorts the device's own fragments, so
 that a wrong vertex shader would be wrong in both."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from mfr_bench import glsl
 from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.gpu import scene_buffer as scene_buffers
 from mfr_bench.gpu.capture import capture
+from mfr_bench.gpu.scene_buffer import LAYOUTS
 from mfr_bench.gpu.single import shown
 from mfr_bench.hashing import hash3
 from mfr_bench.scene import generate
@@ -82,9 +86,8 @@ def test_fragments_lie_where_the_corners_say(device, name):
 
 
 @pytest.mark.parametrize(("right", "wrong"), [
-    ("gl_Position = in_corner3", "gl_Position = in_corner1"),
-    ("gl_Position = in_corner2", "gl_Position = in_corner2 + vec4(0, 0, 1e-5, 0)"),
-    ("uint(gl_InstanceID)", "uint(gl_InstanceID) ^ 1u")])
+    ("gl_Position = in_corner", "gl_Position = in_corner + vec4(0, 0, (gl_VertexID & 3) == 2 ? 1e-5 : 0.0, 0)"),
+    ("uint(gl_VertexID) / 4u", "uint(gl_VertexID) / 4u ^ 1u"), ("uint(gl_VertexID) / 4u", "uint(gl_VertexID) / 8u")])
 def test_a_wrong_vertex_shader_is_seen(device, monkeypatch, right, wrong):
     original = glsl.read
     assert right in original("scene/strip.vert")
@@ -92,3 +95,19 @@ def test_a_wrong_vertex_shader_is_seen(device, monkeypatch, right, wrong):
                         if path == "scene/strip.vert" else original(path))
     with pytest.raises(AssertionError):
         assert_made_of_its_corners(device, SCENES["slanted"])
+
+
+@pytest.mark.parametrize("indices", [(0, 1, 2, 2, 1, 1), (0, 1, 2, 0, 1, 3), (0, 1, 3, 2, 1, 3)])
+def test_wrong_indices_are_seen(device, monkeypatch, indices):
+    monkeypatch.setattr(scene_buffers, "LAYOUTS", LAYOUTS | {"strip": replace(LAYOUTS["strip"], indices=indices)})
+    with pytest.raises(AssertionError):
+        assert_made_of_its_corners(device, SCENES["slanted"])
+
+
+def test_a_longer_scene_that_follows_is_drawn_to_its_end(device):
+    """With as many indices as it has strips."""
+    few, many = (generate(replace(SCENES["slanted"], depth_complexity=count)) for count in (2, 9))
+    with shown(device, few) as on:
+        on.scene_buffer.replace(many)
+        found = capture(device, on.scene_buffer, on.canvas)
+    assert set(found.primitive) == set(range(len(many)))
