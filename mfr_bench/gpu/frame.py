@@ -53,7 +53,7 @@ class Frame:
         self._counted = 0  # samples that the latest counting pass let through
         self._shown = scene_buffer.scene
         self._drawn: tuple[Geometry, int] | None = None  # scene of the latest frame, and version of the allocation
-        self._frames = 0  # drawn since lost fragments were last asked for
+        self.drawn = self._asked_after = 0  # frames so far, and those before lost fragments were last asked for
         self._probing = False
         self._frame_plan: tuple[tuple, FramePlan] | None = None  # the newest, with the fields of the state it is for
         self._barriers = Barriers(())
@@ -131,7 +131,7 @@ class Frame:
         A frame whose plan guessed too little room is drawn again at once, as a part of the same frame.
         """
         self.geometry_passes = 0
-        self._frames += 1
+        self.drawn += 1
         self._barriers = Barriers(self.allocation.names)
         if isinstance(self.variant.method.capacity, Planned):
             self._begin(self._schedule.next_plan(self._shown))
@@ -264,16 +264,13 @@ class Frame:
         """Fragments of the deepest pixel, as the frame of a planned method has left them."""
         return int(self.words(self.variant.method.capacity.deepest)[0])
 
-    def draw_fitting(self) -> int:
-        """Draw until every growing buffer has room for the frame, and its plan is that of the next: how many frames.
+    def draw_fitting(self) -> None:
+        """Draw until every growing buffer has room for the frame, and its plan is that of the next.
 
         Raises CapacityError where a buffer cannot grow further.
         """
-        frames = 1
         while not self.draw():
             self.device.check(f"{self.variant.method.id}: growing to {self._capacity} elements")
-            frames += 1
-        return frames
 
     # --- what a frame left ---
 
@@ -291,12 +288,12 @@ class Frame:
 
     def lost_fragments(self) -> int:
         """Fragments that found no room or never got the lock, since the last call, in all frames together."""
-        self._frames = 0
+        self._asked_after = self.drawn
         return self.diagnostics.take("lost_fragments")
 
     def lost_in_a_frame(self) -> int:
         """Fragments that one frame lost: the mean of the frames since the last call, rounded up."""
-        frames = max(1, self._frames)
+        frames = max(1, self.drawn - self._asked_after)
         return -(-self.lost_fragments() // frames)
 
     def probe(self) -> dict[str, int]:

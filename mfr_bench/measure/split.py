@@ -6,7 +6,8 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import contextmanager
 
-FRAMES = ("first frames", "warm-up", "measure", "passes", "last frames")  # work of the device; the rest is the host's
+# Kinds of work of the device; the rest is the host's.
+FRAMES = ("first frames", "warm-up", "measure", "passes", "last frames", "counting frames", "reference")
 OTHER = "other"  # what no kind counted
 
 

@@ -90,20 +90,20 @@ class CellWork:
             frame = Frame(device, self.fitted, scene.scene_buffer, scene.canvas)
             try:
                 self._phases.begin("first frame")
-                self._first_frames = frame.draw_fitting()
+                frame.draw_fitting()
                 device.finish()
                 device.check(f"{self.job.cell.method}: first frame")
             except BaseException:
                 frame.release()
                 raise
-        self._first_s = time.perf_counter() - begun
+        self._first_s, self._first_frames = time.perf_counter() - begun, frame.drawn
         return frame
 
-    def _split_first_frames(self) -> None:
-        """Of what the first frames took, count what later ones take as frames of the device: the rest is compiling."""
+    def _count_as_frames(self, taken_s: float, frames: int, of: str, to: str) -> None:
+        """Of the time that frames took in which the driver compiled, count as the device's what later frames take."""
         middle_ms = self.sampler.interval[1]
         if middle_ms is not None:
-            self.bench.split.move(min(self._first_s, self._first_frames * middle_ms / 1e3), "compile", "first frames")
+            self.bench.split.move(min(taken_s, frames * middle_ms / 1e3), of, to)
 
     def sample_twice(self) -> None:
         """From now on sample an A/A pair too, in turns with each other and with the cells of the scene."""
@@ -195,7 +195,8 @@ class CellWork:
             if self.fitted.stats.effect.msaa > 1:
                 self.images.count_edges()
             self._measured, self._also = self._values(), self._details()
-        self._split_first_frames()
+        self._count_as_frames(self._first_s, self._first_frames, "compile", "first frames")
+        self._count_as_frames(self._counting_s, self._counting_frames, "count", "counting frames")
 
     @property
     def ready(self) -> bool:
@@ -227,8 +228,11 @@ class CellWork:
         }
         if self.variant.two_channel:
             found |= twochannel.errors(self.scene.scene_buffer.scene.rgba)
+        begun, drawn = time.perf_counter(), self.frame.drawn
         with self.bench.split.work("count"):
-            return found | fragment_shares(self.frame, self.variant, self.scene.shown)
+            found |= fragment_shares(self.frame, self.variant, self.scene.shown)
+        self._counting_s, self._counting_frames = time.perf_counter() - begun, self.frame.drawn - drawn
+        return found
 
     def _details(self) -> dict[str, Any]:
         """The parts of the record that are no columns: every sample, the times of passes, buffers, frames, counters."""
