@@ -63,12 +63,14 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
     hold_one_form("compare", json=as_json, csv=as_csv, markdown=as_markdown)
     sides = _sides(before, after)
     found = compared(*sides, threshold, across_devices, absolute)
+    damaged = [line for side in sides for line in side.damaged]
+    if found.verdicts:
+        printed(found, whole, as_json, as_csv, as_markdown)
+        handed_over(found, junit, summary)
+    for line in damaged:
+        note(line)
     if not found.verdicts:
         raise UsageError(f"compare: {before} and {after} have no cell in common; allowed: results of the same configs")
-    printed(found, whole, as_json, as_csv, as_markdown)
-    handed_over(found, junit, summary)
-    for line in (line for side in sides for line in side.damaged):
-        note(line)
     return status_of(found, strict)
 
 

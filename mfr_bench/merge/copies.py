@@ -98,6 +98,8 @@ class Source:
         """The contradiction of a record with its own key or its folder, or None."""
         cell, timer = copy.cell, self.manifest.get("timer")
         device = device_of(cell)
+        if not device_of(self.manifest).get("slug"):
+            return "has no device in the manifest of its folder, or that cannot be read"
         if device.get("slug") not in (None, self.slug):
             return f"was measured on {device['slug']}, its folder on {self.slug}"
         if timer is not None and cell_key(cell, timer) != copy.key:

