@@ -163,6 +163,12 @@ def test_a_record_of_another_device_than_its_folder_is_refused(tmp_path):
     assert "was measured on card-a, its folder on card-b" in said
 
 
+def test_a_damaged_manifest_is_the_reason_that_is_told(tmp_path):
+    made = folder(tmp_path / "n1", record("ab-array"))
+    (made.path / "manifest.json").write_text("{")
+    assert "the manifest of its folder, or that cannot be read" in refused(tmp_path / "all", made)
+
+
 def test_a_damaged_record_costs_itself_and_its_folder_stays_as_it_was(tmp_path, three):
     victim = next(three[0].cells_path.iterdir())
     victim.write_bytes(victim.read_bytes()[:100])
