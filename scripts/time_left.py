@@ -85,6 +85,7 @@ class Recording(time_left.TimeLeft):
         measure = asdict(next(iter(self.cells.values())).measure)
         unusual = {f.name: measure[f.name] for f in fields(Measure) if measure[f.name] != getattr(USUAL, f.name)}
         return {"config": config, "ended_s": round(ended_s, 2), "end_s": round(self.end_s, 2),
+                "slowness": round(self.slowness, 2), "looks_s": round(self.looks_s, 4),
                 "rates": asdict(self.forecast.rates), "measure": unusual, "cells": cells,
                 "events": [event for event in self.events if event[1] <= max(SHARES) * ended_s]}
 
@@ -128,7 +129,8 @@ def replayed(run: Mapping[str, Any], shares: Sequence[float] = SHARES) -> list[f
     cells = {str(number): Cell(run["config"], method, method, {"cell": number}, scenes[f, p], measure, {})
              for number, (method, _, f, p) in enumerate(run["cells"])}
     programs = {str(number): str(program) for number, (_, program, *_) in enumerate(run["cells"])}
-    ahead = _foreseeing(Forecast((), Rates(**run["rates"])), cells, programs, run["end_s"])
+    ahead = _foreseeing(Forecast((), Rates(**run["rates"])), cells, programs, run["end_s"], run["slowness"],
+                        run["looks_s"])
     events, found = iter([*run["events"], None]), []
     event = next(events)
     for share in shares:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..decide.budget import slowness
 from .output import note, say, width
 from .page_command import write_page_of
 from .report_commands import hand_over, write_tables_of
@@ -93,6 +94,7 @@ class Session:
                  table: Callable[[Any, int], str] | None = None):
         self.table = table
         self.supervisor, self.asked, self.choices, self.started = supervisor, asked, choices, started
+        self.slowness = slowness()
 
     def run(self, plans) -> set[str]:
         """Measure, print and write the results; returns the statuses of all cells.
@@ -180,9 +182,10 @@ class Session:
 
     def _time_left(self, groups, parts: Sequence[Part]):
         """The time that the run will take, by earlier results of the device."""
+        from ..environment import usable_cores
         from ..methods import catalog
         from ..plan import expected_stats, judge
-        from ..plan.budget import end_s
+        from ..plan.ending import ending_s
         from ..plan.time_left import TimeLeft
 
         ready, folders = self.supervisor.ready(), [part.folder for part in parts]
@@ -190,8 +193,10 @@ class Session:
         cells = {job.key: job.cell for group in groups for job in group
                  if not judge(job.cell, catalog(), expected_stats(job.cell.scene), ready.limits)}
         programs = {job.key: job.glsl_hash for group in groups for job in group}
-        ends_s = end_s(len(parts), len(cells), self.split.seconds["start-up"], forecast.rates)
-        return TimeLeft(forecast, cells, programs, ends_s)
+        figures = sum(len(part.experiment.figures) for part in parts) if self.choices.drawn else 0
+        ends_s = ending_s(len(parts), figures, len(cells), ready.calibrated_s if cells else 0.0, self.slowness,
+                          (usable_cores() or 1) if len(parts) >= MANY else 1)
+        return TimeLeft(forecast, cells, programs, ends_s, self.slowness, forecast.rates.looks_s)
 
     def _at_the_end(self, parts: Sequence[Part]) -> None:
         """The state to compare with the start of the run: the timer and the device's speed, load and clocks."""

@@ -46,9 +46,13 @@ class Budget:
 
 def budget(seconds: float) -> Budget:
     """The budget of this process. The start tells how loaded the machine is: it is work of this process alone."""
-    begun = started()
-    spent_s, worked_s = time.monotonic() - begun, time.process_time()
-    return Budget(begun, seconds, min(MOST_SLOWNESS, max(1.0, spent_s / max(START_S, worked_s))))
+    return Budget(started(), seconds, slowness())
+
+
+def slowness() -> float:
+    """How many times as long as on a quiet machine this process has taken until now, if it has waited for nothing."""
+    spent_s, worked_s = time.monotonic() - started(), time.process_time()
+    return min(MOST_SLOWNESS, max(1.0, spent_s / max(START_S, worked_s)))
 
 
 def started() -> float:

@@ -5,6 +5,8 @@
     limits       what a device, a method or a budget forbids
     predicted    cells that would time out, by smaller ones that did
     forecast     how long a run will take
+    time_left    the same while it goes on
+    ending       what follows its last cell
 """
 
 from .cells import Cell, expand

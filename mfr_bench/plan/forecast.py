@@ -21,18 +21,22 @@ from .cells import Cell
 from .expected import expected_stats
 
 MEASURED, ALIKE, CALIBRATED = "measured here", "from the same method elsewhere", "by calibration alone"
+OWN = (MEASURED, IN_HAND := "by its samples so far")  # sources that know how much the cell's frames scatter
 
 PASS_FRAMES = 7  # whose passes are timed
 PASS_SHARE = 0.25  # of the time limit, at most, that they take
 OTHER_FRAMES = 3  # first frame, last check, counted fragments
-WARMUP_FRAMES = 2
+WARMUP_FRAMES = 6  # with the first frame of each later turn, which does not count
+UNSTEADY = 0.1  # share of the cells that take as many samples as they may
 MEDIAN_WIDTH = 1.96 * 1.2533  # half-width of the median's interval, in deviations of a mean of n normal samples
 USUAL_CV = 0.05  # of frame times, where none were measured
 WORK_PIXELS = 512 * 512  # of the calibration's image
-OTHER_WORK, GROWTH = 3000, 0.9  # of a frame beside its fragments, in fragments; power with which its time grows
+OTHER_WORK = 3000  # of a frame beside its fragments, in fragments
 FIRST_ROUNDS = 16  # of its smallest work; each is twice the one before
 FRAGMENT_ROUNDS = 150  # what a fragment costs a multi-fragment method, in rounds of the calibration's arithmetic
 PIXEL_ROUNDS = 300  # and a pixel, in clears and the resolve
+REFERENCE_ROUNDS = 1.2e6  # and the reference frame
+REFERENCES = 32  # of a cell: eight around each of four turns
 
 Identity = tuple[str, str, str]  # of what was measured: the method, and the texts of its parameters and of the scene
 
@@ -55,6 +59,11 @@ class Rates:
     def around_s(self, stats: SceneStats) -> float:
         """The time that surrounds a cell's frames while it is measured."""
         return self.compile_s + self.check_s(stats) + self.store_s
+
+    @property
+    def looks_s(self) -> float:
+        """The time of a cell's reference frames."""
+        return REFERENCES * REFERENCE_ROUNDS * self.round_ns / 1e9
 
     @property
     def fragment_ms(self) -> float:
@@ -180,7 +189,7 @@ class Forecast:
         for cell in cells:
             stats = expected_stats(cell.scene)
             frame = self.frame(cell, stats)
-            spent_s += frames_s(frame, cell.measure)
+            spent_s += frames_s(frame, cell.measure) + rates.looks_s
             sources[frame.source] += 1
             checks_s += rates.check_s(stats)
             around_s += rates.around_s(stats) + rates.report_s
@@ -189,7 +198,7 @@ class Forecast:
 
 def _work(fragments: int) -> float:
     """What the time of a method's frame is in proportion to: clears and draws cost more for few fragments."""
-    return (fragments + OTHER_WORK) ** GROWTH
+    return fragments + OTHER_WORK
 
 
 def frames_s(frame: FrameTime, measure: Measure) -> float:
@@ -198,9 +207,15 @@ def frames_s(frame: FrameTime, measure: Measure) -> float:
 
 
 def parts_s(frame: FrameTime, measure: Measure) -> tuple[float, float]:
-    """Seconds that a cell's warm-up and samples take, and its other frames: those of passes and of checks."""
+    """Seconds that a cell's warm-up and samples take, and its other frames: those of passes and of checks.
+
+    Where the frame's scatter is not the cell's own, they are the mean of many cells, a few of which are unsteady.
+    """
     frame_s = frame.time_ms / 1e3
-    sampled_s = min((WARMUP_FRAMES + samples_wanted(frame, measure)) * frame_s, most_s(frame_s, measure))
+    sampled_s, longest_s = (min((WARMUP_FRAMES + samples) * frame_s, most_s(frame_s, measure))
+                            for samples in (samples_wanted(frame, measure), measure.max_samples))
+    if frame.source not in OWN:
+        sampled_s += UNSTEADY * (longest_s - sampled_s)
     passes_s = min(PASS_FRAMES * frame_s, PASS_SHARE * measure.time_limit_s + frame_s)
     return sampled_s, passes_s + OTHER_FRAMES * frame_s
 

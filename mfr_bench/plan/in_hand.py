@@ -8,11 +8,10 @@ from statistics import median, stdev
 
 from ..config.model import Measure
 from ..stats import sampled_interval
-from .forecast import MEDIAN_WIDTH, WARMUP_FRAMES, FrameTime, most_s, parts_s, samples_wanted
+from .forecast import IN_HAND, MEDIAN_WIDTH, WARMUP_FRAMES, FrameTime, most_s, parts_s, samples_wanted
 
-IN_HAND = "by its samples so far"
 INTERVAL = 6  # samples of which the median has an interval
-BESIDE = 0.5  # of the frames that are no samples: those whose passes are timed between the batches
+BESIDE = 0.1  # of the frames that are no samples: those whose passes are timed between the batches
 
 
 @dataclass

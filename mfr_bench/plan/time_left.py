@@ -4,7 +4,9 @@ Every cell with samples becomes a record of the forecast, so that a method's lar
 ones while these are still being measured. Frames that the calibration alone foretells are corrected by how far it was
 off for the frames that were sampled. The time limit bounds frames however slow they are, so both are put into the
 sampling rules, not behind them. What is left of the error is a factor for each kind of work, taken from the run so far:
-programs that this run compiles first, programs that it has compiled before, and frames.
+programs that this run compiles first, programs that it has compiled before, and frames. Until a kind of work has shown
+its factor, that of programs is as much larger as the start of the process took longer than on a quiet machine, and that
+of frames follows what all work has shown. What follows the last cell is no part of that: it is given.
 """
 
 from __future__ import annotations
@@ -21,17 +23,16 @@ from .in_hand import InHand, parts_s
 
 NEW, AGAIN, FRAMES = "new", "again", "frames"  # kinds of work
 Seconds = dict[str, float]  # by kind
-PREPARE = (NEW, AGAIN)
-USUAL = {NEW: 1.6, AGAIN: 0.5, FRAMES: 1.5}  # what each takes over what is foretold, before a run has shown anything
-TRUST = {NEW: 0.02, AGAIN: 0.02, FRAMES: 0.5}  # share of all that is foretold for which each counts as usual
-COUPLED = {NEW: 0.7, AGAIN: 0.7, FRAMES: 0.4}  # power to which the factor of alike work raises what is usual
+USUAL = {NEW: 0.45, AGAIN: 0.1, FRAMES: 1.2}  # what each takes over what is foretold, before a run has shown anything
+TRUST = {NEW: 0.02, AGAIN: 0.02, FRAMES: 1.0}  # share of all that is foretold for which each counts as usual
+COUPLED = 0.4  # power to which the factor of all work raises what is usual of frames
 COUPLED_TRUST = 0.09  # share of all that is foretold for which that factor counts as 1
-GUESS, GUESSES = 0.8, 4  # what a frame takes over its guess by calibration, as if so many had been sampled
+GUESS, GUESSES = 0.9, 1  # what a frame takes over its guess by calibration, as if so many had been sampled
 KEPT = 0.05  # of the time to compile a program: the driver has it already
+COUNTED = 0.3  # times to compile a program: the one that counts its fragments in the end
 COUNTERS = 2.5  # times to compile a program: those that count the work of a frame are programs of their own
 PREPARING = ("scene", "compile", "first frame")  # phases of events.Begun; a check before the first sample is another
 COMPILE, SAMPLING = "compile", "sampling"
-ENDING = 0.83  # of what is set aside for the end, which is on the safe side
 REFRESH_S, REFRESH = 1.0, 0.05  # a forecast stands for so long, or for this share of what it says, if that is less
 
 
@@ -40,16 +41,20 @@ class TimeLeft:
     """The time that a run's cells have taken and will take. `elapsed_s` of every call counts from the same moment on.
 
     cells: those that are to be measured, by key. programs: the digest of the GLSL of each. end_s: what follows the last
-    of them.
+    of them. slowness: how many times as long as on a quiet machine the start of the process took.
+    looks_s: reference frames of a cell.
     """
 
     forecast: Forecast
     cells: Mapping[str, Cell]
     programs: Mapping[str, str]
     end_s: float = 0.0
+    slowness: float = 1.0
+    looks_s: float = 0.0
     _spent: Seconds = field(default_factory=lambda: dict.fromkeys(USUAL, 0.0))
     _foretold: Seconds = field(default_factory=lambda: dict.fromkeys(USUAL, 0.0))  # of what is over
     _compiled: set[str] = field(default_factory=set)  # digests
+    _counted: set[str] = field(default_factory=set)  # those of which a cell is done
     _hands: dict[str, InHand] = field(default_factory=dict)  # cells that are prepared, also when they are done
     _now: str | None = None  # the kind of work that goes on
     _last_s: float = 0.0  # when the last event came
@@ -59,7 +64,7 @@ class TimeLeft:
         self._stats = {key: expected_stats(cell.scene) for key, cell in self.cells.items()}
         self._known = {key: self.forecast.known(cell) for key, cell in self.cells.items()}
         self._left = dict.fromkeys(self.cells)
-        self._first_s = {key: self._prepare_s(key, NEW) + sum(parts_s(self._frame(key), cell.measure))
+        self._first_s = {key: self._prepare_s(key, NEW) + sum(parts_s(self._frame(key), cell.measure)) + self.looks_s
                          for key, cell in self.cells.items()}
         self._whole_s = sum(self._first_s.values())
 
@@ -93,9 +98,11 @@ class TimeLeft:
         if key not in self._left:
             return
         del self._left[key]
+        self._counted.add(self.programs[key])
         self._said = None
         if hand := self._hands.get(key):
-            self._foretold[FRAMES] += hand.seconds(self._frame(key), self.cells[key].measure, done=True)[0]
+            self._foretold[FRAMES] += self.looks_s + hand.seconds(
+                self._frame(key), self.cells[key].measure, done=True)[0]
         self.forecast.learn(row)
 
     def _pass(self, elapsed_s: float) -> None:
@@ -111,38 +118,37 @@ class TimeLeft:
         if self._said is None or not 0 <= elapsed_s - self._said[1] < min(REFRESH_S, REFRESH * self._said[0]):
             self._said = self._forecast_s(), elapsed_s
         said_s, at_s = self._said
-        return max(0.0, said_s - (elapsed_s - min(at_s, self._last_s))) + ENDING * self.end_s
+        return max(0.0, said_s - (elapsed_s - min(at_s, self._last_s))) + self.end_s
 
     def _forecast_s(self) -> float:
         """Seconds from the last event until the last cell is done."""
         guess, alike = self._guess, self._alike
         over, to_come = dict(self._foretold), dict.fromkeys(USUAL, 0.0)
         compiled = set(self._compiled)
+        to_come[NEW] = COUNTED * self.forecast.rates.compile_s * len(
+            {self.programs[key] for key in self._left} - self._counted)
         for key in self._left:
             frame = self._frame(key, guess, alike)
             to_come[NEW] += self._count_s(key)
             if hand := self._hands.get(key):
                 over_s, to_come_s = hand.seconds(frame, self.cells[key].measure)
-                over[FRAMES] += over_s
-                to_come[FRAMES] += to_come_s
+                looked = over_s / (over_s + to_come_s) if over_s else 0.0
+                over[FRAMES] += over_s + looked * self.looks_s
+                to_come[FRAMES] += to_come_s + (1 - looked) * self.looks_s
                 continue
             kind = self._kind(key, compiled)
             compiled.add(self.programs[key])
             to_come[kind] += self._prepare_s(key, kind)
-            to_come[FRAMES] += sum(parts_s(frame, self.cells[key].measure))
+            to_come[FRAMES] += self.looks_s + sum(parts_s(frame, self.cells[key].measure))
         return sum(seconds * self._factor(kind, over) for kind, seconds in to_come.items())
 
     def _factor(self, kind: str, over: Seconds) -> float:
-        """What work of a kind takes over what is foretold: as the run has shown, or else as usual.
-
-        Programs are like those of the other kind: both are slow or fast with the driver's cache. Frames are like all.
-        """
+        """What work of a kind takes over what is foretold: as the run has shown, or else as usual."""
         if not self._whole_s:
             return 1.0
         trust_s, few_s = TRUST[kind] * self._whole_s, COUPLED_TRUST * self._whole_s
-        alike = PREPARE if kind in PREPARE else tuple(USUAL)
-        of_alike = (sum(self._spent[k] for k in alike) + few_s) / (sum(over[k] for k in alike) + few_s)
-        usual = USUAL[kind] * of_alike ** COUPLED[kind]
+        of_all = (sum(self._spent.values()) + few_s) / (sum(over.values()) + few_s)
+        usual = USUAL[kind] * (of_all ** COUPLED if kind == FRAMES else self.slowness)
         return (self._spent[kind] + trust_s * usual) / (over[kind] + trust_s)
 
     def _kind(self, key: str, compiled: set[str]) -> str:

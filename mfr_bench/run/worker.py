@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import time
 from contextlib import suppress
 from dataclasses import asdict
 from multiprocessing.connection import Connection
@@ -44,7 +45,9 @@ def serve(link: Connection, want: str, timer: str) -> int:
     except DeviceError as error:
         link.send(Failed(str(error), isinstance(error, UnknownDeviceError)))
         return LOST
+    begun = time.monotonic()
     calibration = {} if timer else asdict(calibrate(device))
+    calibrated_s = time.monotonic() - begun
     timer = timer or calibration["timer"]
     channel = Channel(link)
     answers = Answers()
@@ -52,7 +55,7 @@ def serve(link: Connection, want: str, timer: str) -> int:
     watch = Watch(ReferenceFrame(device))
     bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted, answers, beside, watch)
     measuring = Measuring(bench, catalog())
-    link.send(Ready(device.info, device.limits, timer, calibration, device.bound_threads))
+    link.send(Ready(device.info, device.limits, timer, calibration, device.bound_threads, calibrated_s))
     while True:
         group = link.recv()
         if isinstance(group, Calibrate):

@@ -8,9 +8,10 @@ import pytest
 
 from mfr_bench.config.model import Measure, Scene
 from mfr_bench.plan import Cell
+from mfr_bench.plan.ending import ending_s
 from mfr_bench.plan.forecast import MEASURED, Forecast, FrameTime, Rates, parts_s
 from mfr_bench.plan.in_hand import InHand
-from mfr_bench.plan.time_left import ENDING, REFRESH, REFRESH_S, TimeLeft
+from mfr_bench.plan.time_left import GUESS, REFRESH, REFRESH_S, TimeLeft
 
 ROOT = Path(__file__).parents[2]
 RECORDED = Path(__file__).with_name("recorded")
@@ -30,10 +31,11 @@ def script(monkeypatch):
 
 
 def test_after_a_fifth_of_a_run_nine_of_ten_forecasts_are_within_a_factor_of_1_5(script):
-    """70 configs without earlier results: 31 on a loaded machine, 39 on a quiet one whose driver knew the shaders."""
+    """109 runs without earlier results: 31 configs on a loaded machine, 39 on a quiet one, these again without a cache
+    of shaders."""
     runs = [run for file in sorted(RECORDED.glob("*.jsonl")) for run in script.read(file)]
     ratios = [script.replayed(run, (0.2,))[0] for run in runs]
-    assert len(ratios) == 70
+    assert len(ratios) == 109
     assert sum(1 / 1.5 <= ratio <= 1.5 for ratio in ratios) >= 0.9 * len(runs), ratios
     assert sum(1 / 2 <= ratio <= 2 for ratio in ratios) >= 0.95 * len(runs), ratios
 
@@ -48,8 +50,8 @@ def row(of, time_ms, fragments=64 * 64 * 32, samples=10):
             "samples_ms": [time_ms] * samples}
 
 
-def started(cells, programs=None, rates=RATES, end_s=0.0):
-    return TimeLeft(Forecast((), rates), cells, programs or {key: key for key in cells}, end_s)
+def started(cells, programs=None, rates=RATES, end_s=0.0, **more):
+    return TimeLeft(Forecast((), rates), cells, programs or {key: key for key in cells}, end_s, **more)
 
 
 def measured(ahead, key, begin_s, prepare_s, frames_s, frame_ms, samples=13):
@@ -101,7 +103,7 @@ def test_frames_of_other_methods_are_as_far_from_their_guess_as_those_that_were_
     for key in "abc":
         ahead.began(key, "compile", 0.0)
         ahead.sampled(key, [5 * guess_ms] * 7)
-    assert before == pytest.approx(0.8) and 2 < ahead._guess < 5
+    assert before == pytest.approx(GUESS) and 2 < ahead._guess < 5
 
 
 def test_a_program_that_the_run_has_compiled_takes_less():
@@ -109,6 +111,31 @@ def test_a_program_that_the_run_has_compiled_takes_less():
     rates = replace(RATES, compile_s=5.0)
     one, eight = (dict(zip(cells, names, strict=True)) for names in ("aaaaaaaa", "abcdefgh"))
     assert started(cells, one, rates).left_s(0.0) < 0.3 * started(cells, eight, rates).left_s(0.0)
+
+
+def test_programs_take_longer_where_the_start_did():
+    """What follows the last cell is given for the machine as it is."""
+    cells, rates = {str(i): cell("a", k=i) for i in range(8)}, replace(RATES, compile_s=5.0)
+    quiet, slow = (started(cells, rates=rates, end_s=4.0, slowness=slowness).left_s(0.0) for slowness in (1.0, 4.0))
+    assert 2 < (slow - 4.0) / (quiet - 4.0) < 4
+
+
+def test_reference_frames_are_part_of_what_is_left():
+    cells = {str(i): cell("a", k=i) for i in range(8)}
+    without, with_looks = (started(cells, looks_s=looks_s) for looks_s in (0.0, 0.5))
+    assert with_looks.left_s(0.0) - without.left_s(0.0) > 8 * 0.5
+    for i in range(8):
+        measured(with_looks, str(i), i, 0.1, 0.9, 1.0)
+    assert with_looks.left_s(8.0) == 0
+
+
+def test_what_follows_the_last_cell_is_figures_and_a_calibration():
+    """Of the quiet machine: two calibrations alike, and reports of which a slow processor makes more."""
+    one = ending_s(1, 1, 7, calibrated_s=0.7, slowness=1.0)
+    assert one == pytest.approx(1.3, abs=0.1)
+    assert ending_s(1, 4, 7, 0.7, 1.0) > one + 0.5
+    assert ending_s(1, 1, 7, 0.7, 5.0) - 0.7 == pytest.approx(5 * (one - 0.7))
+    assert ending_s(8, 24, 100, 0.7, 1.0, processes=2) < ending_s(8, 24, 100, 0.7, 1.0)
 
 
 def test_programs_that_count_the_work_of_a_frame_are_compiled_too():
@@ -136,7 +163,7 @@ def test_a_cell_in_hand_has_what_the_sampling_rules_leave_it(frame_ms, count):
 def test_what_follows_the_last_cell_is_always_ahead():
     ahead = started({"a": cell("a")}, end_s=3.0)
     measured(ahead, "a", 0.0, 0.2, 1.0, 10.0)
-    assert ahead.left_s(1.2) == pytest.approx(ENDING * 3.0)
+    assert ahead.left_s(1.2) == pytest.approx(3.0)
 
 
 def test_a_row_of_no_foretold_cell_changes_nothing():
@@ -150,4 +177,4 @@ def test_a_row_of_no_foretold_cell_changes_nothing():
 
 def test_a_run_without_cells_has_only_its_end_ahead():
     ahead = started({}, end_s=2.0)
-    assert (ahead.left_s(0.0), ahead.share) == (ENDING * 2.0, 1.0)
+    assert (ahead.left_s(0.0), ahead.share) == (2.0, 1.0)
