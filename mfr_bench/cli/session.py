@@ -338,6 +338,7 @@ def manifest(experiment, todo, ready) -> dict[str, Any]:
         "cells": list(places), "places": list(places.values()), "device": dict(ready.device),
         **_packages(todo), "timer": ready.timer, "calibration": dict(ready.calibration),
         "versions": environment.versions(),
-        "environment": environment.at_the_start(ready.device) | {"bound_threads": ready.bound_threads},
+        "environment": environment.at_the_start(ready.device) | {"bound_threads": ready.bound_threads,
+                                                                 "instructions": ready.instructions},
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }

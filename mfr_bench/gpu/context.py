@@ -40,7 +40,8 @@ class Trials:
 class Device:
     """A context with its limits. `kind` is gpu or cpu.
 
-    bound_threads: threads of a software driver that have processors of their own.
+    bound_threads: threads of a software driver that have processors of their own. instructions: the newest instruction
+    set that a software driver of Mesa may use; None: the processor's.
     """
 
     ctx: moderngl.Context
@@ -50,6 +51,7 @@ class Device:
     egl: EglDevice = field(default_factory=lambda: EglDevice(0))
     programs: dict[tuple[str, ...], object] = field(default_factory=dict)
     bound_threads: int = 0
+    instructions: str | None = None
 
     @cached_property
     def info(self) -> dict[str, str | None]:

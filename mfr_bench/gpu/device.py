@@ -15,6 +15,7 @@ from .context import Device, Trials
 from .egl import EglDevice, egl_devices, is_named, library
 from .rawgl import RawGL
 from .threads import spread_rasterizers
+from .vectors import instructions
 from .visible import Visible, visible
 
 GL_MINIMUM = 430
@@ -32,6 +33,7 @@ def _create(index: int) -> Device:
     device = Device(ctx, RawGL(backend.load), backend, Trials(trials.failed, trials.dispatches_need_a_flush))
     device.gl.spend_first_timers()
     device.bound_threads = spread_rasterizers()
+    device.instructions = instructions() if device.kind == "cpu" else None
     return device
 
 

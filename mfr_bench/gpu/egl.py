@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .vectors import avoid_high_registers
+
 MOST_DEVICES = 64
 DEVICE_UUID, DRM_DEVICE_FILE, DRM_RENDER_NODE = 0x335C, 0x3233, 0x3377
 EXTENSIONS, CUDA_DEVICE, CUDA_EXTENSION = 0x3055, 0x323A, "EGL_NV_device_cuda"
@@ -47,6 +49,7 @@ def egl_devices() -> list[EglDevice]:
     libEGL.
     """
     os.environ.setdefault("EGL_LOG_LEVEL", "fatal")  # Mesa 26 warns of LIBGL_ALWAYS_SOFTWARE on stderr
+    avoid_high_registers()
     egl = ctypes.CDLL(library())
     query = _function(egl, "eglQueryDevicesEXT", ctypes.c_int, ctypes.POINTER(ctypes.c_void_p),
                       ctypes.POINTER(ctypes.c_int))

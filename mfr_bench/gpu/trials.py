@@ -49,6 +49,7 @@ from .context import Device
 from .frame import Frame
 from .probes import COUNTED, LOCKED, ROUTED, ROUTED_SCENE, ProbeBench, probe_method
 from .trial_alone import block_length, primitive_numbers
+from .trial_registers import full_registers
 from .trial_triangles import triangles
 
 SCENE = SceneConfig(size=(24, 20), depth_complexity=3)
@@ -343,6 +344,7 @@ TRIALS = (
     Trial("atomic operations", operations),
     Trial("blending", blending),
     Trial("queries", queries),
+    Trial("full registers", full_registers),
     Trial("block length", block_length, avoided=True),
     Trial("primitive numbers", primitive_numbers, avoided=True),
     Trial("64-bit atomics", operations64, "shader_atomic_int64"),

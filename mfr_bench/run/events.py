@@ -55,7 +55,8 @@ CHECK = "check"  # phase in which the harness compares images: no time of the me
 class Ready:
     """The device is open, and its timer chosen.
 
-    calibration: empty where the timer was given; else it took calibrated_s seconds. bound_threads: of `Device`.
+    calibration: empty where the timer was given; else it took calibrated_s seconds. bound_threads, instructions: of
+    `Device`.
     """
 
     device: Mapping[str, str]
@@ -64,6 +65,7 @@ class Ready:
     calibration: Mapping[str, Any]
     bound_threads: int = 0
     calibrated_s: float = 0.0
+    instructions: str | None = None
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,8 @@ def serve(link: Connection, want: str, timer: str) -> int:
     watch = Watch(ReferenceFrame(device))
     bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted, answers, beside, watch)
     measuring = Measuring(bench, catalog())
-    link.send(Ready(device.info, device.limits, timer, calibration, device.bound_threads, calibrated_s))
+    link.send(Ready(device.info, device.limits, timer, calibration, device.bound_threads, calibrated_s,
+                    device.instructions))
     while True:
         group = link.recv()
         if isinstance(group, Calibrate):

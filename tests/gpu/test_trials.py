@@ -42,6 +42,9 @@ def outcome(device, name):
     ("blending", "probe/blend.frag", "0.25", "0.5", "rg8 add one one"),
     ("blending", "probe/blend.frag", "out_beside = vec4(vec3(0.25), 0.5)", "out_beside = vec4(0.25)", "r8 add zero"),
     ("queries", "common/count.frag", "void main() {", "void main() { if (gl_FragCoord.x < 1.0) discard;", "samples"),
+    ("full registers", "probe/full_registers.comp", "nodes[at++]", "nodes[at]", "0 of 256 pixels right"),
+    ("full registers", "probe/full_registers.comp", "COMPARE(0, 1) ", "COMPARE(1, 0) ",
+     "GALLIUM_OVERRIDE_CPU_CAPS=avx"),
     ("block length", "probe/block_length.frag", "seen[p] = uint(second.length())", "seen[p] = 4u", "480 of 480"),
     ("primitive numbers", "probe/primitive_number.frag", "uint(gl_PrimitiveID)", "uint(gl_PrimitiveID) / 4u",
      "of 1440 fragments"),
@@ -134,5 +137,5 @@ def test_where_33_in_registers_fail_their_trial_no_other_k_and_no_other_sort_is_
 
 
 def test_every_trial_says_what_a_failure_costs():
-    assert {trial.name for trial in TRIALS if trial.costs is None} == {"atomic operations", "blending", "queries",
-                                                                           "uniform blocks after a dispatch"}
+    assert {trial.name for trial in TRIALS if trial.costs is None} == {
+        "atomic operations", "blending", "queries", "full registers", "uniform blocks after a dispatch"}
