@@ -16,18 +16,20 @@ Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
 
 
-def in_processes(work: Callable[[Item], Outcome], items: Sequence[Item],
-                 processes: int | None = None) -> Iterator[Outcome]:
+def in_processes(work: Callable[[Item], Outcome], items: Sequence[Item], processes: int | None = None,
+                 imports: Sequence[str] = ()) -> Iterator[Outcome]:
     """The outcome of each item in turn, by other processes; in this one where a process would have too few items.
 
-    What an item raises is raised here. The processes are no copies of this one, which may hold a GL context: each
-    takes a while to import what it needs. `work`, its items and outcomes pickle.
+    What an item raises is raised here. The processes are no copies of this one, which may hold a GL context, but of one
+    that has imported the modules `imports`, once for all. `work`, its items and outcomes pickle.
     """
     count = min(processes or usable_cores() or 1, len(items) // FEWEST)
     if count < 2:
         yield from map(work, items)
         return
-    with multiprocessing.get_context("forkserver").Pool(count, _watch_parent) as pool:
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(list(imports))
+    with context.Pool(count, _watch_parent) as pool:
         yield from pool.imap(work, items)
 
 

@@ -32,6 +32,9 @@ FORMATS: Mapping[str, Mapping[str, Any]] = {
 }
 
 
+DRAWS = ("matplotlib.figure", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg")  # long to import
+
+
 def write_figures(folder: ResultFolder, processes: int = 1) -> list[Path]:
     """Write figures/<name>.png and .svg, numbered where there are several. Raises StoreError.
 
@@ -62,9 +65,7 @@ def write_all(folders: Sequence[ResultFolder],
     if count < 2:
         yield from ((write_figures(folder, processes=2), folder.damaged) for folder in folders)
         return
-    from matplotlib.backends import backend_agg, backend_svg  # noqa: F401  loaded once, for all
-
-    yield from in_processes(_written, folders, count)
+    yield from in_processes(_written, folders, count, DRAWS)
 
 
 def _written(folder: ResultFolder) -> tuple[list[Path], list[str]]:
