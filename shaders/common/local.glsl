@@ -1,11 +1,15 @@
 // Declares the local array of this invocation and selects the nearest fragments into it. While it is full, the furthest
 // fragment is in element 0, where the next nearer fragment replaces it (max-array, kplus_2015 §3.2).
+// Where fewer than MOST_CHOSEN are selected, the elements behind them have to be FIRST_FRAGMENT, which is never the
+// furthest: a loop of constant length over all of them is the faster.
 FRAGMENT fragments[LOCAL];
 
-void furthest_to_front(uint count) {
+const uint MOST_CHOSEN = uint(min(LOCAL, KEEP));
+
+void furthest_to_front() {
     FRAGMENT furthest = fragments[0];
     uint at = 0u;
-    for (uint i = 1u; i < count; ++i) {
+    for (uint i = 1u; i < MOST_CHOSEN; ++i) {
         FRAGMENT fragment = fragments[i];
         if (fragment.x > furthest.x) {
             furthest = fragment;
@@ -23,6 +27,6 @@ uint offer(FRAGMENT fragment, uint offered, uint room) {
     uint furthest = full ? fragments[0].x : EMPTY;
     if (fragment.x >= furthest) return fragment.x;
     fragments[full ? 0u : offered] = fragment;
-    if (offered + 1u >= room) furthest_to_front(room);
+    if (offered + 1u >= room) furthest_to_front();
     return furthest;
 }

@@ -14,6 +14,7 @@
 uint choose_batch(uint p, uint from, uint room, out uint left) {
     uint offered = 0u;
     left = EMPTY;
+    for (uint i = room; i < MOST_CHOSEN; ++i) fragments[i] = FIRST_FRAGMENT;
     FRAGMENT fragment;
     for (fetch_begin(p); fetch_next(fragment);) {
         if (fragment.x < from) continue;

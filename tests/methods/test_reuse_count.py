@@ -135,7 +135,7 @@ def test_new_buffers_are_counted_anew(device, method):
     ("ab-sb", "methods/sbuffer/rewind.frag", "-= counter[p]", "-= 0u"),
     ("ab-precalc", "methods/sbuffer/rewind.frag", "-= counter[p]", "-= 1u"),
     ("kplus-sb", "methods/kplus/empty.frag", "&= COUNTED", "&= ~0u"),
-    ("kplus-sb", "methods/kplus/empty.frag", "ROOM(p) > 0u", "false"),
+    ("kplus-sb", "methods/kplus/empty.frag", "NODE(p, 0u) = NO_FRAGMENT", "NODE(p, 0u) = FIRST_FRAGMENT"),
 ], ids=["rewind", "rewind by one", "taken", "first cell"])
 def test_a_wrong_line_is_seen_in_the_second_frame(device, plant, method, path, right, wrong):
     plant(path, right, wrong)
