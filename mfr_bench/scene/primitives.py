@@ -11,6 +11,14 @@ import numpy as np
 from ..effects import PLAIN, Settings
 from .overlap import bounds_of, boxes_of, depth_bounds_of, most_over
 
+ALIGNED = 8  # pixels: of two words each, a line of a cache
+
+
+def _outwards(first: int, length: int, end: int) -> tuple[int, int]:
+    """The pixels from `first` on, from the multiple of ALIGNED before them to the one after or `end`: first, length."""
+    begin = first - first % ALIGNED
+    return begin, min(end, first + length + -(first + length) % ALIGNED) - begin
+
 
 class Primitives:
     """Primitives of which each fragment is generated with a probability: by a hash of pixel, primitive and seed."""
@@ -65,8 +73,15 @@ class Cornered(Primitives):
 
     @cached_property
     def bounds(self) -> tuple[int, int, int, int]:
-        """Left, bottom, width and height in pixels of a rectangle that bounds the primitives in the viewport."""
-        return bounds_of(self.boxes)
+        """Left, bottom, width and height in pixels of a rectangle that bounds the primitives in the viewport.
+
+        It begins and ends at multiples of ALIGNED or the viewport's edge: adjacent pixels then share lines of a cache.
+        """
+        left, bottom, width, height = bounds_of(self.boxes)
+        (left, width), (bottom, height) = (
+            _outwards(first, length, end) for first, length, end in zip((left, bottom), (width, height), self.viewport,
+                                                                        strict=True))
+        return left, bottom, width, height
 
     @cached_property
     def depth_bounds(self) -> tuple[float, float]:

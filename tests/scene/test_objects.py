@@ -16,6 +16,7 @@ from mfr_bench.gpu.targets import Canvas
 from mfr_bench.oracle.composite import fragment_counts
 from mfr_bench.scene import colours, generate, objects
 from mfr_bench.scene.spec.layout import shares, spread
+from mfr_bench.scene.triangles import Triangles
 
 KINDS = ("hairball", "needles", "temple")
 SLANTED = {kind: SceneConfig(kind=kind, size=(97, 71), depth_complexity=12, mean_depth=5, seed=7) for kind in KINDS}
@@ -61,6 +62,17 @@ def test_no_fragment_lies_beside_the_bounds(device, kind):
         thing.release()
     assert counts[bottom:bottom + height, left:left + width].sum() == counts.sum() > 0
     assert width * height < counts.size or kind == "slanted"  # whose tiles lie all over the viewport
+
+
+@pytest.mark.parametrize(("corners", "bounds"), [
+    ((10.5, 17.2, 20.1, 30.9), (8, 16, 16, 16)), ((16, 8, 24, 16), (8, 0, 24, 24)),
+    ((50.5, 1, 59.9, 3), (48, 0, 12, 8)), ((20.2, 29.2, 21.5, 30.5), (16, 24, 8, 8))])
+def test_bounds_begin_and_end_at_multiples_of_eight_or_at_the_edge(corners, bounds):
+    """Of 60 x 40 pixels; a triangle has three corners of a box in pixels, and a pixel to spare on each side."""
+    x0, y0, x1, y1 = corners
+    at = np.array([[x0, y0], [x1, y0], [x0, y1]]) * 2 / (60, 40) - 1
+    position = np.concatenate([at, np.full((3, 1), 0.25), np.ones((3, 1))], axis=1)[None].astype(np.float32)
+    assert Triangles((60, 40), position, np.zeros((1, 4), np.uint8), 1.0, 1, np.zeros(1, np.int32)).bounds == bounds
 
 
 def test_the_bounds_are_the_viewport_where_a_corner_lies_behind_the_eye():
