@@ -12,6 +12,7 @@ import click
 from ..errors import UsageError
 from .output import note
 
+MESH, RECORDING = "an OBJ, PLY, STL, GLB or glTF file", "an .npz of recorded fragments (docs/recording.md)"
 MESH_CONFIG = "meshes"  # the config that --mesh and --fragments take where none is named
 OPACITIES = [0.1, 0.6]  # of a mesh without a translucent triangle
 
@@ -47,14 +48,14 @@ def fragment_overrides(file: str, settable: bool = True) -> list[str]:
         scene["msaa"] = msaa
         note(f"{path.name}: its coverage masks leave {msaa} samples a pixel"
              + "; --set scene.msaa=1 leaves them out" * settable)
-    return [f"name=fragments-{_name_of(path)}", f"title={json.dumps(f'Methods on {path.name}')}",
+    return [f"name=fragments-{_name_of(path, RECORDING)}", f"title={json.dumps(f'Methods on {path.name}')}",
             f"scene={json.dumps(scene)}"]
 
 
 def mesh_overrides(file: str, settable: bool = True) -> list[str]:
     """Settings KEY=VALUE for the mesh, seen from the front. Raises UsageError for a file that does not do."""
     path = Path(file).absolute()
-    return [f"name=mesh-{_name_of(path)}", f"title={json.dumps(f'Methods on {path.name}')}", "scene.kind=mesh",
+    return [f"name=mesh-{_name_of(path, MESH)}", f"title={json.dumps(f'Methods on {path.name}')}", "scene.kind=mesh",
             f"scene.file={json.dumps(str(path))}", "scene.view={}", f"scene.alpha={_alpha(path, settable)}"]
 
 
@@ -73,11 +74,16 @@ def _alpha(path: Path, settable: bool) -> str:
     return json.dumps(OPACITIES)
 
 
-def _name_of(path: Path) -> str:
-    """A name for results of the file: no two files of other contents, or of other endings, share a folder."""
+def _name_of(path: Path, wanted: str) -> str:
+    """A name for results of the file: no two files of other contents, or of other endings, share a folder.
+
+    Raises UsageError where there is no file; `wanted` says what kind of file is allowed.
+    """
+    if path.is_dir():
+        raise UsageError(f"{path}: is a folder; allowed: {wanted}")
     from ..scene.files import digest
 
-    return f"{_word(path.stem)}-{_word(path.suffix.lstrip('.').lower())}-{digest([path], 'a file')[:6]}"
+    return f"{_word(path.stem)}-{_word(path.suffix.lstrip('.').lower())}-{digest([path], wanted)[:6]}"
 
 
 def _word(stem: str) -> str:

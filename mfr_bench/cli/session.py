@@ -294,7 +294,8 @@ def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
     kept = f"; {sheet.kept} kept from before, --force measures them again" if sheet.kept else ""
     copied = f"; {sheet.copied} copied from other results, where they are the same" if sheet.copied else ""
     noise = manifest.get("noise_floor_rel")
-    lines = [f"{sheet.counts.total()} cells: {statuses or 'none'}{kept}{copied}"]
+    total = sheet.counts.total()
+    lines = [f"{total} {'cell' if total == 1 else 'cells'}: {statuses or 'none'}{kept}{copied}"]
     if left := left_out(sheet):
         by_label = ", ".join(f"{label} {count}" for label, count in left.items())
         lines.append(f"left out for the time budget: {sum(left.values())} cells ({by_label}); "

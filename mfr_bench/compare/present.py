@@ -149,7 +149,8 @@ def _named(entries: Sequence[Entry]) -> list[str]:
 def _end(found: Comparison) -> str:
     counts = ", ".join(f"{found.counts.get(name, 0)} {name}" for name in VERDICTS)
     worse = sum(any(c.worse for c in v.changes) for v in found.verdicts)
-    parts = [f"{len(found.records())} cells: {counts}"]
+    total = len(found.records())
+    parts = [f"{total} {'cell' if total == 1 else 'cells'}: {counts}"]
     slower = [each.name for each in found.together if each.verdict == SLOWER]
     if slower:
         parts.append(f"{SLOWER} together: {', '.join(slower)}")

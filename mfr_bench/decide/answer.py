@@ -130,9 +130,11 @@ class Answer:
         if best is None:
             lines += textwrap.wrap(self._none, width, break_on_hyphens=False)
         else:
-            lines += ["", *textwrap.wrap(f"Answer: {written(best)}", width), *self._figures(width)]
+            lines += ["", *textwrap.wrap(f"Answer: {written(best)}", width, break_on_hyphens=False),
+                      *self._figures(width)]
         for cut in self.cut:
-            lines += textwrap.wrap(f"  cut for the time budget: {cut}", width, subsequent_indent="    ")
+            lines += textwrap.wrap(f"  cut for the time budget: {cut}", width, subsequent_indent="    ",
+                                   break_on_hyphens=False)
         return "\n".join([*lines, "", *self._others(width)])
 
     def _figures(self, width: int) -> list[str]:

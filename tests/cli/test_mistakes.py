@@ -11,6 +11,8 @@ MISTAKES = [
     (["rnu", "smoke"], "mfr-bench: no command 'rnu'; nearest: 'run'; allowed: run, ", "; see mfr-bench --help"),
     (["run"], "mfr-bench run: Missing argument 'CONFIG...', --mesh FILE or --fragments FILE; ",
      "see mfr-bench run --help"),
+    (["run", "--mesh", "a.obj"], "", "a.obj: No such file or directory; allowed: an OBJ, PLY, STL, GLB or glTF file"),
+    (["decide", "--mesh", "."], "", ": is a folder; allowed: an OBJ, PLY, STL, GLB or glTF file"),
     (["run", "--mesh", "a.obj", "--fragments", "a.npz"], "--mesh with --fragments; allowed: one way to give the ", ""),
     (["scene", "tiny.yaml"], "scene: nothing to write; allowed: --out FILE.npz, --fragments FILE.npz, or both", ""),
     (["scene", "tiny.yaml", "--fragments", "a.npy"], "--fragments: 'a.npy' ends in none of them; allowed: ", ""),

@@ -108,6 +108,10 @@ def test_only_may_be_given_several_times(mfr, tiny, here):
     assert {method for method, _ in cells(here / "out")} == {"floor", "ab-array"}
 
 
+def test_one_cell_is_called_one_cell(mfr, tiny, here):
+    assert "\n1 cell: 1 ok" in mfr("run", tiny, "--out", "out", "--only", "floor").out
+
+
 def test_set_changes_the_config(mfr, tiny, here):
     assert mfr("run", tiny, "--out", "out", "--set", "k=3", "--set", "scene.size=[20,10]").status == 0
     found = cells(here / "out")
