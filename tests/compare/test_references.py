@@ -89,3 +89,14 @@ def test_a_cell_that_moved_by_a_burst_is_not_supported_by_one_that_changed_far_m
     before = run(1, bursts=0.02)
     assert called(before, run(2, {PLANTED: 10.0, "m5, n 16": 1.8}, bursts=0.02)) == {PLANTED: SLOWER}
     assert called(before, run(2, {PLANTED: 1.8, "m5, n 16": 1.8}, bursts=0.02)) == {PLANTED: SLOWER, "m5, n 16": SLOWER}
+
+
+@pytest.mark.parametrize("hit", [["m5, n 32"], ["m5, n 16", "m5, n 32"], ["m3, n 16", "m5, n 32", "m9, n 16"]],
+                         ids=["a cell", "a method", "three methods"])
+def test_bursts_that_the_reference_felt_raise_no_alarm_and_hide_nothing(hit):
+    """1.8 times as long in all frames of the cells that are hit, while one cell of another method is twice as slow."""
+    for seed in range(0, 20, 2):
+        before = run(seed, references={}, bursts=0.02)
+        slowed, felt = dict.fromkeys(hit, 1.8), dict.fromkeys(hit, SLOW_MS)
+        assert called(before, run(seed + 1, slowed, felt, bursts=0.02)) == {}
+        assert called(before, run(seed + 1, slowed | {"m0, n 16": 2.0}, felt, bursts=0.02)) == {"m0, n 16": SLOWER}
