@@ -59,6 +59,11 @@ class Frames:
         weight = near / (near + PRIOR_FRAMES)
         return math.sqrt(weight * own**2 + (1 - weight) * PRIOR_DEVIATION**2)
 
+    @property
+    def count(self) -> int:
+        """The number of frames."""
+        return self._distances.size
+
     def burst(self, time_ms: float) -> float:
         """The logarithmic distance from the median of the slowest in a hundred frames of about this time.
 

@@ -15,7 +15,7 @@ from ..stats import Interval
 from ..store.status import EXACT_ERROR
 from .few import Frames, log_ratio
 from .noise import Noise, Shift, estimate
-from .references import steady
+from .references import References
 from .sides import Entry, Side, changed_environment, refuse_other_devices
 
 FASTER, SLOWER, SAME, UNCLEAR, MISSING = "FASTER", "SLOWER", "SAME", "UNCLEAR", "MISSING"
@@ -190,8 +190,9 @@ class _Timed:
                  alike: bool):
         self._same, self._absolute = math.log1p(threshold), absolute
         frames = Frames(_samples(entry) for pair in pairs for entry in pair)
-        known = steady(pairs) if alike else [None] * len(pairs)
-        shifts = {id(a): shift for (b, a), s in zip(pairs, known, strict=True) if (shift := _shift(b, a, frames, s))}
+        references = References(pairs if alike else ())
+        shifts = {id(a): shift for number, (b, a) in enumerate(pairs)
+                  if (shift := _shift(b, a, frames, references, references.steady[number] if alike else None))}
         self._index = {key: number for number, key in enumerate(shifts)}
         self._shifts = list(shifts.values())
         self._noise: Noise = estimate(self._shifts, floor, alike)
@@ -245,14 +246,14 @@ class _Timed:
         """The logarithmic distance that a burst of load longer than its sampling may move a cell without support.
 
         That is several times as far as cells are apart, or the length of the tails of that; or what a burst did to the
-        slowest frames, unless the device is known to have been as fast as ever. Nothing of it is put down to what few
-        samples leave open, whose size is a guess: where the guess is too large, too little would be left for bursts.
-        What the cell's own samples leave open counts once besides.
+        slowest frames, or to the slowest turns where the device is known to have been as fast as ever. Nothing of it is
+        put down to what few samples leave open, whose size is a guess: where the guess is too large, too little would
+        be left for bursts. What the cell's own samples leave open counts once besides.
         """
         shift, noise = self._shifts[number], self._noise
         times = AGAINST if self._of_method[shift.method][1:] else ALONE
         apart = self._critical * max(times, noise.stretch) * noise.spread
-        slowed = {True: 0.0, None: shift.burst, False: max(shift.burst, math.log(HIDDEN_BURST))}[shift.steady]
+        slowed = max(shift.burst, math.log(HIDDEN_BURST)) if shift.steady is False else shift.burst
         return math.hypot(self._critical * shift.error, min(self._most_burst(shift.method), max(apart, slowed)))
 
     def _most_burst(self, method: Any) -> float:
@@ -313,14 +314,17 @@ def _samples(entry: Entry) -> list[float]:
     return entry.point.cell.get("samples_ms") or [] if entry.point.row["time_ms"] is not None else []
 
 
-def _shift(before: Entry, after: Entry, frames: Frames, known: bool | None) -> Shift | None:
-    """The change of a cell that has samples on both sides, of one timer; `frames`: of all cells; known: see `Shift`."""
+def _shift(before: Entry, after: Entry, frames: Frames, references: References, steady: bool | None) -> Shift | None:
+    """The change of a cell that has samples on both sides, of one timer; frames: of all cells; steady: see `Shift`."""
     over, under = _samples(after), _samples(before)
     if not over or not under or before.point.row["timer"] != after.point.row["timer"]:
         return None
     found = log_ratio(over, under, frames)
-    burst = frames.burst(min(before.point.row["time_ms"], after.point.row["time_ms"]))
-    return Shift(after.scene, after.method, *found, burst, known) if found else None
+    time_ms = min(before.point.row["time_ms"], after.point.row["time_ms"])
+    burst = frames.burst(time_ms)
+    if steady and (unseen := references.burst(time_ms)) is not None:
+        burst = min(burst, unseen)
+    return Shift(after.scene, after.method, *found, burst, steady) if found else None
 
 
 def _verdict(before: Entry, after: Entry, judged: Callable[[Entry, Entry], Judged]) -> CellVerdict:

@@ -27,8 +27,8 @@ TAILS = ((0.8, 1.0), (0.9, 1.0), (0.95, 0.9))  # quantile of the distances, and 
 class Shift:
     """The change of one cell: logarithm of the ratio of its times, and the standard error of that within the runs.
 
-    `burst`: logarithm of how many times as long the slowest frames of such a time are. `steady`: whether the device was
-    as fast as ever while the cell was sampled, on both sides; None where nothing tells.
+    `burst`: logarithm of how many times as long the slowest frames, or turns, of such a time are. `steady`: whether the
+    device was as fast as ever while the cell was sampled, on both sides; None where nothing tells.
     """
 
     scene: Hashable
