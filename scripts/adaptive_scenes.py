@@ -21,12 +21,13 @@ from statistics import median
 
 from in_turns import add_row, geometric_mean, in_turns, ratio, rows_of
 
-from mfr_bench.errors import MfrError
+from mfr_bench.config.model import Measure
 from mfr_bench.gpu.device import open_device
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.single import Shown
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Fitted
+from mfr_bench.methods.spec import Fitted, Variant
+from mfr_bench.plan import Cell, judge
 from mfr_bench.scene import Scene, generate
 from mfr_bench.scene.kinds.mesh import View
 from mfr_bench.store.status import EXACT_ERROR
@@ -90,29 +91,43 @@ DEEP: Mapping[str, Scene] = {
     for name, scene in {
         "quads in a block": quads(1024, pixel_density=0.02),
         "tiles of quads": tiles(1024, 0.02), "slanted quads": quads(1024, slant=0.7, pixel_density=0.02),
-        "hairball": stand_in("hairball", 1024, 200, 0.05), "needles": stand_in("needles", 1024, 200, 0.05)}.items()}
+        "hairball": stand_in("hairball", 1024, 300, 0.05), "needles": stand_in("needles", 1024, 300, 0.05)}.items()}
 
 
 @contextmanager
-def drawn(on: Shown, names: Sequence[str]) -> Iterator[dict[str, Frame]]:
+def drawn(on: Shown, scene: Scene, names: Sequence[str]) -> Iterator[dict[str, Frame]]:
     """Frames of the methods, each drawn until it fits and its image found right; what cannot be drawn is told."""
     frames: dict[str, Frame] = {}
     try:
         for name in names:
-            try:
+            if reason := not_drawn(on, scene, name):
+                print(f"{name} is left out: {reason}", file=sys.stderr)
+            else:
                 frames[name] = checked(on, name)
-            except (MfrError, MemoryError) as error:
-                print(f"{name} is left out: {error}", file=sys.stderr)
         yield frames
     finally:
         for frame in frames.values():
             frame.release()
 
 
-def checked(on: Shown, name: str) -> Frame:
-    """A frame of a method with its parameters, `id name=value …`. Exits where an exact image is wrong."""
+def variant_of(name: str) -> Variant:
+    """The variant of a method with its parameters, `id name=value …`."""
     method, *given = name.split()
-    variant = catalog()[method].variant(dict(each.split("=") for each in given))
+    return catalog()[method].variant(dict(each.split("=") for each in given))
+
+
+def not_drawn(on: Shown, scene: Scene, name: str) -> str | None:
+    """The reason why a run would leave the method out, such as a buffer that no storage block holds."""
+    variant = variant_of(name)
+    cell = Cell(experiment="", method=variant.method.id, label=name, params=variant.params, scene=scene,
+                measure=Measure(), point={})
+    decision = judge(cell, catalog(), on.stats, on.device.limits)
+    return decision[1] if decision else None
+
+
+def checked(on: Shown, name: str) -> Frame:
+    """A frame of a method. Exits where an exact image is wrong."""
+    variant = variant_of(name)
     frame = Frame(on.device, Fitted(variant, on.stats), on.scene_buffer, on.canvas)
     frame.draw_fitting()
     frame.draw()
@@ -126,7 +141,7 @@ def measured(device, name: str, scene: Scene, rounds: int) -> dict[str, object]:
     """The row of a scene."""
     on = Shown(device, generate(scene))
     try:
-        with drawn(on, [MINE, FLOOR, REUSE, *OTHERS]) as frames:
+        with drawn(on, scene, [MINE, FLOOR, REUSE, *OTHERS]) as frames:
             looked = in_turns(device, frames, LOOK_ROUNDS)
             kept = sorted((m for m in OTHERS if m in frames), key=lambda m: median(looked[m]))[:KEPT]
             times = in_turns(device, {m: frames[m] for m in (MINE, FLOOR, REUSE, *kept) if m in frames}, rounds)
