@@ -62,10 +62,11 @@ def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size:
 
     if split_s is not None and shard is None:
         raise UsageError("run: --split without --shard; allowed: with --shard I/N, whose shares it splits scenes for")
+    settings = (*(word for each in overrides for word in ("--set", each)), *(("--only", only) if only else ()))
     configs, overrides = with_scene(configs, overrides, overrides_of(mesh, fragments), size, memory_mb)
     statuses = carry_out(partial(plans_of, configs, profile, only, overrides, shard, split_s), device,
                          Choices(out, force, keep_failed, try_hopeless, budget_s, quiet, as_json, junit, summary,
-                                 page, drawn=shard is None),
+                                 page, drawn=shard is None, settings=settings),
                          dry_run)
     return exit_status(statuses)
 

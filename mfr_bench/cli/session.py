@@ -36,6 +36,7 @@ class Choices:
     summary: str | None = None
     page: str | None = None
     drawn: bool = True  # figures, which of a share of a run would lack what the others measure
+    settings: tuple[str, ...] = ()  # --set and --only as they were given, for the command that measures this again
 
 
 def result_folders(plans, out: str | None, slug: str):
@@ -134,7 +135,9 @@ class Session:
         for (experiment, cells), folder in zip(plans, folders, strict=True):
             if cells:
                 todo = jobs(cells, catalog(), ready.device, ready.timer, codes)
-                parts.append(Part(experiment, Sheet(folder, todo), manifest(experiment, todo, ready)))
+                made = manifest(experiment, todo, ready)
+                made |= {"settings": list(self.choices.settings)} if self.choices.settings else {}
+                parts.append(Part(experiment, Sheet(folder, todo), made))
         return parts
 
     def _measure(self, parts: Sequence[Part]) -> None:

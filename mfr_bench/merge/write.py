@@ -78,6 +78,8 @@ def joined_manifest(manifests: Iterable[Mapping[str, Any]]) -> dict[str, Any]:
         "noise_floor_rel": max(part.get("noise_floor_rel") or 0.0 for part in ordered) or None,
         "merged": ordered,
         **{name: _sums([part.get(name) or {} for part in ordered]) for name in ("split_s", "beside_s")}}
+    if any(part.get("settings") != first.get("settings") for part in ordered):
+        joined.pop("settings", None)  # no command measures all of it
     if not one_design:
         joined.pop("methods", None)  # without them every cell belongs to the set
     if any(part.get("device") != first.get("device") for part in ordered):

@@ -227,6 +227,8 @@ def command_of(manifest: Mapping[str, Any], name: str) -> str:
     words = ["mfr-bench", "run", *named, *_memory(manifest.get("measure") or {}, named != [config])]
     if manifest.get("profile"):
         words += ["--profile", str(manifest["profile"])]
+    settings = manifest.get("settings")
+    words += [without_paths(word) for word in settings] if isinstance(settings, list) else []
     return shlex.join(words)
 
 

@@ -119,6 +119,12 @@ def test_set_changes_the_config(mfr, tiny, here):
     assert {tuple(cell["scene"]["size"]) for cell in found.values()} == {(20, 10)}
 
 
+def test_what_changed_the_config_is_in_the_manifest(mfr, tiny, here):
+    """The page tells by it how to measure the same again."""
+    assert mfr("run", tiny, "--out", "out", "--set", "k=3", "--only", "floor").status == 0
+    assert json.loads((here / "out" / "manifest.json").read_text())["settings"] == ["--set", "k=3", "--only", "floor"]
+
+
 def test_a_profile_is_laid_over(mfr, tiny, here):
     tiny.write_text(TINY + "profiles:\n  less: {sweep.k: [5]}\n")
     assert mfr("run", tiny, "--out", "out", "--profile", "less", "--only", "kplus-array").status == 0
@@ -155,7 +161,7 @@ def test_only_does_not_change_which_folder_a_config_has(mfr, tiny, here):
 
 def test_a_config_given_twice_runs_once(mfr, tiny):
     ended = mfr("run", tiny, f"./{tiny.name}", "--out", "out", "--only", "floor")
-    assert ended.out.count("1 cells: 1 ok") == 1
+    assert ended.out.count("1 cell: 1 ok") == 1
 
 
 def test_configs_of_one_name_would_share_a_folder(mfr, tiny, here):
@@ -284,7 +290,7 @@ def test_figures_that_cannot_be_written_cost_neither_cells_nor_tables(mfr, tiny,
 
 def test_the_module_runs_as_the_command_does(tiny):
     ended = apart("run", tiny, "--out", "out", "--only", "floor")
-    assert (ended.status, "1 cells: 1 ok" in ended.out) == (0, True)
+    assert (ended.status, "1 cell: 1 ok" in ended.out) == (0, True)
 
 
 def test_a_dry_run_predicts_the_time_by_what_was_measured_and_says_so(mfr, tiny, measured):

@@ -95,6 +95,10 @@ def test_an_empty_folder_has_a_page(tmp_path):
      "mfr-bench run --fragments recorded.npz"),
     ({"config": "mesh-model.yaml", "scene": {"kind": "mesh", "file": "model.glb"}}, "mfr-bench run mesh-model"),
     ({"config": "smoke.yaml", "scene": {"kind": "quads"}, "profile": "long"}, "mfr-bench run smoke --profile long"),
+    ({"config": "smoke.yaml", "scene": {"kind": "quads"}, "settings": ["--set", "scene.size=[8, 8]", "--only", "kb"]},
+     "mfr-bench run smoke --set 'scene.size=[8, 8]' --only kb"),
+    ({"config": "smoke.yaml", "scene": {"kind": "quads"}, "settings": ["--set", "scene.file=/home/ann/a.obj"]},
+     "mfr-bench run smoke --set 'scene.file=(path)'"),
 ])
 def test_the_command_of_an_experiment_measures_what_it_shows(manifest, command):
     assert command_of(manifest, "mesh-model") == command
