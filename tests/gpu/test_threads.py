@@ -7,7 +7,6 @@ import os
 import pytest
 
 from mfr_bench.gpu import threads
-from mfr_bench.gpu.device import open_device
 from mfr_bench.gpu.threads import shares, spread_rasterizers
 
 
@@ -60,15 +59,12 @@ def test_a_system_without_threads_to_list_is_no_error(process, monkeypatch, tmp_
     assert spread_rasterizers() == 0
 
 
-def test_the_threads_of_an_open_device_share_no_processor():
-    device = open_device("cpu")
-    try:
-        numbers, cpus = threads._rasterizers(), sorted(os.sched_getaffinity(0))
-        if not numbers or len(cpus) == 1:
-            pytest.skip("the software driver has no threads that are named llvmpipe-N, or there is one processor")
-        assert device.bound_threads == len(numbers)
-        of_each = shares(1 + max(numbers.values()), cpus)
-        assert {os.sched_getaffinity(thread) == of_each[number] for thread, number in numbers.items()} == {True}
-        assert os.sched_getaffinity(0) == set(cpus)  # the thread that draws may go where it likes
-    finally:
-        device.release()
+def test_the_threads_of_an_open_device_share_no_processor(device):
+    """The device of all tests: the context of another one would be current behind this test."""
+    numbers, cpus = threads._rasterizers(), sorted(os.sched_getaffinity(0))
+    if not numbers or len(cpus) == 1:
+        pytest.skip("the driver has no threads that are named llvmpipe-N, or there is one processor")
+    assert device.bound_threads == len(numbers)
+    of_each = shares(1 + max(numbers.values()), cpus)
+    assert {os.sched_getaffinity(thread) == of_each[number] for thread, number in numbers.items()} == {True}
+    assert os.sched_getaffinity(0) == set(cpus)  # the thread that draws may go where it likes
