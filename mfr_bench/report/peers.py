@@ -1,7 +1,9 @@
 """docs/fairness.md: methods compared with independent implementations, and what differences from sources are worth.
 
 The numbers are in results/peers: `measured.csv` has a row per comparison, `reasons.csv` says of a method and an
-implementation why their times differ, and `differences.csv` what a difference from the source is worth.
+implementation why their times differ, `differences.csv` in what each method differs from its source, and `rankings.csv`
+which of two methods a paper has as the faster. scripts/differences.py measures the last two into `worth.csv` and
+`ranked.csv`.
 """
 
 from __future__ import annotations
@@ -15,12 +17,18 @@ from ..markdown import markdown_table
 from ..resources import peers_dir
 
 ALIKE = (0.85, 1.15)  # ratios between which no reason is asked for
+# Of two ways: the first over the second.
+MEASURED = ("n", "k", "first_ms", "second_ms", "ratio", "ratio_low", "ratio_high", "device", "date")
+RANKED = ("source", "faster", "faster_with", "slower", "slower_with")
 COLUMNS: Mapping[str, tuple[str, ...]] = {
     "measured.csv": ("method", "parameters", "implementation", "commit", "measured", "device", "date", "width",
                      "height", "density", "n", "k", "ours_ms", "theirs_ms", "ratio", "ratio_low", "ratio_high"),
     "reasons.csv": ("method", "parameters", "implementation", "reason"),
     "reads.csv": ("method", "parameters", "n", "k", "ratio", "ratio_low", "ratio_high"),
-    "differences.csv": ("method", "source", "here", "choice", "worth"),
+    "differences.csv": ("method", "source", "here", "choice", "note"),
+    "worth.csv": ("method", "choice", *MEASURED),
+    "rankings.csv": (*RANKED, "n", "k", "reason"),
+    "ranked.csv": (*RANKED, *MEASURED),
 }
 HEAD = """# Fair to every method
 
@@ -31,7 +39,7 @@ HEAD = """# Fair to every method
 The public code of others and the methods here drew the same quads in one process, frame by frame in turns, in random
 order. Times are CPU times of a frame in all threads of the process, medians of 9 rounds; a ratio is ours over theirs,
 paired within rounds, with the 95 % interval of its median by the bootstrap. The images were compared first: they
-differ by at most 0.0024, the rounding of premultiplied 8-bit colours. The others' shaders were used unchanged, except
+differ by at most 0.0031, the rounding of premultiplied 8-bit colours. The others' shaders were used unchanged, except
 for what connects them: rectangle textures became plain ones, and colours and depths come from the quads. None of that
 code is part of this project. The device is llvmpipe, where the fragments of a pixel come one by one: what contention
 costs on a GPU is not in these numbers, and nothing was measured on a GPU.
@@ -55,8 +63,17 @@ with the 95 % interval of the median of 9 rounds; no GPU was measured:
 """
 DIFFERENCES = """## Where methods differ from their sources, and what that is worth
 
-Worth is a ratio of CPU times of a frame on llvmpipe, 256×256 pixels, all of them covered: the way here over that of
-the source, unless the row says otherwise.
+Every method has a row for each difference that is known. Worth is a ratio of CPU times of a frame on llvmpipe, 256×256
+pixels, all of them covered by n fragments: the way here over that with the choice named, with the 95 % interval of the
+median of the ratios within rounds. The choice is the source's way unless the row says otherwise.
+`scripts/differences.py` measures them, a frame of each way in turns in one process, while the machine did other work
+beside it. Other figures are from trials of which the code is not kept. Where n = 64 is missing it was not measured.
+"""
+RANKINGS = """## What papers rank
+
+Of two methods that a paper has as the faster and the slower, the ratio of their CPU times here, measured like the
+differences above. Above 1 the order is the paper's. `mfr-bench claims` judges all claims of the papers, with
+these among them, on the scenes of their experiments; what needs a feature that llvmpipe lacks stands there alone.
 """
 
 
@@ -66,10 +83,63 @@ def as_markdown() -> str:
     reasons = {(r["method"], r["parameters"], r["implementation"]): r["reason"] for r in table("reasons.csv")}
     lines = [HEAD, *_measured(rows), "", REASONS, *_reasons(rows, reasons), "", OPEN, ALIKE_FOR_ALL, *_reads(), "",
               DIFFERENCES]
-    lines += markdown_table(("method", "the source", "here", "chosen by", "worth"),
-                            ((f"`{r['method']}`", r["source"], r["here"], r["choice"] and f"`{r['choice']}`",
-                              r["worth"]) for r in table("differences.csv")))
+    lines += [*_differences(), "", RANKINGS, *_rankings()]
     return "\n".join(lines) + "\n"
+
+
+def _measured_of(name: str, columns: tuple[str, ...]) -> dict[tuple[str, ...], list[dict[str, str]]]:
+    """The rows of a table of times, by the columns that tell what they are of."""
+    found: dict[tuple[str, ...], list[dict[str, str]]] = {}
+    for row in table(name):
+        found.setdefault(tuple(row[column] for column in columns), []).append(row)
+    return found
+
+
+def _differences() -> list[str]:
+    """The table of differences. Raises StoreError for one that has neither a time nor a note."""
+    times = _measured_of("worth.csv", ("method", "choice"))
+    cells = []
+    for row in table("differences.csv"):
+        measured = times.get((row["method"], row["choice"]), ()) if row["choice"] else ()
+        worth = "; ".join(filter(None, (*map(_ratio, measured), row["note"])))
+        if not worth:
+            raise StoreError(f"{peers_dir() / 'differences.csv'}: {row['method']}, {row['source']}: neither measured "
+                             "nor with a note; run scripts/differences.py, or say why it is not measured")
+        cells.append((f"`{row['method']}`", row["source"], row["here"], row["choice"] and f"`{row['choice']}`", worth))
+    return markdown_table(("method", "the source", "here", "chosen by", "worth"), cells)
+
+
+def _rankings() -> list[str]:
+    """The table of rankings. Raises StoreError for one that is not measured, or is another's order for no reason."""
+    times = _measured_of("ranked.csv", RANKED)
+    cells = []
+    for row in table("rankings.csv"):
+        measured = times.get(tuple(row[name] for name in RANKED), ())
+        kept = all(float(each["ratio"]) > 1 for each in measured)
+        if not measured or not (kept or row["reason"]):
+            pair = f"{row['faster']} before {row['slower']}, {row['source']}"
+            lacks = "another order, and no reason; add it" if measured else "not measured; run scripts/differences.py"
+            raise StoreError(f"{peers_dir() / 'rankings.csv'}: {pair}: {lacks}")
+        cells.append((row["source"], _way(row, "faster"), _way(row, "slower"), "; ".join(map(_ratio, measured)),
+                      "" if kept else row["reason"]))
+    return markdown_table(("the paper", "faster there", "slower there", "time of the slower over the faster, here",
+                           "why it is another order"), cells)
+
+
+def _way(row: Mapping[str, str], which: str) -> str:
+    return f"`{row[which]}`" + (f" ({row[f'{which}_with']})" if row[f"{which}_with"] else "")
+
+
+def _ratio(row: Mapping[str, str]) -> str:
+    """A ratio with its interval, and what it is of."""
+    of = ", ".join(filter(None, (f"n = {row['n']}", row["k"] and f"k = {row['k']}")))
+    return f"{row['ratio']} [{row['ratio_low']}, {row['ratio_high']}] ({of})"
+
+
+def chosen(text: str) -> dict[str, str | int]:
+    """The parameters that a text `name: value; name: value` chooses; of digits alone is a whole number."""
+    pairs = (part.split(": ") for part in text.split("; ") if part)
+    return {name: int(value) if value.isdigit() else value for name, value in pairs}
 
 
 def table(name: str) -> Iterator[dict[str, str]]:

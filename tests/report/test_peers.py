@@ -43,13 +43,12 @@ def test_the_page_is_what_the_tables_give():
 def test_the_tables_speak_of_methods_and_parameters_that_there_are():
     for row in (*peers.table("measured.csv"), *peers.table("reasons.csv"), *peers.table("differences.csv")):
         method = catalog()[row["method"]]
-        chosen = row.get("parameters") or row.get("choice") or ""
-        for name, value in (text.split(": ") for text in chosen.split("; ") if text):
+        for name, value in peers.chosen(row.get("parameters") or row.get("choice") or "").items():
             assert value in method.param(name).choices, f"{method.id}: {name}: {value}"
 
 
 def test_each_interval_holds_its_ratio():
-    for row in peers.table("measured.csv"):
+    for row in (*peers.table("measured.csv"), *peers.table("worth.csv")):
         assert float(row["ratio_low"]) <= float(row["ratio"]) <= float(row["ratio_high"]), row
 
 
@@ -71,3 +70,49 @@ def test_a_table_with_other_columns_is_refused(tables, tmp_path):
     (tmp_path / "reasons.csv").write_text("method,why\n")
     with pytest.raises(StoreError, match=r"reasons.csv: columns .*expected"):
         peers.as_markdown()
+
+
+def test_every_method_says_in_what_it_differs_from_its_source():
+    assert {row["method"] for row in peers.table("differences.csv")} == set(catalog())
+
+
+def test_every_time_is_of_a_difference():
+    told = {(row["method"], row["choice"]) for row in peers.table("differences.csv")}
+    assert {(row["method"], row["choice"]) for row in peers.table("worth.csv")} <= told
+
+
+DIFFERENCE = {"method": "ab-ll", "source": "so", "here": "otherwise", "choice": "sort: hybrid", "note": ""}
+TIMES = {"n": "16", "k": "", "first_ms": "9.0", "second_ms": "10.0", "ratio": "0.9", "ratio_low": "0.89",
+         "ratio_high": "0.91", "device": "a device", "date": "2026-11-29"}
+WORTH = {"method": "ab-ll", "choice": "sort: hybrid", **TIMES}
+
+
+def test_a_difference_has_a_time_or_a_note(tables):
+    tables("differences.csv", DIFFERENCE)
+    with pytest.raises(StoreError, match=r"ab-ll, so: neither measured nor with a note"):
+        peers.as_markdown()
+    tables("worth.csv", WORTH, {**WORTH, "k": "8"})
+    assert "| 0.9 [0.89, 0.91] (n = 16); 0.9 [0.89, 0.91] (n = 16, k = 8) |" in peers.as_markdown()
+    tables("differences.csv", {**DIFFERENCE, "choice": "", "note": "No choice gives it."})
+    assert "| otherwise |  | No choice gives it. |" in peers.as_markdown()
+
+
+WAYS = {"source": "a paper", "faster": "ab-sb", "faster_with": "", "slower": "ab-ll", "slower_with": "sort: hybrid"}
+
+
+def test_a_ranking_is_measured_and_another_order_has_its_reason(tables):
+    tables("rankings.csv", {**WAYS, "n": "16", "k": "", "reason": ""})
+    with pytest.raises(StoreError, match="ab-sb before ab-ll, a paper: not measured"):
+        peers.as_markdown()
+    tables("ranked.csv", {**WAYS, **TIMES})
+    with pytest.raises(StoreError, match="another order, and no reason"):
+        peers.as_markdown()
+    tables("ranked.csv", {**WAYS, **TIMES, "ratio": "1.1"})
+    assert "| a paper | `ab-sb` | `ab-ll` (sort: hybrid) | 1.1 [0.89, 0.91] (n = 16) |  |" in peers.as_markdown()
+
+
+@pytest.mark.parametrize("name", ["rankings.csv", "ranked.csv"])
+def test_rankings_are_of_methods_and_parameters_that_there_are(name):
+    for row in peers.table(name):
+        for each in ("faster", "slower"):
+            catalog()[row[each]].variant(peers.chosen(row[f"{each}_with"]))
