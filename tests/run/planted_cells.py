@@ -19,20 +19,20 @@ SCENE = SceneConfig(size=(16, 12), depth_complexity=5)
 
 
 class Clock:
-    """A timer whose frames take 1 ms, and `noise` more or twice that; `at` runs before the frame of that number."""
+    """A timer whose frames take `ms`, and `noise` more or twice that; `at` runs before the frame of that number."""
 
     name = "wall"
     resolution_ms = None
 
-    def __init__(self, noise=0.0, at=None):
-        self.frames, self.noise, self.at = 0, noise, at or {}
+    def __init__(self, noise=0.0, at=None, ms=1.0):
+        self.frames, self.noise, self.at, self.ms = 0, noise, at or {}, ms
 
     def frame_ms(self, draw, repeats=1):
         self.frames += 1
         self.at.get(self.frames, lambda: None)()
         for _ in range(repeats):
             draw(None)
-        return 1 + self.noise * (self.frames % 3)
+        return self.ms + self.noise * (self.frames % 3)
 
     def passes_ms(self, draw):
         names = {}
