@@ -7,8 +7,9 @@
 #   bound after 1
 # (the machine had other work meanwhile; without any, a fourth to a half of the pauses, up to 1.9 times)
 # Mesa binds none of these threads, and the kernel wakes both where they ran last; it parts them after milliseconds, so
-# that even the least of five frames of a ms or two after a pause is too long. A benchmark that pauses between methods, as for
-# compiling, times short frames in one state or the other. Binding each thread to a processor of its own ends that.
+# that even the least of five frames of a ms or two after a pause is too long. A benchmark that pauses between methods,
+# as for compiling, times short frames in one state or the other. Binding each thread to a processor of its own ends
+# that.
 #
 # Needs root, debootstrap, two processors with nothing else to do, and the network for Debian's packages and PyPI. Ends
 # with status 1 if this changes.
