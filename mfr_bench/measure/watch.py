@@ -6,19 +6,22 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 from ..stats import SLOWER_REFERENCE
 
 SHARE = 0.1  # of the time of all turns, that a run may spend to take turns again, and to wait
 PAUSE_S = 0.05  # between two looks while waiting
+RECENT_S = 0.02  # for so long a look tells of the moment: one after a turn is that before the next
 
 
+@dataclass
 class Turn:
     """What the reference frame showed around one turn: its longer time, and whether that is slower than usual."""
 
     reference_ms: float | None = None
-    slower = False
-    took_s = 0.0
+    slower: bool = False
+    took_s: float = 0.0
 
 
 class Watch:
@@ -31,17 +34,24 @@ class Watch:
                  sleep: Callable[[float], None] = time.sleep):
         self._draw_ms, self._clock, self._sleep = draw_ms, clock, sleep
         self.best_ms = math.inf  # of the reference so far
+        self._last = -math.inf, math.inf  # when it was looked at, and what that showed
         self._turns_s = self._spent_s = 0.0
 
     def _look(self) -> float:
         now_ms = self._draw_ms()
+        self._last = self._clock(), now_ms
         self.best_ms = min(self.best_ms, now_ms)
         return now_ms
+
+    def _recent(self) -> float:
+        """What the last look showed, or another one where that is long ago."""
+        at_s, last_ms = self._last
+        return last_ms if self._clock() - at_s <= RECENT_S else self._look()
 
     @contextmanager
     def turn(self) -> Iterator[Turn]:
         """Watch a turn; what is yielded tells of it when the turn has ended."""
-        seen, before_ms, begun_s = Turn(), self._look(), self._clock()
+        seen, before_ms, begun_s = Turn(), self._recent(), self._clock()
         yield seen
         seen.took_s = self._clock() - begun_s
         self._turns_s += seen.took_s

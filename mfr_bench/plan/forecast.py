@@ -36,7 +36,7 @@ FIRST_ROUNDS = 16  # of its smallest work; each is twice the one before
 FRAGMENT_ROUNDS = 150  # what a fragment costs a multi-fragment method, in rounds of the calibration's arithmetic
 PIXEL_ROUNDS = 300  # and a pixel, in clears and the resolve
 REFERENCE_ROUNDS = 1.2e6  # and the reference frame
-REFERENCES = 32  # of a cell: eight around each of four turns
+REFERENCES = 20  # of a cell: four after each of four turns, and four before the first
 
 Identity = tuple[str, str, str]  # of what was measured: the method, and the texts of its parameters and of the scene
 

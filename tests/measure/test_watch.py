@@ -6,7 +6,7 @@ import pytest
 
 from mfr_bench.config.model import Measure
 from mfr_bench.measure.sampling import Sampler
-from mfr_bench.measure.watch import PAUSE_S, SHARE, Unwatched, Watch
+from mfr_bench.measure.watch import PAUSE_S, RECENT_S, SHARE, Unwatched, Watch
 
 
 class Machine:
@@ -43,6 +43,17 @@ def test_a_burst_that_began_or_ended_within_the_turn_is_seen():
     turns = [took(machine, watch, 1.0) for _ in range(4)]
     assert [turn.slower for turn in turns] == [False, True, True, False]
     assert [turn.reference_ms for turn in turns] == [0.3, 0.5, 0.5, 0.3]
+
+
+def test_the_look_after_a_turn_is_that_before_the_next_one_but_not_for_long():
+    machine, looks = Machine((0, 0.3)), []
+    watch = Watch(lambda: looks.append(machine.now_s) or 0.3, lambda: machine.now_s, machine.sleep)
+    took(machine, watch, 1.0)
+    machine.now_s += RECENT_S / 2
+    took(machine, watch, 1.0)
+    machine.now_s += 2 * RECENT_S
+    took(machine, watch, 1.0)
+    assert looks == pytest.approx([0.0, 1.0, 2.01, 2.05, 3.05])
 
 
 def test_a_turn_is_taken_again_while_a_tenth_of_the_time_pays_for_it():
