@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..config.model import Measure
 from ..report import data
 from ..report.data import Point, Result
 from ..store.rows import package_text
@@ -29,7 +30,6 @@ class Measured:
     meaning: str
 
 
-DEFAULT_BUDGET_MB = 3072.0  # of measure.memory_budget_mb, in configs/meshes.yaml too
 FASTEST = "fastest_ratio"  # a ratio to another cell, which no cell has by itself
 MEASURED = (
     Measured("time_ms", "time (ms)", "median of whole frames, with its 95 % interval"),
@@ -244,5 +244,5 @@ def _own_scene(scene: Mapping[str, Any], config: str, name: str) -> list[str]:
 def _memory(measure: Mapping[str, Any], own: bool) -> list[str]:
     """The budget of memory that was given beside a scene of one's own, if any."""
     budget_mb = measure.get("memory_budget_mb")
-    given = own and isinstance(budget_mb, (int, float)) and budget_mb != DEFAULT_BUDGET_MB
+    given = own and isinstance(budget_mb, (int, float)) and budget_mb != Measure.memory_budget_mb
     return ["--memory-mb", f"{budget_mb:g}"] if given else []
