@@ -6,6 +6,7 @@ import os
 import platform
 import re
 import subprocess
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -25,6 +26,8 @@ THROTTLE_REASONS = {0x1: "idle", 0x2: "applications clocks setting", 0x4: "softw
                     0x40: "hardware thermal slowdown", 0x80: "hardware power brake",
                     0x100: "display clock setting"}  # bits of nvmlClocksThrottleReasons, nvml.h
 PATIENCE_S = 5.0  # for git and nvidia-smi
+MOST_SLOWNESS = 20.0  # times as long as on a quiet machine
+START_S = 0.2  # of processor time: with less, wall time over it tells nothing of the machine
 
 SOFTWARE_RENDERERS = re.compile(r"llvmpipe|softpipe|swrast|swiftshader|software", re.IGNORECASE)
 
@@ -84,6 +87,22 @@ def load() -> list[float] | None:
         return [round(average, 2) for average in os.getloadavg()]
     except OSError:
         return None
+
+
+def slowness() -> float:
+    """How many times as long as on a quiet machine this process has taken until now, if it has waited for nothing."""
+    spent_s, worked_s = time.monotonic() - started(), time.process_time()
+    return min(MOST_SLOWNESS, max(1.0, spent_s / max(START_S, worked_s)))
+
+
+def started() -> float:
+    """When this process started, in s of the monotonic clock; at the latest as long ago as its processor time."""
+    try:
+        ticks = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
+        since_boot_s = float(Path("/proc/uptime").read_text().split()[0]) - ticks / os.sysconf("SC_CLK_TCK")
+    except (OSError, ValueError, IndexError):
+        since_boot_s = 0.0
+    return time.monotonic() - max(since_boot_s, time.process_time())
 
 
 def usable_cores() -> int | None:

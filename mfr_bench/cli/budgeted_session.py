@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 
 from ..decide.budget import Budget
-from ..plan.budget import FIGURES_S
+from ..plan.ending import SAFE, reports_s
 from ..plan.forecast import Rates
 from ..store import ResultFolder
 from .session import Choices, Part, Session, left_out
@@ -42,7 +42,7 @@ class BudgetedSession(Session):
     def _tell(self, part: Part) -> None:
         self.folder, self.late = part.folder, left_out(part.sheet)
         part.manifest["left_out"] = self.late
-        if self.budget.room_for(FIGURES_S + Rates().report_s * len(part.sheet.jobs)):
+        if self.budget.room_for(SAFE * reports_s(1, len(part.experiment.figures), len(part.sheet.jobs))):
             self._report(part)
         else:
             part.folder.write_manifest(part.manifest)

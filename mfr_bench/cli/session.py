@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..decide.budget import slowness
 from .output import note, say, width
 from .page_command import write_page_of
 from .report_commands import hand_over, write_tables_of
@@ -95,6 +94,8 @@ class Session:
                  table: Callable[[Any, int], str] | None = None):
         self.table = table
         self.supervisor, self.asked, self.choices, self.started = supervisor, asked, choices, started
+        from ..environment import slowness
+
         self.slowness = slowness()
 
     def run(self, plans) -> set[str]:
@@ -175,20 +176,17 @@ class Session:
     def _deadlines(self, parts: Sequence[Part]) -> tuple[float, float]:
         """The times of the monotonic clock at which to stop measuring, and to end the process that measures."""
         from ..plan.budget import TimeBudget
-        from ..plan.forecast import Rates
 
         if self.choices.budget_s is None:
             return float("inf"), float("inf")
         stop = TimeBudget(self.choices.budget_s, self.started).deadline(
-            len(parts), sum(len(part.sheet.jobs) for part in parts), self.split.seconds["start-up"], Rates())
+            self._ends_s(parts, sum(len(part.sheet.jobs) for part in parts)))
         return time.monotonic() - time.perf_counter() + stop, float("inf")
 
     def _time_left(self, groups, parts: Sequence[Part]):
         """The time that the run will take, by earlier results of the device."""
-        from ..environment import usable_cores
         from ..methods import catalog
         from ..plan import expected_stats, judge
-        from ..plan.ending import ending_s
         from ..plan.time_left import TimeLeft
 
         ready, folders = self.supervisor.ready(), [part.folder for part in parts]
@@ -196,10 +194,17 @@ class Session:
         cells = {job.key: job.cell for group in groups for job in group
                  if not judge(job.cell, catalog(), expected_stats(job.cell.scene), ready.limits)}
         programs = {job.key: job.glsl_hash for group in groups for job in group}
+        return TimeLeft(forecast, cells, programs, self._ends_s(parts, len(cells)), self.slowness,
+                        forecast.rates.looks_s)
+
+    def _ends_s(self, parts: Sequence[Part], cells: int) -> float:
+        """Seconds that should follow the last of so many cells."""
+        from ..environment import usable_cores
+        from ..plan.ending import ending_s, reports_s
+
         figures = sum(len(part.experiment.figures) for part in parts) if self.choices.drawn else 0
-        ends_s = ending_s(len(parts), figures, len(cells), ready.calibrated_s if cells else 0.0, self.slowness,
-                          (usable_cores() or 1) if len(parts) >= MANY else 1)
-        return TimeLeft(forecast, cells, programs, ends_s, self.slowness, forecast.rates.looks_s)
+        reports = reports_s(len(parts), figures, cells, (usable_cores() or 1) if len(parts) >= MANY else 1)
+        return ending_s(reports, self.supervisor.ready().calibrated_s if cells else 0.0, self.slowness)
 
     def _at_the_end(self, parts: Sequence[Part]) -> None:
         """The state to compare with the start of the run: the timer and the device's speed, load and clocks."""

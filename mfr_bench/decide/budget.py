@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import time
 from dataclasses import dataclass
-from pathlib import Path
 
-MOST_SLOWNESS = 20.0  # times as long as on a quiet machine
-START_S = 0.2  # of processor time: with less, wall time over it tells nothing of the machine
+from ..environment import slowness, started
+
 STOPPING_S, STOPPING_SHARE = 4.0, 0.3  # of a quiet machine, and of the budget at most: last images, rows, the answer
 ENDING_S, ENDING_SHARE = 1.5, 0.1  # the same, to read the rows and give the answer
 COMPILING_SHARE = 0.4  # of the budget that one candidate may take, before it is ended
@@ -47,19 +45,3 @@ class Budget:
 def budget(seconds: float) -> Budget:
     """The budget of this process. The start tells how loaded the machine is: it is work of this process alone."""
     return Budget(started(), seconds, slowness())
-
-
-def slowness() -> float:
-    """How many times as long as on a quiet machine this process has taken until now, if it has waited for nothing."""
-    spent_s, worked_s = time.monotonic() - started(), time.process_time()
-    return min(MOST_SLOWNESS, max(1.0, spent_s / max(START_S, worked_s)))
-
-
-def started() -> float:
-    """When this process started, in s of the monotonic clock; at the latest as long ago as its processor time."""
-    try:
-        ticks = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
-        since_boot_s = float(Path("/proc/uptime").read_text().split()[0]) - ticks / os.sysconf("SC_CLK_TCK")
-    except (OSError, ValueError, IndexError):
-        since_boot_s = 0.0
-    return time.monotonic() - max(since_boot_s, time.process_time())

@@ -11,9 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import Cell
-from .forecast import Rates
-
-FIGURES_S = 2.0  # of an experiment's tables and figures, in addition to what each cell takes
+from .ending import SAFE
 
 
 @dataclass(frozen=True)
@@ -23,21 +21,12 @@ class TimeBudget:
     seconds: float
     begun: float
 
-    def deadline(self, experiments: int, cells: int, start_s: float, rates: Rates) -> float:
-        """The time to stop measuring, so that the last calibration and the reports of so many cells are in time.
+    def deadline(self, end_s: float) -> float:
+        """The time to stop measuring, so that what follows the last cell, and should take end_s, is in time.
 
-        Twice what they should take is set aside for them, but at most half of the budget.
+        SAFE times as much is set aside for it, but at most half of the budget.
         """
-        return self.begun + self.seconds - min(self.seconds / 2, 2 * end_s(experiments, cells, start_s, rates))
-
-
-def end_s(experiments: int, cells: int, start_s: float, rates: Rates) -> float:
-    """Seconds of the last calibration and the reports.
-
-    They are longer on a machine whose start, of `start_s` seconds, took longer than `rates` say.
-    """
-    slowness = max(1.0, start_s / rates.start_s)
-    return (start_s + slowness * (FIGURES_S * experiments + rates.report_s * cells)) / 2
+        return self.begun + self.seconds - min(self.seconds / 2, SAFE * end_s)
 
 
 def coarseness(cells: Sequence[Cell]) -> list[int]:

@@ -6,14 +6,21 @@ from __future__ import annotations
 TABLES_S = 0.3  # of an experiment, with the imports of what draws
 FIGURE_S = 0.25
 CELL_S = 0.005  # of tables and figures, for each cell
+SAFE = 2.5  # times what it should take is set aside for it, where it has to be in time
 
 
-def ending_s(experiments: int, figures: int, cells: int, calibrated_s: float, slowness: float,
-             processes: int = 1) -> float:
+def reports_s(experiments: int, figures: int, cells: int, processes: int = 1) -> float:
+    """Seconds that tables and figures take on a quiet machine.
+
+    figures: of all experiments, drawn by so many processes.
+    """
+    return TABLES_S * experiments + (FIGURE_S * figures + CELL_S * cells) / processes
+
+
+def ending_s(reports: float, calibrated_s: float, slowness: float) -> float:
     """Seconds from the last cell to the end of the command.
 
-    figures: of all experiments, drawn by so many processes. calibrated_s: of the first calibration. slowness: how many
-    times as long the machine takes as a quiet one.
+    reports: of `reports_s`. calibrated_s: of the first calibration. slowness: how many times as long the machine takes
+    as a quiet one.
     """
-    reports_s = TABLES_S * experiments + (FIGURE_S * figures + CELL_S * cells) / processes
-    return calibrated_s + slowness * reports_s
+    return calibrated_s + slowness * reports

@@ -6,9 +6,11 @@ import time
 
 import pytest
 
+from mfr_bench import environment
 from mfr_bench.decide import budget as budgets
-from mfr_bench.decide.budget import Budget, budget, started
+from mfr_bench.decide.budget import Budget, budget
 from mfr_bench.decide.model import enough_layers
+from mfr_bench.environment import started
 
 from ..cli.conftest import apart, here, sabotaged  # noqa: F401  fixtures
 from ..methods.drawing import stack
@@ -38,7 +40,8 @@ def test_what_would_not_end_in_time_has_no_room(clock):
 
 
 def test_the_start_of_the_process_counts_and_tells_how_loaded_the_machine_is(monkeypatch):
-    monkeypatch.setattr(budgets, "started", lambda: time.monotonic() - 9.0)
+    for module in (budgets, environment):
+        monkeypatch.setattr(module, "started", lambda: time.monotonic() - 9.0)
     monkeypatch.setattr(budgets.time, "process_time", lambda: 1.5)
     found = budget(60.0)
     assert found.slowness == pytest.approx(6.0, rel=0.05)

@@ -6,7 +6,7 @@ from mfr_bench.config.model import Measure, Scene
 from mfr_bench.methods import catalog
 from mfr_bench.plan import Cell
 from mfr_bench.plan.budget import TimeBudget, bisection, coarseness
-from mfr_bench.plan.forecast import Rates
+from mfr_bench.plan.ending import SAFE, ending_s, reports_s
 from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger
 from mfr_bench.run.sheet import Sheet
@@ -44,12 +44,21 @@ def test_every_method_gets_its_coarse_points_before_any_gets_finer_ones(tmp_path
     assert sorted(job.key for group in plain for job in group) == sorted(job.key for group in coarse for job in group)
 
 
-@pytest.mark.parametrize(("seconds", "start_s", "deadline"), [
-    (480, 1.5, 100 + 480 - (1.5 + 2 * 2.0 + 40 * 0.03)),
-    (480, 6.0, 100 + 480 - (6.0 + 4 * (2 * 2.0 + 40 * 0.03))),  # a machine that is four times as slow
-    (480, 0.5, 100 + 480 - (0.5 + 2 * 2.0 + 40 * 0.03)),
+@pytest.mark.parametrize(("seconds", "end_s", "deadline"), [
+    (480, 4.0, 100 + 480 - 10.0),
     (10, 20.0, 100 + 5),  # never more than half is set aside
-    (float("inf"), 1.5, float("inf")),
+    (float("inf"), 4.0, float("inf")),
 ])
-def test_reports_are_in_time(seconds, start_s, deadline):
-    assert TimeBudget(seconds, 100.0).deadline(2, 40, start_s, Rates()) == pytest.approx(deadline)
+def test_reports_are_in_time(seconds, end_s, deadline):
+    assert TimeBudget(seconds, 100.0).deadline(end_s) == pytest.approx(deadline)
+
+
+@pytest.mark.parametrize(("calibrated_s", "slowness", "experiments", "figures", "cells", "least_s"), [
+    (0.7, 1.0, 1, 3, 40, 1.5 + 2.0 + 40 * 0.03),
+    (0.7, 1.0, 2, 6, 40, 1.5 + 2 * 2.0 + 40 * 0.03),
+    (2.8, 4.0, 2, 6, 40, 6.0 + 4 * (2 * 2.0 + 40 * 0.03)),  # a machine that is four times as slow
+])
+def test_what_is_set_aside_is_no_less_than_reports_took_before_they_were_timed(calibrated_s, slowness, experiments,
+                                                                               figures, cells, least_s):
+    end_s = ending_s(reports_s(experiments, figures, cells), calibrated_s, slowness)
+    assert SAFE * end_s >= least_s

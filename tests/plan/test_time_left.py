@@ -8,7 +8,7 @@ import pytest
 
 from mfr_bench.config.model import Measure, Scene
 from mfr_bench.plan import Cell
-from mfr_bench.plan.ending import ending_s
+from mfr_bench.plan.ending import ending_s, reports_s
 from mfr_bench.plan.forecast import MEASURED, Forecast, FrameTime, Rates, parts_s
 from mfr_bench.plan.in_hand import InHand
 from mfr_bench.plan.time_left import GUESS, REFRESH, REFRESH_S, TimeLeft
@@ -130,12 +130,11 @@ def test_reference_frames_are_part_of_what_is_left():
 
 
 def test_what_follows_the_last_cell_is_figures_and_a_calibration():
-    """Of the quiet machine: two calibrations alike, and reports of which a slow processor makes more."""
-    one = ending_s(1, 1, 7, calibrated_s=0.7, slowness=1.0)
-    assert one == pytest.approx(1.3, abs=0.1)
-    assert ending_s(1, 4, 7, 0.7, 1.0) > one + 0.5
-    assert ending_s(1, 1, 7, 0.7, 5.0) - 0.7 == pytest.approx(5 * (one - 0.7))
-    assert ending_s(8, 24, 100, 0.7, 1.0, processes=2) < ending_s(8, 24, 100, 0.7, 1.0)
+    """A slow processor makes the reports longer; the calibration is as long as the first one was."""
+    assert ending_s(reports_s(1, 1, 7), 0.7, 1.0) == pytest.approx(1.3, abs=0.1)
+    assert reports_s(1, 4, 7) > reports_s(1, 1, 7) + 0.5
+    assert ending_s(2.0, 0.7, 5.0) == pytest.approx(0.7 + 5 * 2.0)
+    assert reports_s(8, 24, 100, processes=2) < reports_s(8, 24, 100)
 
 
 def test_programs_that_count_the_work_of_a_frame_are_compiled_too():
