@@ -100,7 +100,7 @@ class CellWork:
         return frame
 
     def _count_as_frames(self, taken_s: float, frames: int, of: str, to: str) -> None:
-        """Of the time that frames took in which the driver compiled, count as the device's what later frames take."""
+        """Count as the device's, of the time of frames in which the driver compiled, what as many later frames take."""
         middle_ms = self.sampler.interval[1]
         if middle_ms is not None:
             self.bench.split.move(min(taken_s, frames * middle_ms / 1e3), of, to)

@@ -1,6 +1,6 @@
 // Declares the local array of this invocation and selects the nearest fragments into it. While it is full, the furthest
 // fragment is in element 0, where the next nearer fragment replaces it (max-array, kplus_2015 §3.2).
-// Where fewer than MOST_CHOSEN are selected, the elements behind them have to be FIRST_FRAGMENT, which is never the
+// Invariant: the elements behind those that are selected, up to MOST_CHOSEN, are FIRST_FRAGMENT, which is never the
 // furthest: a loop of constant length over all of them is the faster.
 FRAGMENT fragments[LOCAL];
 

@@ -91,7 +91,7 @@ def test_a_run_that_was_slower_as_a_whole_tells_nothing_of_its_cells():
 
 
 def test_half_of_the_cells_in_another_mode_do_not_hide_five_times_the_time():
-    """As on two cores of which two threads shared one for a while: 1.5 times as long, and never more."""
+    """The burst is that of two threads that share one of two cores for a while: 1.5 times as long, and never more."""
     slowed = {f"m{method}, n {layers}": 1.5 for method in range(0, METHODS, 2) for layers in SCENES}
     before, after = run(1, slowed), run(2, {PLANTED: 5.0})
     assert called(before, after) == {PLANTED: SLOWER}

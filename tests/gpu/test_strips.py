@@ -105,7 +105,7 @@ def test_wrong_indices_are_seen(device, monkeypatch, indices):
 
 
 def test_a_longer_scene_that_follows_is_drawn_to_its_end(device):
-    """With as many indices as it has strips."""
+    """The buffer of indices grows with the number of strips."""
     few, many = (generate(replace(SCENES["slanted"], depth_complexity=count)) for count in (2, 9))
     with shown(device, few) as on:
         on.scene_buffer.replace(many)

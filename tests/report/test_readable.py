@@ -137,7 +137,7 @@ def test_a_variant_keeps_its_tint_in_a_figure_of_gains(tmp_path):
 
 
 def test_a_label_has_no_word_that_tells_nothing_apart(tmp_path):
-    """Of the effects only csg has operations."""
+    """A label names an operation for csg alone: no other effect has any."""
     places = [("transparency", "union"), ("csg", "union"), ("csg", "difference")]
     cells = [cell("ab-ll", "LL", 4.0, scene={"effect": e, "operation": o},
                   point={"scene.effect": e, "scene.operation": o}) for e, o in places]

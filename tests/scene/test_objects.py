@@ -68,7 +68,7 @@ def test_no_fragment_lies_beside_the_bounds(device, kind):
     ((10.5, 17.2, 20.1, 30.9), (8, 16, 16, 16)), ((16, 8, 24, 16), (8, 0, 24, 24)),
     ((50.5, 1, 59.9, 3), (48, 0, 12, 8)), ((20.2, 29.2, 21.5, 30.5), (16, 24, 8, 8))])
 def test_bounds_begin_and_end_at_multiples_of_eight_or_at_the_edge(corners, bounds):
-    """Of 60 x 40 pixels; a triangle has three corners of a box in pixels, and a pixel to spare on each side."""
+    """The viewport has 60 x 40 pixels; a triangle has three corners of a box, and a pixel to spare on each side."""
     x0, y0, x1, y1 = corners
     at = np.array([[x0, y0], [x1, y0], [x0, y1]]) * 2 / (60, 40) - 1
     position = np.concatenate([at, np.full((3, 1), 0.25), np.ones((3, 1))], axis=1)[None].astype(np.float32)

@@ -143,7 +143,7 @@ class Chart:
         return math.log(value / low) / math.log(high / low) if self.log else value / high
 
     def clear_of_marks(self, point: Point | None, text: str, height_in: float) -> float:
-        """Where upright small words begin along y, in a plot so many inches high: at the base, or above the marks."""
+        """The y at which upright small words begin, in a plot so many inches high: the base, or above the marks."""
         length = text_width(text, style.SIGN_PT) / height_in
         start = SIGN_START
         for place in sorted(self.share(mark.value) for mark in self.marks if mark.point is point and mark.value > 0):

@@ -22,7 +22,7 @@ bool refused(uint p, FRAGMENT fragment) {
     return surely_worse(fragment, NODE(p, 0u));
 }
 
-// As long as a slot is free, slot 0 is empty, and need not be read.
+// Inserts the fragment. Slot 0 is read only where no slot is free: until then it is empty.
 void insert(uint p, FRAGMENT fragment) {
     uint room = ROOM(p), slot = taken(p) + 1u;
     if (slot > room && !worse(NODE(p, 0u), fragment)) return;
