@@ -145,3 +145,17 @@ def test_a_wrong_line_is_seen_in_the_second_frame(device, plant, method, path, r
         np.testing.assert_allclose(first, expected, rtol=0, atol=1e-6)
         image, lost = shown(frame, quads, scenes[0])
         assert lost or np.abs(image - expected).max() > EXACT_ERROR
+
+
+def refused_by(device):
+    """Fragments that the store of kplus-sb refuses without its lock, in a frame that uses the count before."""
+    with moving(device, catalog()["kplus-sb"]) as (scenes, quads, frame, _):
+        shown(frame, quads, scenes[0])
+        return work_of(frame)["store"]["refused"]
+
+
+def test_a_first_cell_that_is_not_emptied_refuses_fragments_too_early(device, plant):
+    """The image is right all the same: of a scene that stands, what the frame before kept is kept again."""
+    emptied = refused_by(device)
+    plant("methods/kplus/empty.frag", "ROOM(p) > 0u", "false")
+    assert refused_by(device) > 1.1 * emptied
