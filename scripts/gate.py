@@ -35,6 +35,7 @@ SLOWED, K = "kb-ll", 16
 STORE = "shaders/methods/ll/store.frag"
 FACTORS = (1.05, 1.3, 2.0, 10.0, 100.0)
 PLAIN, AGAIN = "plain", "again"  # trees without a loop, run twice in each round
+CELLS = 28  # of CONFIG, with the floor
 TRIAL = "trial", 300  # a tree, and the turns of its loop, from whose time the others follow
 TRIALS = 7  # pairs of runs without and with that loop: a machine is slower for seconds at a time
 CONFIG = """\
@@ -127,7 +128,7 @@ def measure(folder: Path, rounds: int, device: str) -> int:
         random.Random(number).shuffle(order)  # noqa: S311 - an order, not a secret
         for name in order:
             out = folder / "runs" / f"{number}" / name
-            if (out / "results.csv").exists():
+            if whole(out):
                 continue
             source = tree(folder / "trees" / (PLAIN if name == AGAIN else name), turns[name])
             run_in(source, folder, out, device)
@@ -152,9 +153,17 @@ def gate(before: Side, after: Side) -> Gate:
     return Gate(found, raw, tuple(others))
 
 
+def whole(out: Path) -> bool:
+    """Whether a run has a row for each cell: one that was cut off has fewer."""
+    if not (out / "results.csv").exists():
+        return False
+    with open(out / "results.csv") as file:
+        return sum(1 for _ in csv.DictReader(file)) == CELLS
+
+
 def judge(folder: Path) -> int:
     """Print what the runs say, as a table in Markdown; the exit status."""
-    runs = {path: side(path) for path in sorted((folder / "runs").glob("*/*")) if (path / "results.csv").exists()}
+    runs = {path: side(path) for path in sorted((folder / "runs").glob("*/*")) if whole(path)}
     unslowed = [run for path, run in runs.items() if path.name in (PLAIN, AGAIN)]
     none = [gate(a, b) for a, b in combinations(unslowed, 2)]
     alarms = [g for g in none if g.found or g.others]
