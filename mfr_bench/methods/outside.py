@@ -78,7 +78,7 @@ def loaded() -> tuple[Loaded, ...]:
 
 
 def scene_makers() -> dict[str, Maker]:
-    """What makes scenes, by name; a name that several sources have is that of the first."""
+    """The makers of scenes, by name; a name that several sources have is that of the first."""
     return {name: maker for each in reversed(loaded()) for name, maker in each.scenes.items()}
 
 
@@ -132,7 +132,7 @@ def _checked(source: Source, answer: Any) -> Loaded:
     return Loaded(source, methods, effects, scenes, shaders, tuple(map(str, answer["mistakes"])))
 
 
-class Reader(pickle.Unpickler):
+class Reader(pickle.Unpickler):  # noqa: S301 - `find_class` lets nothing else in
     """Reads declarations: data of this package's vocabulary, and its own functions by name."""
 
     def find_class(self, module: str, name: str):

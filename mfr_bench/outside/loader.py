@@ -84,8 +84,13 @@ def _told(package: str, folder: Path, place: str) -> dict[str, Any]:
                 mistakes.append(f"{_where(each, method, trouble)}: {method.id}: {trouble}")
             else:
                 methods.append(method)
-    return {"methods": methods, "effects": dict(EFFECTS.of(_having(EFFECTS.constant, names), place, mistakes)),
-            "scenes": dict(SCENES.of(_having(SCENES.constant, names), place, mistakes)),
+    effects = dict(EFFECTS.of(_having(EFFECTS.constant, names), place, mistakes))
+    scenes = dict(SCENES.of(_having(SCENES.constant, names), place, mistakes))
+    if not (methods or effects or scenes or mistakes):
+        mistakes.append(f"{folder}: declares no method, scene or effect; allowed: a file with METHODS, "
+                        f"{SCENES.constant} or {EFFECTS.constant}, as mfr-bench new-method, new-scene or new-effect "
+                        "writes it")
+    return {"methods": methods, "effects": effects, "scenes": scenes,
             "shaders": str(shaders) if shaders.is_dir() else None, "hash": code_hash(folder), "mistakes": mistakes}
 
 

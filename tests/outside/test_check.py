@@ -50,6 +50,18 @@ def test_what_is_written_is_renamed_and_keeps_its_contract(tmp_path, monkeypatch
     assert mfr(tmp_path, command, name).returncode == 2
 
 
+@pytest.mark.parametrize(("example", "file", "name"), [
+    (SPIRAL, MAKER, "spiral"), (MEDIAN, MODEL, "median")])
+def test_a_folder_that_declares_nothing_is_named(tmp_path, example, file, name):
+    """An empty file, as an editor leaves it before the first line is written."""
+    folder = copied(example, tmp_path)
+    (folder / file).write_text("")
+    done = mfr(tmp_path, "check", name, "--methods", example.name)
+    said, unknown = done.stderr.splitlines()
+    assert done.returncode == 2 and unknown.startswith(f"NAME: unknown method, scene or effect {name!r}")
+    assert said.startswith(f"{(folder / file).parent}: declares no method, scene or effect; allowed: a file with ")
+
+
 @pytest.mark.parametrize(("command", "name", "said"), [
     ("new-effect", "layers", "new-effect: 'layers' is an effect already; allowed: a name of its own"),
     ("new-scene", "Two_rings", "new-scene: 'Two_rings' is no name of a scene; allowed: small letters and digits"),
