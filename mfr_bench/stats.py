@@ -17,6 +17,7 @@ Interval = tuple[float | None, float | None, float | None]  # low, median, high
 
 GROWTH = 1.5  # of the number of samples from look to look
 LOOK_SHARE = 0.8  # of the error allowed: what one look may err, so that stopping at any of them stays within it
+LONG_ENOUGH_MS = 2.0  # of work of known size: below this the wall clock sees mostly the round trip to the device
 SLOWER_REFERENCE = 1.2  # times the least time of the reference frame, from which on the device was slower than usual
 CHANCE = 1.0  # standard errors of a correlation of 0 that count as chance
 

@@ -17,6 +17,7 @@ page() {  # NAME ARGUMENTS...: the whole page
 }
 
 page methods methods --markdown
+page fairness methods --fairness
 page results table --columns
 page experiments configs --markdown
 page fidelity configs --fidelity

@@ -147,7 +147,8 @@ def _judged(at: Path, done: dict[str, Any]) -> int:
             ("collect", took["collect_s"]), ("merge of the same folders", took["merge_s"]),
             ("from submit to the end of collect", took["whole_s"]), ("one node", done["one"]["run_s"])):
         print(f"{what:50}{seconds:8.1f} s")
-    print(f"{'added to the tasks':50}{added_s:8.1f} s, {added_s / tasks_s:.1%} of their time (at most {TARGET:.0%})")
+    print(f"{'added to the tasks':50}{added_s:8.1f} s, {100 * added_s / tasks_s:.1f} % of their time "
+          f"(at most {100 * TARGET:.0f} %)")
     wrong = [*_not_once(at), *_other_rows(at, done["run"])]
     for line in wrong[:MOST_SHOWN]:
         print(line)

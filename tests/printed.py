@@ -14,7 +14,7 @@ from collections.abc import Iterator
 PROMPT, ANY = "$ ", "…"
 MEASURED = (
     r"≈ [\d.]+ \[[\d.]+, [\d.]+\]",  # a ratio with its interval
-    r"\d[\d.,]* ±\S*",  # a time or a ratio with half of its interval
+    r"\d[\d.,]* ±(?:\?|\d\S* %)(?: ~)?",  # a time or a ratio with half of its interval
     r"\bfastest(?=\s{2,}|$)",  # stands for the ratio 1 in the row that has it
     r"\b\d[\d.,]* (?:CPU )?(?:ms|s|min|h)\b",
     r"(?<=noise floor )\d[\d.,]* %",

@@ -8,6 +8,7 @@ import yaml
 
 from mfr_bench.cli.main import cli
 from mfr_bench.config import load, shipped
+from mfr_bench.markdown import COLUMNS, filled
 from mfr_bench.methods import catalog
 from mfr_bench.methods.catalog_text import as_markdown
 from mfr_bench.report.conformance import HAZARDS, HEAD, HEADER
@@ -55,6 +56,24 @@ def test_links_of_the_documentation_lead_somewhere():
     assert [(page.name, str(target)) for page, target, _ in found if not target.exists()] == []
     assert [(page.name, target.name, heading) for page, target, heading in found
             if heading and target.suffix == ".md" and heading not in anchors(target)] == []
+
+
+@pytest.mark.parametrize("page", [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.glob("*.md"))],
+                         ids=lambda page: page.name)
+def test_prose_fits_the_columns_of_an_editor(page):
+    """Rows of tables and blocks of code are as long as they have to be."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
+    assert [line for line in text.splitlines() if len(line) > COLUMNS and not line.startswith(("|", "#"))] == []
+
+
+@pytest.mark.parametrize(("text", "lead", "lines"), [
+    ("a " * 90, "- ", ["- " + "a " * 58 + "a", "  " + "a " * 30 + "a"]),
+    (f"{'a' * 116} 1 - k/n of it", "", [f"{'a' * 116} 1 -", "k/n of it"]),
+    (f"{'a' * 110} `mfr-bench run smoke` b", "", ["a" * 110, "`mfr-bench run smoke` b"]),
+    (f"{'a' * 110} [a page of its own](page.md) b", "", ["a" * 110, "[a page of its own](page.md) b"])])
+def test_a_paragraph_is_filled_so_that_markdown_reads_it_as_it_was(text, lead, lines):
+    """No line opens a list that was none, and none ends within code or a link."""
+    assert filled(text.strip(), lead).split("\n") == lines
 
 
 def test_results_page_is_what_the_tables_give():

@@ -1,6 +1,7 @@
-"""One word for one thing: two classes share a name only if no file uses both."""
+"""One word for one thing: two classes share a name only if no file uses both; percent is written in one way."""
 
 import ast
+import re
 from functools import cache
 from pathlib import Path
 
@@ -88,3 +89,35 @@ def test_two_classes_that_meet_are_seen(tmp_path, use):
     """Under a name of their own, or as an attribute of their module."""
     (tmp_path / "both.py").write_text(f"from mfr_bench.scene.spec.kind import Kind\n{use}\n")
     assert clashes(tmp_path / "both.py") == {"Kind": {"scene.spec.kind", "report.figures.kind"}}
+
+
+def tight_percents(text: str) -> set[int]:
+    """The lines of a source that print a number with its percent sign right behind it, as 5% instead of 5 %."""
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.JoinedStr):
+            said = "".join("0" if isinstance(part, ast.FormattedValue) else str(part.value) for part in node.values)
+            forms = [ast.unparse(part.format_spec) for part in node.values
+                     if isinstance(part, ast.FormattedValue) and part.format_spec]
+            found |= {node.lineno} if re.search(r"\d%", said) or any("%" in form for form in forms) else set()
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and re.search(r"\d%", node.value):
+            found.add(node.lineno)
+    return found
+
+
+PRINTING = [*MODULES.values(), *sorted((ROOT / "scripts").glob("*.py"))]
+
+
+@pytest.mark.parametrize("path", PRINTING, ids=lambda path: str(path.relative_to(ROOT)))
+def test_a_space_stands_before_every_percent_sign(path):
+    assert tight_percents(path.read_text()) == set()
+
+
+@pytest.mark.parametrize("line", ['f"{share:.0%}"', 'f"{share}%"', '"5% of it"', 'f"at most 5% of {what}"'])
+def test_a_tight_percent_sign_is_seen(line):
+    assert tight_percents(line) == {1}
+
+
+@pytest.mark.parametrize("line", ['f"{100 * share:.0f} %"', '"5 % of it"', '"%d" % 5'])
+def test_other_percent_signs_are_none(line):
+    assert tight_percents(line) == set()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from ..config.model import Experiment
-from ..markdown import markdown_table
+from ..markdown import filled, markdown_table
 from ..report.data import figure_of
 from ..report.settings import Setting, settings
 from .verdict import Claim
@@ -66,7 +66,7 @@ def _by_owner(rows: Sequence[Setting]) -> Mapping[str, list[Setting]]:
 
 def _experiment(experiment: Experiment, rows: Sequence[Setting]) -> str:
     source = f"{experiment.source['paper']} {figure_of(experiment.source)}".strip()
-    readings = " ".join(experiment.source.get("readings", ()))
+    readings = filled(" ".join(experiment.source.get("readings", ())))
     head = [f"### {experiment.name}: {experiment.title} ({source})", "", *([readings, ""] if readings else [])]
     return "\n".join([*head, _table(COLUMNS, map(_cells, rows))])
 

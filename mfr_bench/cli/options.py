@@ -128,7 +128,7 @@ class NumberRange(click.FloatRange):
 
 
 class Percentage(click.ParamType):
-    """A share in percent, with or without its sign: 2, 2.5%."""
+    """A share in percent, with or without its sign: 2, 2.5 %."""
 
     name = "percent"
 

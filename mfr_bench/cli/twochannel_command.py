@@ -102,7 +102,8 @@ def _text(name: str, record: Mapping[str, Any]) -> str:
     mean, most = record["luminance_error_mean"], record["luminance_error_max"]
     lines = [f"base colours {bases}", f"luminance error {mean:.2g} in the mean, {most:.2g} at most",
              f"hue error {record['hue_error_degrees']:.3g} degrees in the mean",
-             f"PSNR {record['psnr_db']:.1f} dB, FLIP {record['flip']:.4f}, {record['clipped']:.2%} of pixels clipped",
+             (f"PSNR {record['psnr_db']:.1f} dB, FLIP {record['flip']:.4f}, {100 * record['clipped']:.2f} % of pixels "
+              "clipped"),
              f"{record['bytes_before']:,} bytes before, {record['bytes_after']:,} after"]
     lines += [record["picture"]] if "picture" in record else []
     return "\n".join([name, *(f"  {line}" for line in lines)])

@@ -15,6 +15,7 @@ from ..methods.spec import IMAGE, Pass, State, Target
 from ..oracle.composite import fragment_counts
 from ..plan.forecast import FIRST_ROUNDS
 from ..scene import Scene, generate
+from ..stats import LONG_ENOUGH_MS
 from .capture import capture
 from .context import Device
 from .probes import ATOMICS, COUNTED, ProbeBench, probe_method
@@ -29,7 +30,6 @@ WORK = Scene(size=(512, 512), depth_complexity=0)
 MOST_ROUNDS = 16384
 COMPARED = 3  # sizes of work that are long enough to compare
 TIMER_TOLERANCE = 0.15  # of the wall time, on work that takes milliseconds
-WORTH_COMPARING_MS = 2.0  # below this the wall clock sees mostly the round trip to the device
 REPEATS = 3
 
 
@@ -136,7 +136,7 @@ def calibrate(device: Device) -> Calibration:
     wall_ms: list[float] = []
     gpu_ms: list[float] = []
     rounds = FIRST_ROUNDS
-    while rounds <= MOST_ROUNDS and sum(w >= WORTH_COMPARING_MS for w in wall_ms) < COMPARED:
+    while rounds <= MOST_ROUNDS and sum(w >= LONG_ENOUGH_MS for w in wall_ms) < COMPARED:
         frame = bench.frame(replace(BUSY, steps=(replace(BUSY.steps[0], defines={"ROUNDS": rounds}),)))
         frame.draw()
         wall_ms.append(min(wall.frame_ms(frame.draw) for _ in range(REPEATS)))
@@ -149,12 +149,12 @@ def calibrate(device: Device) -> Calibration:
 
 
 def _verdict(wall_ms: list[float], gpu_ms: list[float]) -> tuple[str, tuple[float, ...], tuple[float, ...], str]:
-    compared = [(w, g) for w, g in zip(wall_ms, gpu_ms, strict=True) if w >= WORTH_COMPARING_MS]
+    compared = [(w, g) for w, g in zip(wall_ms, gpu_ms, strict=True) if w >= LONG_ENOUGH_MS]
     off = [g / w for w, g in compared if abs(g / w - 1) > TIMER_TOLERANCE]
     if not compared:
-        timer, reason = "wall", f"the work took under {WORTH_COMPARING_MS} ms: nothing to compare"
+        timer, reason = "wall", f"the work took under {LONG_ENOUGH_MS} ms: nothing to compare"
     elif off:
         timer, reason = "wall", f"GPU timers show {min(off):.2g} of the wall time of work of known size"
     else:
-        timer, reason = "gpu", f"GPU timers agree with the wall clock within {TIMER_TOLERANCE:.0%}"
+        timer, reason = "gpu", f"GPU timers agree with the wall clock within {100 * TIMER_TOLERANCE:.0f} %"
     return timer, tuple(wall_ms), tuple(gpu_ms), reason

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from statistics import median
 from typing import Any
 
+from ..stats import LONG_ENOUGH_MS
+
 TOLERANCE = 0.15  # of the time that work of known size took
-LONG_ENOUGH_MS = 2.0  # below this the wall clock sees mostly the round trip to the device
 
 
 def disagreement(start: Mapping[str, Any], end: Mapping[str, Any]) -> str | None:

@@ -48,7 +48,7 @@ class Split:
         return {kind: round(seconds, 3) for kind, seconds in self.seconds.items()}
 
     def taken(self) -> dict[str, float]:
-        """What was spent since the last call."""
+        """The seconds by kind since the last call."""
         self._settle()
         found, self.seconds = self.rounded(), {}
         return found
@@ -68,5 +68,5 @@ def told(split_s: Mapping[str, float], most: int = 3) -> str:
     """One line: the share of the device's frames, and the kinds of the host's work that took longest."""
     wall_s, share = sum(split_s.values()), busy_share(split_s)
     longest = sorted(((spent_s, kind) for kind, spent_s in split_s.items() if kind not in FRAMES), reverse=True)[:most]
-    rest = ", ".join(f"{kind} {spent_s / wall_s:.0%}" for spent_s, kind in longest if wall_s)
-    return f"device busy with frames {share:.0%} of {wall_s:.3g} s; {rest}"
+    rest = ", ".join(f"{kind} {100 * spent_s / wall_s:.0f} %" for spent_s, kind in longest if wall_s)
+    return f"device busy with frames {100 * share:.0f} % of {wall_s:.3g} s; {rest}"

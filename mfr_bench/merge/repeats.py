@@ -86,7 +86,7 @@ def _joined(copies: Sequence[Copy]) -> tuple[bytes, str | None]:
     if not names and _equivalent([cell.get("samples_ms") or [] for cell in cells]):
         return text(_pooled(cells)), None
     most = max(range(len(cells)), key=lambda i: (len(cells[i].get("samples_ms") or ()), copies[i].content))
-    return copies[most].content, f"in {', '.join(names)}" if names else f"by more than {EQUIVALENT:.0%}"
+    return copies[most].content, f"in {', '.join(names)}" if names else f"by more than {100 * EQUIVALENT:.0f} %"
 
 
 def _equivalent(samples: Sequence[Sequence[float]]) -> bool:

@@ -23,8 +23,8 @@ and no GPU was measured.
 docs/fairness.md says how methods differ from their sources, what that is worth, and how they compare with independent
 implementations.
 """
-CONTENTS = ("The formula of a buffer counts 32-bit words; in it `capacity` is the number of fragments that there is "
-            "room for. A target has the size of the viewport.")
+CONTENTS = """The formula of a buffer counts 32-bit words; in it `capacity` is the number of fragments that there is
+room for. A target has the size of the viewport."""
 
 
 def _needs(method: Method) -> str:

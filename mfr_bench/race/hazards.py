@@ -94,7 +94,7 @@ def as_markdown(found: Sequence[Hazard]) -> str:
     whole = [h for h in found if h.in_flight == h.n]
     points = sorted({(h.n, int(h.variant.params["k"])) for h in whole}, key=lambda point: (point[1], point[0]))
     shares = {(_name(h), h.n, int(h.variant.params["k"])): h.share for h in whole}
-    rows = ((name, *(f"{shares[name, n, k]:.1%}" if (name, n, k) in shares else "" for n, k in points))
+    rows = ((name, *(f"{100 * shares[name, n, k]:.1f} %" if (name, n, k) in shares else "" for n, k in points))
             for name in dict.fromkeys(map(_name, whole)))
     return "\n".join(markdown_table(("method", *(f"n = {n}, k = {k}" for n, k in points)), rows))
 

@@ -169,7 +169,7 @@ def headline(found: Found) -> str:
     said = " ".join(f"{name}={value}" for name, value in settings(variant).items())
     what = f"{variant.method.id}{' ' + said if said else ''}: {found.schedules} schedules in {found.seconds:.1f} CPU s"
     if checker.promised.kind is Kind.NONE:
-        share = f"{found.failed / found.schedules:.1%}"
+        share = f"{100 * found.failed / found.schedules:.1f} %"
         return f"{what}; it promises nothing, and {found.failed} of them ({share}) have a wrong pixel"
     if found.failure is None:
         return f"{what}; every one gives {checker.promised.kind.value}"
@@ -183,7 +183,7 @@ def campaign_line(line: Line) -> str:
     if line.error:
         return f"{what} {line.error}"
     promised = line.wrong_share is None
-    shown = f"{line.violations} violations" if promised else f"{line.wrong_share:.1%} wrong, promised nothing"
+    shown = f"{line.violations} violations" if promised else f"{100 * line.wrong_share:.1f} % wrong, promised nothing"
     again = f"  --replay {line.replay}" if line.replay else ""
     return f"{what} {line.schedules:9,} schedules, {shown}, {line.schedules_per_s:9,.0f} schedules/s{again}"
 
@@ -269,4 +269,3 @@ def record(found: Found) -> dict[str, Any]:
                       for r, d, rgba in zip(checker.scene.rect, checker.scene.depth, checker.scene.rgba, strict=True)],
         "trace": [vars(s) for s in steps(checker, failure.events)] if broken and failure else [],
     }
-

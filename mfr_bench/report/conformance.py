@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from ..errors import StoreError, nearest
+from ..markdown import filled
 from ..methods import FLOOR
 from ..methods.shared import STORED
 from ..methods.spec import Method, Variant
@@ -89,7 +90,7 @@ def _paragraph(name: str, axes: str, provenance: str, results: Sequence[Result])
         lines.append(IN_ORDER)
     if unmeasured := sum(result.unmeasured for result in results):
         lines.append(f"{data.without_record(unmeasured)} yet.")
-    return " ".join(lines)
+    return filled(" ".join(lines))
 
 
 def _coverage(series: Mapping[str, Sequence[Point]]) -> str:
@@ -97,7 +98,7 @@ def _coverage(series: Mapping[str, Sequence[Point]]) -> str:
     methods = [points for points in series.values() if points[0].method != FLOOR]
     whole = sum(all(p.ending.image == "right" for p in points) for points in methods)
     share = f"{100 * whole / max(1, len(methods)):.1f} %"
-    return f"{whole} of {len(methods)} methods and variants ({share}) ran in every cell without a wrong image."
+    return filled(f"{whole} of {len(methods)} methods and variants ({share}) ran in every cell without a wrong image.")
 
 
 def _grid(header: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
@@ -140,5 +141,5 @@ def _not_run(series: Mapping[str, Sequence[Point]]) -> list[str]:
             if not p.ending.timed:
                 reason = f"{p.sign}: {p.cell.get('reason')}"
                 counts[label, reason] = counts.get((label, reason), 0) + 1
-    return [f"- {label}: {count} cell{'s' * (count > 1)} {reason}"
+    return [filled(f"{label}: {count} cell{'s' * (count > 1)} {reason}", "- ")
             for (label, reason), count in counts.items()] or ["Nothing."]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..config.model import Experiment
-from ..markdown import markdown_table
+from ..markdown import filled, markdown_table
 from .data import figure_of, plain, short
 
 HEAD = """# The experiments
@@ -42,7 +42,8 @@ def as_markdown(pairs: Iterable[tuple[Sized, Sized]]) -> str:
 
 def _readings(experiments: Iterable[Experiment]) -> list[str]:
     """A list of how each config reads what its paper leaves open."""
-    found = [f"- `{e.name}`: {' '.join(e.source['readings'])}" for e in experiments if e.source.get("readings")]
+    found = [filled(f"`{e.name}`: {' '.join(e.source['readings'])}", "- ")
+             for e in experiments if e.source.get("readings")]
     return ["## Readings", "", READINGS, "", *found] if found else []
 
 

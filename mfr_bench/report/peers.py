@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from ..errors import StoreError
-from ..markdown import markdown_table
+from ..markdown import filled, markdown_table
 from ..resources import peers_dir
 
 ALIKE = (0.85, 1.15)  # ratios between which no reason is asked for
@@ -155,8 +155,8 @@ def table(name: str) -> Iterator[dict[str, str]]:
 def _measured(rows: Iterable[dict[str, str]]) -> list[str]:
     head = ("method", "parameters", "beside", "what", "pixels", "covered", "n", "k", "ours, ms", "theirs, ms", "ratio")
     cells = ((f"`{r['method']}`", r["parameters"], f"{r['implementation']} {r['commit'][:8]}", r["measured"],
-              f"{r['width']}×{r['height']}", f"{float(r['density']):.0%}", r["n"], r["k"], r["ours_ms"], r["theirs_ms"],
-              f"{r['ratio']} [{r['ratio_low']}, {r['ratio_high']}]") for r in rows)
+              f"{r['width']}×{r['height']}", f"{100 * float(r['density']):.0f} %", r["n"], r["k"], r["ours_ms"],
+              r["theirs_ms"], f"{r['ratio']} [{r['ratio_low']}, {r['ratio_high']}]") for r in rows)
     return markdown_table(head, cells)
 
 
@@ -175,5 +175,5 @@ def _reasons(rows: Iterable[dict[str, str]], reasons: Mapping[tuple[str, str, st
     if missing:
         raise StoreError(f"{peers_dir() / 'reasons.csv'}: no reason for {', '.join(map(str, missing))}, whose ratio "
                          f"lies outside {low} to {high}; add a row")
-    return [f"- `{method}`{f' ({chosen})' if chosen else ''} beside {theirs}: {reasons[method, chosen, theirs]}"
-            for method, chosen, theirs in asked]
+    return [filled(f"`{method}`{f' ({chosen})' if chosen else ''} beside {theirs}: {reasons[method, chosen, theirs]}",
+                   "- ") for method, chosen, theirs in asked]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..markdown import markdown_table
+from ..markdown import filled, markdown_table
 from .columns import ARRAYS, COLUMNS, DERIVED, PASS_COLUMNS, Column
 from .record import HISTORY, SCHEMA
 from .status import STATUSES
@@ -53,7 +53,7 @@ frontier has an `error` as y and a `cost` as x.
 
 def columns_page() -> str:
     """The page, as docs/results.md has it."""
-    history = [f"- {schema}: {what}" for schema, what in HISTORY.items()]
+    history = [filled(f"{schema}: {what}", "- ") for schema, what in HISTORY.items()]
     arrays = [(f"`{a.name}`", a.type, str(a.dimensions), a.meaning) for a in ARRAYS.values()]
     parts = [HEAD, *history, FILES, COLUMNS_HEAD, *_columns(COLUMNS),
              "\n## Measures derived from them, for figures and tables\n", *_columns(DERIVED),

@@ -81,7 +81,7 @@ def test_the_version_is_the_packages(mfr):
 def test_shipped_configs_are_listed_by_the_names_that_run_takes(mfr):
     lines = mfr("configs").out.splitlines()
     assert [line.split()[0] for line in lines] == list(shipped())
-    assert any(line.startswith("smoke ") and line.endswith("Every method, small") for line in lines)
+    assert any(line.startswith("smoke ") and line.endswith("Time of every method on one small scene") for line in lines)
     assert any(line.endswith("(kplus2015 Fig. 6)") for line in lines)
     assert any(line.endswith("(kplus2015 Table 1)") for line in lines)
 

@@ -41,7 +41,7 @@ def test_it_prints_the_tables_then_a_summary(mfr, tiny):
     assert any(line.startswith("Time, ms") for line in lines)
     assert lines[-5:] == [f"{CELLS} cells: {CELLS} ok", next(x for x in lines[-5:] if x.startswith("noise floor ")),
                           "tables  out/tables/results.md", "figures out/figures/tiny.png", lines[-1]]
-    assert re.fullmatch(r"device busy with frames \d+% of [\d.]+ s; \S+ \d+%, \S+ \d+%, \S+ \d+%", lines[-1])
+    assert re.fullmatch(r"device busy with frames \d+ % of [\d.]+ s; \S+ \d+ %, \S+ \d+ %, \S+ \d+ %", lines[-1])
 
 
 @pytest.mark.parametrize("columns", [50, 80, 120])

@@ -43,7 +43,7 @@ def test_a_device_that_does_wrong_is_found_out(device, monkeypatch, path, right,
 
 
 @pytest.mark.parametrize(("wall_ms", "gpu_ms", "timer", "reason"), [
-    ([2.0, 4.0, 8.0], [2.1, 4.1, 7.9], "gpu", "GPU timers agree with the wall clock within 15%"),
+    ([2.0, 4.0, 8.0], [2.1, 4.1, 7.9], "gpu", "GPU timers agree with the wall clock within 15 %"),
     ([2.0, 4.0, 8.0], [2.4, 4.1, 8.0], "wall", "GPU timers show 1.2 of the wall time"),
     ([2.0, 4.0, 8.0], [0.03, 0.06, 0.11], "wall", "GPU timers show 0.014 of the wall time"),
     ([0.5, 1.0, 4.0], [0.1, 0.2, 4.0], "gpu", "agree"),  # short work is no evidence against a timer
@@ -60,5 +60,5 @@ def test_gpu_timers_count_where_they_agree_with_the_wall_clock(wall_ms, gpu_ms, 
 def test_calibration_measures_work_that_grows(device):
     found = calibrate(device)
     assert len(found.wall_ms) == len(found.gpu_ms) >= selftest.COMPARED
-    assert found.wall_ms[-1] >= selftest.WORTH_COMPARING_MS
+    assert found.wall_ms[-1] >= selftest.LONG_ENOUGH_MS
     assert found.timer in ("gpu", "wall")

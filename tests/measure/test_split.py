@@ -63,7 +63,7 @@ def test_what_no_kind_counted_is_told_so_that_all_adds_up(clock):
     assert times.whole(12.0) == {"measure": 6.0, "compile": 3.0, "other": 3.0}
     assert times.whole(8.0)["other"] == 0.0  # kinds of two processes may overlap
     assert split.busy_share(times.whole(12.0)) == 0.5
-    assert split.told(times.whole(12.0)) == "device busy with frames 50% of 12 s; other 25%, compile 25%"
+    assert split.told(times.whole(12.0)) == "device busy with frames 50 % of 12 s; other 25 %, compile 25 %"
     assert split.busy_share({}) == 0.0
 
 

@@ -193,7 +193,7 @@ def test_samples_of_equal_devices_add_up(tmp_path):
 def test_samples_of_devices_that_differ_are_kept_apart(tmp_path):
     folders = [folder(tmp_path / "n1", measured_by(1, 2.0)), folder(tmp_path / "n2", measured_by(2, 3.0))]
     sets, _ = merged_sets(folders, tmp_path / "all")
-    assert "differ by more than 5%" in write_set(sets[0]).said[0]
+    assert "differ by more than 5 %" in write_set(sets[0]).said[0]
     merged = ResultFolder(tmp_path / "all")
     (found,) = merged.cells()
     (grid,) = [g for g in _sections(load(merged), passes=False) if g.title == "Equal devices"]

@@ -40,7 +40,7 @@ def test_time_has_its_interval_and_columns_are_the_sweep(tmp_path):
                             [FIGURE])
     lines = section(tables.terminal_table(folder), "Time, ms")
     assert words(lines, "method") == ["k = 4", "k = 16"]
-    assert words(lines, "K⁺B-Array") == ["5.00 ±0.6%", "20.0 ±5.7%~"]
+    assert words(lines, "K⁺B-Array") == ["5.00 ±0.6 %", "20.0 ±5.7 % ~"]
 
 
 def test_the_ratio_is_to_the_floor_of_the_same_scene(tmp_path):
@@ -168,7 +168,7 @@ def test_a_planned_record_replaces_an_older_one_of_the_same_point(tmp_path):
 def test_two_devices_in_one_folder_are_two_blocks(tmp_path):
     cells = [at(4), at(8), *(at(k, time_ms=1.0, device={"slug": "h200"}) for k in (4, 8))]
     text = tables.terminal_table(planted.folder(tmp_path, cells, [FIGURE]))
-    assert words(section(text, "Time, ms (device = h200)"), "K⁺B-Array") == ["1.00 ±0.6%"] * 2
+    assert words(section(text, "Time, ms (device = h200)"), "K⁺B-Array") == ["1.00 ±0.6 %"] * 2
 
 
 @pytest.mark.parametrize("ks", [(4, 8, 16, 32, 64), tuple(range(1, 40))])

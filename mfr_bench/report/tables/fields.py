@@ -21,13 +21,13 @@ def spread(interval: data.Interval) -> str:
     if low is None or high is None or not middle:
         return "±?"
     percent = 100 * max(high - middle, middle - low) / middle
-    return f"±{percent:.1f}%" if percent < 9.95 else f"±{percent:.0f}%"
+    return f"±{percent:.1f} %" if percent < 9.95 else f"±{percent:.0f} %"
 
 
 def time_field(point: Point) -> str:
     if point.status != "ok" or point.row["time_ms"] is None:
         return point.sign if point.status != "ok" else ""
-    return f"{number(point.row['time_ms'])} {spread(point.time_ms)}{'~' if point.row['noisy'] else ''}"
+    return f"{number(point.row['time_ms'])} {spread(point.time_ms)}{' ~' if point.row['noisy'] else ''}"
 
 
 def ratio_field(point: Point) -> str:
