@@ -96,7 +96,7 @@ def slowness() -> float:
 
 
 def started() -> float:
-    """When this process started, in s of the monotonic clock; at the latest as long ago as its processor time."""
+    """The start of this process, in s of the monotonic clock; at the latest as long ago as its processor time."""
     try:
         ticks = int(Path("/proc/self/stat").read_text().rpartition(")")[2].split()[19])
         since_boot_s = float(Path("/proc/uptime").read_text().split()[0]) - ticks / os.sysconf("SC_CLK_TCK")

@@ -136,7 +136,7 @@ def _members(content: bytes, budget: Budget, most: int, belongs) -> dict[str, by
 
 
 def _most_members(content: bytes) -> int:
-    """At least as many as the members of a zip, without an object for each: a short one unpacks to millions."""
+    """A bound on the number of members of a zip, without an object for each: a short one unpacks to millions."""
     last = len(content) - END_BYTES  # where it is unless a comment follows
     end = last if content.startswith(END, max(0, last)) else content.rfind(END)
     size = int.from_bytes(content[end + 12:end + 16], "little")

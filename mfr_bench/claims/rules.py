@@ -321,4 +321,3 @@ def no_faster_than(others: Pick, best: Pick, slack: float, where: Where | None =
 def no_slower_than(one: Pick, other: Pick, slack: float, where: Where | None = None) -> Ratio:
     """One takes at most `slack` more than the other."""
     return Ratio(one, other, at_most(1 + slack), where or {})
-

@@ -132,7 +132,7 @@ def _raced(question, scene, budget, out: str | None, device: str):
 
     import yaml
 
-    from ..decide.answer import answers
+    from ..decide.answer import answer_of
     from ..decide.candidates import within_time
     from ..decide.experiment import config_of
     from ..report.data import load
@@ -155,7 +155,7 @@ def _raced(question, scene, budget, out: str | None, device: str):
         results, late, cut = _measured(path, supervisor, interruption, out, budget)
         kept = results.path / path.name
         write_file(kept, path.read_bytes())
-    return answers(question, load(results), [*excluded, *late], str(kept), cut)
+    return answer_of(question, load(results), [*excluded, *late], str(kept), cut)
 
 
 def _counted(question, scene, supervisor, interruption, budget, folder: Path):

@@ -29,8 +29,7 @@ from .options import (
 )
 from .output import ending, note, say, width
 
-CHECKER = 8  # pixels, side of a square behind a transparent image
-CHECKER_GREYS = (0.75, 0.9)
+CHECKER_PIXELS, CHECKER_GREYS = 8, (0.75, 0.9)  # of a square behind a transparent image
 
 
 def _device_or_reason(want: str):
@@ -282,14 +281,12 @@ def _npy(image) -> bytes:
 def _png(image) -> bytes:
     import io
 
-    import numpy as np
     from matplotlib.image import imsave
 
-    rows, columns = np.indices(image.shape[:2]) // CHECKER
-    behind = np.array(CHECKER_GREYS)[(rows + columns) % 2][..., None]
-    seen = image[..., :3] + (1 - image[..., 3:]) * behind
+    from ..report.checkerboard import over_checkerboard
+
     data = io.BytesIO()
-    imsave(data, np.clip(seen, 0, 1)[::-1], format="png")
+    imsave(data, over_checkerboard(image, CHECKER_PIXELS, CHECKER_GREYS)[::-1], format="png")
     return data.getvalue()
 
 

@@ -95,9 +95,8 @@ def let_go_of_stdout() -> None:
 def prepare_streams() -> None:
     """Let every process print: a character that its encoding lacks as '?', and to nowhere where a stream is closed.
 
-    A warning is a line without the place in the source that it comes from.
-
-    The next file to be opened would else get the number of the closed stream, and its prints.
+    The next file to be opened would else get the number of the closed stream, and its prints. A warning is a line
+    without the place in the source that it comes from.
     """
     warnings.showwarning = lambda message, *_: note(message)
     for descriptor, name in ((1, "stdout"), (2, "stderr")):

@@ -1,4 +1,4 @@
-"""What `advise` and `decide` answer for several devices at once, from the store alone."""
+"""The answer of `advise` and `decide` for several devices at once, from the store alone."""
 
 from __future__ import annotations
 

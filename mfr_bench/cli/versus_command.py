@@ -119,4 +119,3 @@ def _config_path(reference: str) -> str:
     if len(files) != 1:
         raise UsageError(f"{reference}: {len(files)} configs; allowed: one file, or the name of a shipped config")
     return str(files[0].resolve())
-

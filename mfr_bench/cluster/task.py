@@ -68,4 +68,3 @@ class Task:
 
     def __getstate__(self) -> dict[str, object]:
         return {"command": list(self.command), "_child": None}
-

@@ -33,7 +33,7 @@ class Frames:
     """The frames of many cells, each with its logarithmic distance from the median of its cell."""
 
     def __init__(self, cells: Iterable[Sequence[float]]):
-        """From the samples of the cells, in ms. Cells of one sample contribute nothing."""
+        """Pool the samples of the cells, in ms. Cells of one sample contribute nothing."""
         usable = [samples for samples in cells if len(samples) > 1 and min(samples) > 0]
         counts = np.array([len(samples) for samples in usable], dtype=np.int64)
         medians_ms = np.repeat([median(samples) for samples in usable], counts)
@@ -44,7 +44,7 @@ class Frames:
         self._distances = np.sort(distances)
         places = np.empty(distances.size, dtype=np.int64)  # in the order of medians, of each frame among the distances
         places[np.argsort(distances[by_median], kind="stable")] = np.arange(distances.size)
-        self._last = Last(places)
+        self._last = WaveletMatrix(places)
 
     def deviation(self, time_ms: float) -> float:
         """Deviation of the logarithm of one frame's time, of frames that take about so long.
@@ -82,10 +82,10 @@ class Frames:
         return float(self._distances[self._last.least(near, math.ceil(share * near) - 1)])
 
 
-class Last:
+class WaveletMatrix:
     """The numbers 0, 1, 2, … in some order: the k-th least of the last of them, in as many steps as they have bits.
 
-    A wavelet matrix (Claude, Navarro & Ordóñez 2015): a level for each bit, the highest first, has the numbers in the
+    By Claude, Navarro & Ordóñez (2015): a level for each bit, the highest first, has the numbers in the
     order in which the level before sorts them, and at each place how many before it have no such bit.
     """
 

@@ -27,8 +27,8 @@ SUPPORT = 2.0  # deviations by which another cell of the method must have moved 
 ALIKE = 3.0  # times as far, on a logarithmic scale: the most that it may have moved
 TOGETHER = 2.0  # and by which, where the cells of the method decide it together
 ALONE = 2.0  # times the noise between runs counts for a cell whose method has no other
-MOST_BURST = 8.0  # times as long: the longest that two cores, shared with other work, made a cell that did not change
 AGAINST = 4.0  # and for one that no other cell of its method supports
+MOST_BURST = 8.0  # times as long: the longest that two cores, shared with other work, made a cell that did not change
 HIDDEN_BURST = 4.0  # times as long: what a burst may do to a cell while hardly any other shows it
 FURTHER = 2.5  # times as far as any cell of another method: what it may do beyond that
 Judged = tuple[str, str, Interval, float | None]  # verdict, reason, ratio with its interval, ratio as measured
@@ -203,7 +203,7 @@ class _Timed:
             if shift.steady is not False:
                 self._of_method[shift.method].append(number)
         self._outermost = sorted(range(len(self._shifts)), key=lambda n: -abs(self._moved(n)))
-        self._methods: dict[tuple[Any, float], _Together] = {}  # by method and sign
+        self._methods: dict[tuple[Any, float], _Moves] = {}  # by method and sign
 
     @property
     def common(self) -> tuple[float, float] | None:
@@ -235,11 +235,11 @@ class _Timed:
             return True
         return method.distance > self._critical and mine > SUPPORT and support > TOGETHER
 
-    def _method(self, method: Any, sign: float) -> _Together:
+    def _method(self, method: Any, sign: float) -> _Moves:
         """How far the cells of a method moved in one direction."""
         if (method, sign) not in self._methods:
             cells = sorted((sign * self._moved(i), sign * self._distance(i)) for i in self._of_method[method])
-            self._methods[method, sign] = _Together(cells, self._critical)
+            self._methods[method, sign] = _Moves(cells, self._critical)
         return self._methods[method, sign]
 
     def _burst_reach(self, number: int) -> float:
@@ -287,7 +287,7 @@ class _Timed:
         return UNCLEAR, "no other cell of the method moved with it: measure both again"
 
 
-class _Together:
+class _Moves:
     """How far the cells of a method moved in one direction, given as changes and distances, the least change first."""
 
     def __init__(self, cells: Sequence[tuple[float, float]], critical: float):

@@ -154,7 +154,7 @@ class Answer:
 
     @property
     def _among(self) -> str:
-        """What the chance leaves out, where the time left some candidates untried."""
+        """The words for what the chance leaves out, where the time left some candidates untried."""
         return " of those that were tried" if self.untried else ""
 
     @property
@@ -198,7 +198,7 @@ def _reason(point: Point) -> str:
     return str(point.row.get("stop_reason") or "")
 
 
-def answers(question: Question, result: Result, excluded: Sequence[Excluded], config: str,
-            cut: Sequence[str] = ()) -> Answer:
+def answer_of(question: Question, result: Result, excluded: Sequence[Excluded], config: str,
+              cut: Sequence[str] = ()) -> Answer:
     """The answer of a finished race."""
     return Answer(question, result, tuple(excluded), config, tuple(cut))

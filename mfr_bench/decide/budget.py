@@ -25,12 +25,12 @@ class Budget:
 
     @property
     def stop(self) -> float:
-        """When measuring has to stop, on the monotonic clock."""
+        """The time at which measuring has to stop, on the monotonic clock."""
         return self.begun + self.seconds - min(STOPPING_SHARE * self.seconds, STOPPING_S * self.slowness)
 
     @property
     def last(self) -> float:
-        """When the process that measures is ended, whatever it is at."""
+        """The time at which the process that measures is ended, whatever it is at."""
         return self.begun + self.seconds - min(ENDING_SHARE * self.seconds, ENDING_S * self.slowness)
 
     def left_s(self) -> float:

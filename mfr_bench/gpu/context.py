@@ -209,5 +209,3 @@ def slug(renderer: str) -> str:
     if layered := LAYERED.match(bare):
         return f"{layered['layer']}-{slug(layered['under'])}"
     return re.sub(r"[^a-z0-9]+", "-", re.split(r"[(/]", bare)[0]).strip("-") or "unknown"
-
-

@@ -1,4 +1,4 @@
-"""Opening a device: which ones EGL offers, and which of them is meant."""
+"""Opens a device: lists those that EGL offers, and finds the one that is meant."""
 
 from __future__ import annotations
 

@@ -202,12 +202,12 @@ class PassRunner:
         self._within(self._extent, self._draw_tiles if self.step.by_tile else self._draw_triangle)
 
     def _draw_triangle(self) -> None:
-        """Over the whole viewport, GL_TRIANGLES."""
+        """Draw a triangle over the whole viewport."""
         if self.step.command:
             commands = self._commands(self.step.command)
-            self.vao.render_indirect(commands, mode=4, count=1, first=self.step.defines["CLASS"])
+            self.vao.render_indirect(commands, mode=rawgl.TRIANGLES, count=1, first=self.step.defines["CLASS"])
         else:
-            self.vao.render(mode=4, vertices=3, instances=self.instances)
+            self.vao.render(mode=rawgl.TRIANGLES, vertices=3, instances=self.instances)
 
     def _draw_geometry(self) -> None:
         self.frame.scene_buffer.draw(self.vao, self._commands(self.step.command) if self.step.command else None)
@@ -216,7 +216,7 @@ class PassRunner:
         """A point over each listed tile, in a viewport of whole tiles: points whose middle is outside are clipped."""
         width, height = self.frame.stats.W, self.frame.stats.H
         self.gl.glViewport(0, 0, width + -width % LISTED, height + -height % LISTED)
-        self.vao.render_indirect(self._commands(TILE_COMMAND), mode=0, count=1)  # GL_POINTS
+        self.vao.render_indirect(self._commands(TILE_COMMAND), mode=rawgl.POINTS, count=1)
 
     def _zero(self, iteration: int) -> None:
         """Clear the buffers that a pass of kind `clear` writes, by the driver."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from typing import Any
 
 ENUM, UINT, INT, FLOAT, BOOL = ctypes.c_uint, ctypes.c_uint, ctypes.c_int, ctypes.c_float, ctypes.c_ubyte
@@ -24,7 +25,8 @@ FORMATS = {"r8": 0x8229, "rg8": 0x822B, "rgba8": 0x8058, "r16": 0x822A, "rgba16f
            "depth24_stencil8": 0x88F0}
 # Of a texture of a buffer's memory, by the words of an element: R32UI, RG32UI, RGB32UI.
 TEXEL_FORMATS = {1: 0x8236, 2: 0x823C, 3: 0x8D71}
-TEXTURE_BUFFER = 0x8C2A
+TEXTURE_BUFFER, RGBA, FLOATS = 0x8C2A, 0x1908, 0x1406
+POINTS, TRIANGLES, TRIANGLE_STRIP = 0, 4, 5  # what a draw makes of its vertices
 EQUATIONS = {"add": 0x8006, "max": 0x8008}
 FACTORS = {"zero": 0, "one": 1, "one_minus_src_alpha": 0x0303, "one_minus_dst_alpha": 0x0305, "dst_alpha": 0x0304}
 STENCIL_TESTS = {"equal": 0x0202, "always": 0x0207}
@@ -178,6 +180,16 @@ class RawGL:
         result = ctypes.c_uint64()
         self.glGetQueryObjectui64v(query, QUERY_RESULT, ctypes.byref(result))
         return result.value
+
+    def samples_passed(self, draw: Callable[[], object]) -> int:
+        """Samples that pass all tests while `draw` draws."""
+        query = self.generate("Queries")
+        self.glBeginQuery(SAMPLES_PASSED, query)
+        draw()
+        self.glEndQuery(SAMPLES_PASSED)
+        passed = self.query_result(query)
+        self.delete("Queries", query)
+        return passed
 
     def error(self) -> str | None:
         """The oldest error not yet read, by name."""

@@ -70,21 +70,10 @@ def tried(device: Device, samples: int) -> tuple[bool, str]:
     with shown(device, scene) as on:
         found = capture(device, on.scene_buffer, on.canvas)
         frame = Frame(device, Fitted(COUNTED.variant({}), on.stats), on.scene_buffer, on.canvas)
-        counted = _passed(device, frame)
+        counted = device.gl.samples_passed(frame.draw)
         frame.release()
     window = (scene.position[..., :2].astype(np.float64) + 1) / 2 * scene.viewport
     inside = depth_inside(window, scene.viewport, places(device, samples))
     wrong, made = np.count_nonzero(disagreements(masks_of(found), inside)), len(found.depth)
     return wrong == 0 and counted == made, (f"{wrong} coverage masks wrong, {counted} of {made} fragments counted by a "
                                             "query")
-
-
-def _passed(device: Device, frame: Frame) -> int:
-    """Samples that pass while the frame is drawn."""
-    query = device.gl.generate("Queries")
-    device.gl.glBeginQuery(rawgl.SAMPLES_PASSED, query)
-    frame.draw()
-    device.gl.glEndQuery(rawgl.SAMPLES_PASSED)
-    found = device.gl.query_result(query)
-    device.gl.delete("Queries", query)
-    return found

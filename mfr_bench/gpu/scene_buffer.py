@@ -16,7 +16,6 @@ from . import rawgl
 from .context import Device
 from .targets import Framebuffer, Texture
 
-TRIANGLE_STRIP, TRIANGLES = 5, 4  # GL's modes
 VERTEX_VERSION = "#version 430 core\n"
 
 
@@ -51,10 +50,10 @@ class Layout:
 
 COLOUR = Attribute("in_rgba", "4f1", "4x", ("rgba", "u1", 4))
 CORNER = Attribute("in_corner", "4f", "16x", ("corner", "<f4", 4))
-TRIANGLE = Layout(TRIANGLES, 3, True, (CORNER, COLOUR))
+TRIANGLE = Layout(rawgl.TRIANGLES, 3, True, (CORNER, COLOUR))
 # The two triangles of a strip. Instances of four vertices take a software driver up to an eighth of a frame longer.
-STRIP = Layout(TRIANGLES, 4, True, (CORNER, COLOUR), indices=(0, 1, 2, 2, 1, 3))
-QUAD = Layout(TRIANGLE_STRIP, 4, False, (Attribute("in_rect", "4i", "16x", ("rect", "<i4", 4)),
+STRIP = Layout(rawgl.TRIANGLES, 4, True, (CORNER, COLOUR), indices=(0, 1, 2, 2, 1, 3))
+QUAD = Layout(rawgl.TRIANGLE_STRIP, 4, False, (Attribute("in_rect", "4i", "16x", ("rect", "<i4", 4)),
                                          Attribute("in_depth", "1f", "4x", ("depth", "<f4")), COLOUR))
 LAYOUTS: Mapping[str, Layout] = {
     "quad": QUAD, "masked": QUAD, "strip": STRIP, "triangle": TRIANGLE, "reversed": TRIANGLE,
@@ -158,7 +157,7 @@ class OpaqueDepth:
         gl.glEnable(rawgl.DEPTH_TEST)
         gl.glDepthFunc(rawgl.DEPTH_FUNCTIONS["less"])
         gl.clip_depths_from_zero(False)
-        vertices.render(mode=TRIANGLES, vertices=len(corners))
+        vertices.render(mode=rawgl.TRIANGLES, vertices=len(corners))
         gl.glDisable(rawgl.DEPTH_TEST)
         vertices.release()
         buffer.release()

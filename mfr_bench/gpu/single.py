@@ -36,7 +36,7 @@ class Shown:
             frame.release()
 
     def errors(self, variant: Variant, image: np.ndarray) -> dict[str, float | int] | None:
-        """Against what the variant promises; None where nothing can be compared."""
+        """The errors of an image against what the variant promises; None where nothing can be compared."""
         if variant.guarantee == "none":
             return None
         promised = self.truth.answer(Fitted(variant, self.stats).promise())

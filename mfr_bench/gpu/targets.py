@@ -65,7 +65,7 @@ class Texture:
         return int(4 * FORMAT_WORDS[self.format]) * self.size[0] * self.size[1] * self.samples * max(1, self.layers)
 
     def attach(self, attachment: int) -> None:
-        """Attaches the target to the bound framebuffer; the layers of an array to successive attachments."""
+        """Attach the target to the bound framebuffer; the layers of an array to successive attachments."""
         for layer in range(self.layers):
             self.gl.glFramebufferTextureLayer(rawgl.FRAMEBUFFER, attachment + layer, self.name, 0, layer)
         if not self.layers:
@@ -76,7 +76,7 @@ class Texture:
         self.gl.glBindTexture(self.target, self.name)
 
     def bind_image(self, unit: int) -> None:
-        """Binds the target as an image for a compute pass to write."""
+        """Bind the target as an image for a compute pass to write."""
         self.gl.glBindImageTexture(unit, self.name, 0, False, 0, rawgl.WRITE_ONLY, rawgl.FORMATS[self.format])
 
     def release(self) -> None:
@@ -136,7 +136,7 @@ class Framebuffer:
         pixels = np.empty((height, width, 4), dtype=np.float32)
         self.gl.glBindFramebuffer(rawgl.FRAMEBUFFER, self.name)
         self.gl.glReadBuffer(rawgl.COLOR_ATTACHMENT0)
-        self.gl.glReadPixels(0, 0, width, height, 0x1908, 0x1406, pixels.ctypes.data)  # GL_RGBA, GL_FLOAT
+        self.gl.glReadPixels(0, 0, width, height, rawgl.RGBA, rawgl.FLOATS, pixels.ctypes.data)
         return pixels
 
     def release(self) -> None:

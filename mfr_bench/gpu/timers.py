@@ -126,7 +126,6 @@ class GpuTimer:
 Timer = WallTimer | GpuTimer
 
 
-
 def undisturbed_ms(timer: Timer, draw: Draw, repeats: int = 1) -> float:
     """The time of a frame that other processes did not hold up; after TRIES, or TRIES_MS, of the one held up least.
 

@@ -51,7 +51,7 @@ def _drawn(device: Device, vertex: str, fragment: str, lengths: Sequence[int], v
             buffer.bind_to_storage_buffer(binding)
         framebuffer.use(colour=True, depth=False)
         array = ctx.vertex_array(program, [])
-        array.render(mode=4, vertices=vertices)  # GL_TRIANGLES
+        array.render(mode=rawgl.TRIANGLES, vertices=vertices)
         device.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
         return [np.frombuffer(buffer.read(), dtype=np.uint32) for buffer in buffers]
     finally:

@@ -50,7 +50,7 @@ class Visible:
 
 
 def visible(environ: Mapping[str, str] | None = None, nvidia: Path = NVIDIA) -> Visible | None:
-    """What the environment gives this process; None where it says nothing."""
+    """The GPUs that the environment gives this process; None where it says nothing."""
     found = os.environ if environ is None else environ
     given = _cuda(found[CUDA]) if CUDA in found else None
     if given and not given.numbers:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -11,7 +10,6 @@ import numpy as np
 from ..glsl import stages
 from ..glsl.counters import MOST
 from ..methods.spec import LISTED, TILE_COMMAND, Loop, Pass
-from . import rawgl
 from .frame import Frame
 from .pass_runner import PassRunner
 
@@ -50,20 +48,9 @@ def _rasterized(frame: Frame) -> int:
     """Fragments of the geometry before any test."""
     runner = PassRunner(frame, RASTERIZED)
     try:
-        return _passed(frame, lambda: runner.run(0))
+        return frame.gl.samples_passed(lambda: runner.run(0))
     finally:
         runner.release()
-
-
-def _passed(frame: Frame, draw: Callable[[], None]) -> int:
-    """Samples that pass all tests while `draw` draws."""
-    query = frame.gl.generate("Queries")
-    frame.gl.glBeginQuery(rawgl.SAMPLES_PASSED, query)
-    draw()
-    frame.gl.glEndQuery(rawgl.SAMPLES_PASSED)
-    samples = frame.gl.query_result(query)
-    frame.gl.delete("Queries", query)
-    return samples
 
 
 def admitted_map(frame: Frame) -> np.ndarray | None:
@@ -109,7 +96,7 @@ class CountingRunner(PassRunner):
         self.frame.reset_work()
         drawn = self.step.kind in ("geometry", "fullscreen")
         if drawn and not self.step.counts:
-            self._add_targets(_passed(self.frame, partial(super().run, iteration)))
+            self._add_targets(self.gl.samples_passed(partial(super().run, iteration)))
         else:
             super().run(iteration)
         self._add_clears()

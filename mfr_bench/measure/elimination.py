@@ -179,4 +179,3 @@ class Elimination:
             best[min(self.left, key=lambda method: median(times[method] for times in drawn))] += 1
         seen = len(rounds) / (len(rounds) + 1)
         return {method: seen * count / RESAMPLES + (1 - seen) / len(best) for method, count in best.items()}
-

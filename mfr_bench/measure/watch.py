@@ -91,7 +91,7 @@ class Unwatched:
         yield Turn()
 
     def again(self, turn: Turn, wait_s: float) -> bool:
-        """Never."""
+        """Take no turn again."""
         return False
 
     def wait(self, wait_s: float, look_around: Callable[[], None]) -> None:

@@ -103,7 +103,7 @@ def _file_name(name: str) -> str:
 
 
 def decide(merged: Merged) -> Decided:
-    """What becomes of every key of a set; what is already in its folder counts like any other source.
+    """Decide what becomes of every key of a set; what is already in its folder counts like any other source.
 
     The folders are opened anew and read as they are now.
     """

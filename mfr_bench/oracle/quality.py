@@ -67,4 +67,3 @@ def _error(image: np.ndarray, oracle: np.ndarray) -> np.ndarray:
 def _require_same_shape(image: np.ndarray, oracle: np.ndarray) -> None:
     if image.shape != oracle.shape:
         raise ValueError(f"image {image.shape} against oracle {oracle.shape}")
-

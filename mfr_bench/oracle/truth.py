@@ -35,7 +35,7 @@ class SceneTruth:
 
     @cached_property
     def _fragments(self) -> Fragments | None:
-        """None for flat quads that are composited by patches."""
+        """The fragments of the scene; None for flat quads that are composited by patches."""
         if isinstance(self.scene, Pieces):
             return listed(self.scene)
         return None if isinstance(self.scene, Quads) else self._of_device()

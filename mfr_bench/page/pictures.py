@@ -12,10 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ..report.checkerboard import over_checkerboard
+
 COLOURS = 256  # of a figure's palette, at most
 APART = 60  # of two colours of a palette: no colour of a figure is further than that from the one that stands for it
 AREA = 0.002  # share of the pixels from which a colour is in the palette, however near another one is
-CHECK_PIXELS, LIGHT, DARK = 8, 255, 204  # of the checkerboard behind what is transparent
+CHECKER_PIXELS, CHECKER_GREYS = 8, (0.8, 1.0)  # of a square behind what is transparent
 LARGEST_PIXELS = 512  # side of a kept image; larger ones are shown at every n-th pixel
 SMALLEST_PIXELS = 192  # smaller ones are enlarged by whole factors
 
@@ -86,10 +88,8 @@ def kept_picture(image: np.ndarray) -> tuple[str, int, int]:
     upright = upright[::step, ::step]
     times = max(1, SMALLEST_PIXELS // max(upright.shape[:2]))
     upright = upright.repeat(times, axis=0).repeat(times, axis=1)
-    y, x = np.indices(upright.shape[:2]) // CHECK_PIXELS
-    board = np.where((x + y) % 2, LIGHT, DARK)[..., None]
-    shown = upright[..., :3] + board * (1 - upright[..., 3:] / 255)
-    made = Image.fromarray(np.clip(np.rint(shown), 0, 255).astype(np.uint8))
+    shown = 255 * over_checkerboard(upright / 255, CHECKER_PIXELS, CHECKER_GREYS)
+    made = Image.fromarray(np.rint(shown).astype(np.uint8))
     return data_uri(_encoded(made), "webp"), made.width, made.height
 
 

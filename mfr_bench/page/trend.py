@@ -39,7 +39,7 @@ class Night:
 
 @dataclass(frozen=True)
 class Change:
-    """From this night on a cell took `ratio` times as long; `chance`: of so large a change where there is none."""
+    """A night from which on a cell took `ratio` times as long; `chance`: of so large a change where there is none."""
 
     night: Night
     ratio: float

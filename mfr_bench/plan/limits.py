@@ -60,7 +60,7 @@ def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: 
 
 
 def _judged(cell: Cell, fitted: Fitted, limits: Limits | None) -> Decision | None:
-    """What `judge` says of a cell that is fitted to its scene already."""
+    """The decision of `judge` on a cell that is fitted to its scene already."""
     variant, stats = fitted.variant, fitted.stats
     if lacks := kind_of(cell.scene).lacks(cell.scene):
         return "unsupported", f"needs {lacks}"

@@ -201,4 +201,3 @@ def _frame(frame: Frame) -> str:
         f"{{{left}u, {bottom}u, {columns}u, {rows}u}}",
     ]
     return f"extern const FrameDesc frame = {{{', '.join(fields)}}};"
-

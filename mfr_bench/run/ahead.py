@@ -15,7 +15,7 @@ Frames = tuple[list[Geometry], list[SceneStats | None]]
 
 
 class Ahead:
-    """At most one scene that was begun before its turn. answers: of this process, which makes every other."""
+    """Makes at most one scene before its turn. answers: of this process, which makes every other scene."""
 
     def __init__(self, answers: Answers, aside_for: Callable[[Scene], Aside]):
         self._answers, self._aside_for = answers, aside_for

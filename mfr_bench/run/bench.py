@@ -49,7 +49,7 @@ class Bench:
         return self.answers.split
 
     def aside_for(self, scene: Scene) -> Aside:
-        """What does the work on a scene that no frame waits for: this process for small scenes.
+        """The doer of the work on a scene that no frame waits for: this process for small scenes.
 
         It does for those of packages from outside as well, which it alone has imported.
         """

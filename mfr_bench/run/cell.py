@@ -106,7 +106,7 @@ class CellWork:
             self.bench.split.move(min(taken_s, frames * middle_ms / 1e3), of, to)
 
     def sample_twice(self) -> None:
-        """From now on sample an A/A pair too, in turns with each other and with the cells of the scene."""
+        """Sample an A/A pair too from now on, in turns with each other and with the cells of the scene."""
         self._pair = pair_of(self.job.cell.measure)
 
     def batch(self, sampler: Sampler) -> None:

@@ -15,12 +15,12 @@ NEWS_ROUNDS = 8  # after so many rounds the samples are emitted, so that a kille
 Step = Callable[[CellWork], None]
 
 
-class Race:
+class Rounds:
     """Rounds among the cells that take part; `apart` has the others, which are sampled as usual.
 
-    A cell takes part if it promises an image, and if its error is within measure.max_error where there is one. guarded:
-    runs a step of a cell, whose failure costs that cell alone. news: called when events should be
-    kept. deadline: of the rounds, on the monotonic clock.
+    A cell takes part if it promises an image, and if its error is within measure.max_error where there is one.
+    guarded: runs a step of a cell, whose failure costs that cell alone. news: called when events should be kept.
+    deadline: of the rounds, on the monotonic clock.
     """
 
     def __init__(self, running: Sequence[CellWork], guarded: Callable[[CellWork, Step], None],
@@ -50,12 +50,12 @@ class Race:
             self._leave(cell, f"error above measure.max_error ({self._measure.max_error:.3g})", finish)
         if not self._cells:
             return
-        race = Elimination(list(self._cells), self._may_drop)
+        elimination = Elimination(list(self._cells), self._may_drop)
         self._warm_up()
-        self._drop_failed(race)
-        reason = self._rounds(race, finish)
+        self._drop_failed(elimination)
+        reason = self._rounds(elimination, finish)
         end = self._leave if reason == TIME_IS_UP else self._end
-        for key in sorted(race.left, key=race.time_ms):  # the fastest first, where the time is short
+        for key in sorted(elimination.left, key=elimination.time_ms):  # the fastest first, where the time is short
             end(self._cells[key], reason, finish)
 
     def _warm_up(self) -> None:
@@ -67,38 +67,38 @@ class Race:
                 return
             self._guarded(cell, lambda c: c.warm_up(1))
 
-    def _rounds(self, race: Elimination, finish: Step) -> str:
+    def _rounds(self, elimination: Elimination, finish: Step) -> str:
         """Draw the rounds, one at least, and return why they ended."""
         last_s = 0.0  # of the round before: one that would end late is not begun
-        while race.left and not race.decided:
-            if len(race.rounds) >= self._measure.max_samples:
+        while elimination.left and not elimination.decided:
+            if len(elimination.rounds) >= self._measure.max_samples:
                 return "most samples"
             begun = time.monotonic()
-            if race.rounds and begun + last_s >= self._deadline:
+            if elimination.rounds and begun + last_s >= self._deadline:
                 return TIME_IS_UP
-            times_ms = self._round(race)
+            times_ms = self._round(elimination)
             last_s = time.monotonic() - begun
-            self._drop_failed(race)
-            if race.left:
-                for gone in race.add({key: times_ms[key] for key in race.left}):
+            self._drop_failed(elimination)
+            if elimination.left:
+                for gone in elimination.add({key: times_ms[key] for key in elimination.left}):
                     self._leave(self._cells[gone.method], self._words(gone), finish)
-            if len(race.rounds) % NEWS_ROUNDS == 0:
-                self._tell(race)
+            if len(elimination.rounds) % NEWS_ROUNDS == 0:
+                self._tell(elimination)
         return "precise"
 
-    def _round(self, race: Elimination) -> dict[str, float]:
-        order, times_ms = list(race.left), {}
+    def _round(self, elimination: Elimination) -> dict[str, float]:
+        order, times_ms = list(elimination.left), {}
         self._shuffle(order)
         for key in order:
             self._guarded(self._cells[key], lambda c, key=key: times_ms.__setitem__(key, c.round()))
         return times_ms
 
-    def _drop_failed(self, race: Elimination) -> None:
-        for key in [key for key in race.left if self._cells[key].done]:
-            race.remove(key)
+    def _drop_failed(self, elimination: Elimination) -> None:
+        for key in [key for key in elimination.left if self._cells[key].done]:
+            elimination.remove(key)
 
-    def _tell(self, race: Elimination) -> None:
-        for key in race.left:
+    def _tell(self, elimination: Elimination) -> None:
+        for key in elimination.left:
             self._cells[key].emit_samples()
         self._news()
 

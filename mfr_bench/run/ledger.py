@@ -91,7 +91,7 @@ class Ledger:
     # --- while cells are measured ----------------------------------------------------------------
 
     def next_session(self) -> None:
-        """From now on samples come from another process."""
+        """Note that samples come from another process from now on."""
         self._session = uuid.uuid4().hex[:12]
 
     def partials(self, jobs: Iterable[Job]) -> dict[str, Partial]:

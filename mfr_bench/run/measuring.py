@@ -17,7 +17,7 @@ from ..scene.kinds import kind_of
 from ..store.journal import Partial
 from .bench import Bench
 from .cell import CellWork
-from .eliminating import Race
+from .eliminating import Rounds
 from .events import Begun, Finished, Group, Synced
 from .jobs import Job
 from .outcome import failure, scene_values
@@ -41,7 +41,8 @@ def _deadlines(jobs: Sequence[Job], until: float) -> tuple[float, float]:
     return now + PREPARING_SHARE * left_s, now + left_s
 
 
-def _fastest_first(cell: CellWork) -> float:
+def _middle_ms(cell: CellWork) -> float:
+    """The median time of a cell's frames so far; infinite without any, so that it comes last."""
     return median(cell.sampler.samples_ms) if cell.sampler.samples_ms else math.inf
 
 
@@ -127,7 +128,7 @@ class Measuring:
                 self.bench.ahead.begin(self._then)
             self._sample(running)
         except KeyboardInterrupt:
-            for cell in sorted(running, key=_fastest_first):
+            for cell in sorted(running, key=_middle_ms):
                 enough = cell.sampler.interrupt()
                 if enough or (cell.sampler.samples_ms and time.monotonic() >= self._until):
                     self._guarded(cell, self._finish)
@@ -157,9 +158,9 @@ class Measuring:
     def _sample(self, running: list[CellWork]) -> None:
         """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done."""
         if running and running[0].job.cell.measure.eliminate:
-            race = Race(running, self._guarded, self._shuffle, lambda: self.bench.emit(Synced()), self._deadline)
-            race.run(self._finish)
-            running = race.apart
+            rounds = Rounds(running, self._guarded, self._shuffle, lambda: self.bench.emit(Synced()), self._deadline)
+            rounds.run(self._finish)
+            running = rounds.apart
         entries = [(cell, cell.sampler) for cell in running]
         while entries:
             self._shuffle(entries)
@@ -181,7 +182,7 @@ class Measuring:
         for keys in self._replicates:
             able = [cell for cell in running if cell.job.key in keys and not cell.done and cell.images.promised]
             if able and not any(cell.twice for cell in able):
-                sorted(able, key=_fastest_first)[len(able) // 2].sample_twice()
+                sorted(able, key=_middle_ms)[len(able) // 2].sample_twice()
         taken = {cell.job.key for cell in running if cell.twice}
         self._replicates = [keys for keys in self._replicates if not taken & keys]
 

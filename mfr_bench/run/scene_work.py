@@ -75,7 +75,7 @@ class SceneWork:
 
     @cached_property
     def _aside(self) -> Aside:
-        """What compares the images of this scene."""
+        """The process that compares the images of this scene."""
         return self._bench.here if self._made_bytes > BESIDE_BYTES else self._bench.aside_for(self.config)
 
     @property

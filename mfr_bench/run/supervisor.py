@@ -71,7 +71,7 @@ class Supervisor:
                        try_hopeless: bool) -> None:
         """Measure the cells of one group, with as many workers as it takes."""
         left = {job.key: job for job in group}
-        deaths = 0  # in a row that no cell is to blame for
+        deaths = 0  # of workers one after another, for which no cell is to blame
         while left:
             if not try_hopeless:
                 _skip_predicted(left, ledger)

@@ -135,6 +135,7 @@ def test_memory_and_cost(run):
 def test_memory_by_formula_uses_the_cell_s_own_sizes(run):
     made = run(cell("a", params={"k": 8}, values={"fragments": 8192, "hit_ratio": 0.5, "memory_bytes": 4096 * 100},
                     depth_complexity=4))
+
     def ratio(formula, each=1):
         (found,) = Memory(((pick("a"), formula),), each, "bytes", MORE).compare(made)
         return found.value

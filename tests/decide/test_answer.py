@@ -4,7 +4,7 @@ import statistics
 
 import pytest
 
-from mfr_bench.decide.answer import answers
+from mfr_bench.decide.answer import answer_of
 from mfr_bench.decide.question import Question
 from mfr_bench.measure.elimination import LATE
 from mfr_bench.report import data
@@ -23,7 +23,7 @@ def raced(method, times_ms, stop_reason="time limit"):
 @pytest.fixture
 def answer(tmp_path):
     def of(*cells):
-        return answers(QUESTION, data.load(planted.folder(tmp_path / "decide", cells)), (), "decide.yaml")
+        return answer_of(QUESTION, data.load(planted.folder(tmp_path / "decide", cells)), (), "decide.yaml")
     return of
 
 

@@ -84,6 +84,7 @@ def test_the_gains_of_inverse_mapping_imply_frames_shorter_than_a_pass_of_them()
 def test_memory_of_the_a_buffer_based_k_buffers_at_k_64():
     """kplus_2015 Fig. 8 by Table 1: what needs more than 3 GB at n = 640 in every covered pixel, and what does not."""
     words = {row.method: row.formula for row in find(paper="kplus2015", quantity="words_per_pixel", condition=None)}
+
     def mib(method, fragments):
         stats = SceneStats(1024, 1024, 640, round(fragments * 2**20), primitives=0)
         return round(4 * evaluate(words[method], stats, {}))
@@ -122,6 +123,7 @@ def test_referencing_has_all_twelve_times():
 def test_k_bound_of_200_mb():
     """Eq. 5 of kplus_2015 with 2k + 2 words of 4 bytes: the printed 32 does not belong to 1024 x 1024."""
     (row,) = find(paper="kplus2015", quantity="k_bound", figure="4")
+
     def bound(width, height):
         return int((MIB * 200 / (width * height) - 8) / 8)
     assert (bound(1024, 1024), bound(1024, 768)) == (row.recomputed, row.value) == (24, 32)

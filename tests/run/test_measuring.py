@@ -283,7 +283,6 @@ def test_a_still_scene_has_frames_where_the_method_chooses(run):
     assert rows["ab-array", None]["frames"] == []
 
 
-
 def test_images_are_compared_in_a_phase_of_their_own_and_frames_drawn_outside_it(device, tmp_path, monkeypatch):
     """Comparing them is no time of the method; drawing them is."""
     assert device.limits  # whose trials draw and compare images of their own

@@ -159,7 +159,6 @@ def test_a_row_that_was_told_before_the_death_stands(play):
     assert rows["ab-array", 4]["status"] == "ok"
 
 
-
 def test_a_cell_that_takes_too_long_is_ended(play, monkeypatch):
     now = [0.0]
     monkeypatch.setattr(processes.time, "monotonic", lambda: now[0])

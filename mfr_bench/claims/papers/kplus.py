@@ -75,6 +75,7 @@ def _presorted(routed: Pick, **at) -> tuple[Ratio, ...]:
     return tuple(Ratio(slower, faster, where={"order": other_than("random"), **where})
                  for slower, faster, where in by_speed)
 
+
 CLAIMS = (
     Claim(
         "k-bounded", "kplus_2015 §5.1.1, Fig. 6",

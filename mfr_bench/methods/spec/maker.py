@@ -31,7 +31,7 @@ class Number:
 
 @dataclass(frozen=True)
 class Maker:
-    """What makes the fragments of a scene from outside.
+    """The function that makes the fragments of a scene from outside.
 
     keys: what its options may set. package: name, version and hash of what brings it, and place, its module or its
     folder; the loader of packages fills in both.

@@ -66,7 +66,7 @@ def _together(values: Iterable[Any]) -> str:
 
 
 def _current(cells: Sequence[Cell], planned: frozenset[str]) -> list[Cell]:
-    """Without records that a planned cell of the same point replaces: other shaders, drivers, settings or defaults."""
+    """The cells, but for those that a planned one of the point replaces: other shaders, drivers, settings, defaults."""
     texts = Texts()
     foreign = [cell for cell in cells if cell["key"] not in planned]
     taken = {_identity(cell, texts) for cell in cells if cell["key"] in planned} if foreign else set()

@@ -1,4 +1,4 @@
-"""What differs between the devices of an experiment besides their times: a reader must know it to compare them."""
+"""Differences between the devices of an experiment besides their times: a reader must know them to compare."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a comparison of devices needs of the cells of one folder: read from them, or from a file that a merge left.
+"""The parts of a folder's cells that a comparison of devices needs: read from them, or from a file that a merge left.
 
     DIR/comparison.json    of each cell with the right image: scene, swept parameters, method and numbers
 
@@ -104,7 +104,7 @@ def _path(folder: ResultFolder) -> Path:
 
 
 def _of(folder: ResultFolder) -> dict[str, Any]:
-    """What the file states of itself: its form, the program, and the hash of the files that it is made of."""
+    """The statement of the file about itself: its form, the program, and the hash of the files that it is made of."""
     return {"format": FORMAT, "numbers": list(NUMBERS), "program": __version__, "of": folder.fingerprint()}
 
 
@@ -121,7 +121,7 @@ def _numbers(values: Mapping[str, Any]) -> list[float | str | None]:
 
 
 def _facts(manifest: Mapping[str, Any], cells: Sequence[Cell]) -> dict[str, Any]:
-    """What a manifest says of the device, the driver and the run."""
+    """The facts of a manifest on the device, the driver and the run."""
     device = manifest.get("device") if isinstance(manifest.get("device"), Mapping) else {}
     environment = manifest.get("environment") or {}
     gpus = [environment[part].get("gpu") for part in ("start", "end") if isinstance(environment.get(part), Mapping)]

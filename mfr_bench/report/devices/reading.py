@@ -107,7 +107,7 @@ def _scenes(folder: ResultFolder) -> OnDevice:
 
 
 def on_device(folder: ResultFolder, whole_scenes: bool) -> OnDevice:
-    """What a comparison needs of one folder."""
+    """The parts of one folder that a comparison needs."""
     import numpy as np
 
     found = digest_of(folder)

@@ -60,7 +60,7 @@ class BarGroup:
 
 
 def _groups(points: Sequence[Point], x: str) -> list[tuple[str, list[tuple[str, Point | None]]]]:
-    """Per value of x every series that varies with x; then, once, the series that do not."""
+    """The bars of each value of x, of every series that varies with it; then, once, those of series that do not."""
     found: dict[tuple[Any, str], Point] = {}
     for p in points:
         found.setdefault((p.at(x), p.label), p)

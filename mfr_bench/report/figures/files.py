@@ -94,7 +94,7 @@ def write_panels(folders: Sequence[ResultFolder], target: Path) -> list[Path]:
 
 
 def evenly(order: Sequence[Any], most: int) -> list[Any]:
-    """At most so many of a sequence, at even steps, its ends among them."""
+    """A part of a sequence, at most so long: at even steps, its ends among them."""
     if len(order) <= most:
         return list(order)
     return [order[round(i * (len(order) - 1) / (most - 1))] for i in range(most)]
@@ -180,6 +180,7 @@ def _uncollected():
     finally:
         if was_enabled:
             gc.enable()
+
 
 def render(figure: Figure) -> dict[str, bytes]:
     """The figure as file contents by suffix. Nothing in them depends on when or where they were made."""

@@ -100,7 +100,7 @@ class _Turned:
 
 
 def _pgf(figure: Figure, look: Look, path: Path) -> None:
-    """For \\input: texts are set in the document's font. Images within the figure are files next to it.
+    """Write a file for \\input: texts are set in the document's font. Images within the figure are files next to it.
 
     matplotlib's own backend asks a LaTeX installation for the size of each text; here the figure's font tells it.
     """
@@ -142,4 +142,3 @@ def _pgf(figure: Figure, look: Look, path: Path) -> None:
 
 
 WRITERS = {"png": _png, "svg": _svg, "pdf": _pdf, "pgf": _pgf}
-

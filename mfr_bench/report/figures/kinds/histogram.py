@@ -137,4 +137,3 @@ def _notes(result: Result, points: Iterable[Point]) -> list[str]:
     told = [text for name, text in SYMBOLS.items()
             if any(data.bare(axis) == name and axis in p.cell["params"] for axis in result.axes for p in points)]
     return [f"No histogram of {'; '.join(lacking)}."] * bool(lacking) + [f"{'; '.join(told)}."] * bool(told)
-

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ....store.columns import ARRAYS
 from ... import data, style
+from ...checkerboard import over_checkerboard
 from ...data import Point, Result, number
 from ..bar_chart import UNMEASURED
 from ..kind import Kind
@@ -24,7 +25,7 @@ MOST_COLUMNS = 5
 GAP, HEADING, LINE, BAR = 0.1, 0.3, 0.12, 0.62  # inches; HEADING: room for two lines
 HEADING_PT = 7.0
 LEAST_SEEN = 1 / 255
-CHECKS = 16  # squares of the checkerboard along the longer side
+CHECKS, CHECKER_GREYS = 16, (0.85, 1.0)  # squares of the checkerboard along the longer side
 MEANINGS = {"error": "largest channel error against the promised image", "loss": "largest channel error against the "
             "image of all fragments", "fragments": "fragments per pixel", "discarded": "fragments refused per pixel",
             "image": ""}
@@ -158,12 +159,4 @@ class Maps:
 
 def over_checks(image: Any) -> Any:
     """Premultiplied RGBA (H, W, 4) uint8 over a checkerboard: float RGB."""
-    import numpy as np
-
-    height, width = image.shape[:2]
-    square = max(1, max(height, width) // CHECKS)
-    checks = (np.add.outer(np.arange(height) // square, np.arange(width) // square) % 2) * 0.15 + 0.85
-    colour = image.astype("float64") / 255
-    return np.clip(colour[..., :3] + (1 - colour[..., 3:]) * checks[..., None], 0, 1)
-
-
+    return over_checkerboard(image.astype("float64") / 255, max(1, max(image.shape[:2]) // CHECKS), CHECKER_GREYS)
