@@ -10,15 +10,14 @@ const uint COUNTED = ONE_TAKEN - 1u;
 
 #if EXACT_RANGES
 #define ROOM(p) (counter[p] & COUNTED)
+uint first_cell;
 #if SUMS_FRAGMENT
 #include "methods/sbuffer/sums.glsl"
-uint first_cell;
 #define FIND_CELLS(p) first_cell = first_of_range(p, address[p], ROOM(p));
-#define PLACE(p, slot) (first_cell + (slot))
 #else
-#define FIND_CELLS(p)
-#define PLACE(p, slot) (address[p] + (slot))
+#define FIND_CELLS(p) first_cell = address[p];
 #endif
+#define PLACE(p, slot) (first_cell + (slot))
 #else
 #define FIND_CELLS(p)
 #define PLACE(p, slot) ((slot) * pixels + (p))
