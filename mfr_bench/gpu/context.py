@@ -16,6 +16,7 @@ from ..glsl import FEATURE_EXTENSIONS, StageSource
 from ..methods.spec import LISTED, MSAA_FEATURES, NEAREST_33, SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS
 from ..plan import Limits
 from .egl import EglDevice, uuid_text
+from .programs import Programs
 from .rawgl import RawGL
 
 SOFTWARE_LOCAL_ARRAY = 1024  # fragments: llvmpipe takes seconds to compile it, and minutes for twice as many
@@ -49,7 +50,7 @@ class Device:
     backend: object  # keeps the native context alive
     trials: Trials
     egl: EglDevice = field(default_factory=lambda: EglDevice(0))
-    programs: dict[tuple[str, ...], object] = field(default_factory=dict)
+    programs: Programs = field(default_factory=Programs)
     bound_threads: int = 0
     instructions: str | None = None
 
@@ -147,11 +148,8 @@ class Device:
                       max_local_array=SOFTWARE_LOCAL_ARRAY if self.kind == "cpu" else None)
 
     def program(self, sources: tuple[StageSource, ...], owner: str):
-        """The linked program of the stages, compiled once. `owner` (method and pass) is named in errors."""
-        key = tuple(s.code for s in sources)
-        if key not in self.programs:
-            self.programs[key] = self._compile(sources, owner)
-        return self.programs[key]
+        """The linked program of the stages, compiled unless kept. `owner` (method and pass) is named in errors."""
+        return self.programs.get(tuple(s.code for s in sources), lambda: self._compile(sources, owner))
 
     def _compile(self, sources: tuple[StageSource, ...], owner: str):
         texts = {"vert": "vertex_shader", "frag": "fragment_shader"}

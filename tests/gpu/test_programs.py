@@ -1,0 +1,61 @@
+"""Linked programs are kept while they are in use or were used of late, and deleted otherwise."""
+
+import gc
+import weakref
+
+from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.gpu.probes import COUNTED, ProbeBench
+from mfr_bench.gpu.programs import Programs
+
+
+class Object:
+    """Stands for what moderngl holds of OpenGL's program."""
+
+    def __init__(self, name: str, deleted: list[str]):
+        self.release = lambda: deleted.append(name)
+
+
+class Program:
+    def __init__(self, name: str, deleted: list[str]):
+        self.mglo = Object(name, deleted)
+
+
+def get(programs: Programs, name: str, deleted: list[str]) -> Program:
+    return programs.get((name,), lambda: Program(name, deleted))
+
+
+def test_a_program_is_linked_once_while_it_is_kept():
+    programs, deleted = Programs(most=2), []
+    assert get(programs, "a", deleted) is get(programs, "a", deleted)
+
+
+def test_what_was_used_longest_ago_is_deleted_when_another_is_linked():
+    programs, deleted = Programs(most=2), []
+    for name in ("a", "b", "a", "c"):
+        get(programs, name, deleted)
+    assert (set(programs), deleted) == ({("a",), ("c",)}, [])
+    get(programs, "d", deleted)
+    assert deleted == ["b"]
+
+
+def test_a_program_in_use_stays_and_is_the_same():
+    programs, deleted = Programs(most=1), []
+    used = get(programs, "a", deleted)
+    for name in ("b", "c", "d"):
+        get(programs, name, deleted)
+    assert get(programs, "a", deleted) is used
+    assert deleted == ["b"]  # and c before the next is linked
+
+
+def test_frames_that_were_released_keep_no_program(device, monkeypatch):
+    monkeypatch.setattr(device, "programs", Programs(most=0))
+    with ProbeBench(device, SceneConfig(size=(8, 8), depth_complexity=2)) as bench:
+        frame = bench.frame(COUNTED)
+        frame.draw_fitting()
+        kept = [weakref.ref(program) for program in device.programs._there.values()]
+        assert len(kept) == len(device.programs) >= 2
+        frame.release()
+        del frame
+    del bench
+    gc.collect()
+    assert [program() for program in kept] == [None] * len(kept)
