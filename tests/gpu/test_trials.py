@@ -49,6 +49,8 @@ def outcome(device, name):
     ("primitive numbers", "probe/primitive_number.frag", "uint(gl_PrimitiveID)", "uint(gl_PrimitiveID) / 4u",
      "of 1440 fragments"),
     ("primitive numbers", "probe/numbered.vert", "place = vec2(", "place = vec2(0.1 + ", "0 of 1440 fragments"),
+    ("elements behind a loop", "probe/behind_loop.frag", "sum += last", "sum += last + 1u",
+     "480 have a wrong sum"),
     ("interlock", "probe/locked_count.frag", "+ 1u", "+ 2u", "plain increments"),
     ("uniform blocks after a dispatch", "probe/after_dispatch.frag", "float(height)", "float(height + 1u)", "0 of 480"),
     ("points after a dispatch", "common/list_tiles.comp", "if (tile_has_fragments(tile)) list(tile)", "",
