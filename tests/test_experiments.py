@@ -68,6 +68,15 @@ def test_the_page_of_differences_is_what_settings_and_claims_give():
         "docs/fidelity.md is out of date: mfr-bench configs --fidelity >docs/fidelity.md")
 
 
+LONGEST_LABEL = 40  # letters: a longer one takes more room under a bar than the bar has above it
+
+
+def test_labels_have_room_under_a_bar():
+    labels = {method.label for path in sorted((ROOT / "configs").glob("*.yaml"))
+              for method in experiment(path.stem).methods}
+    assert [label for label in sorted(labels) if len(label) > LONGEST_LABEL] == []
+
+
 @pytest.mark.parametrize("path", [path for path in sorted((ROOT / "configs").rglob("*.yaml"))
                                   if not path.stem.startswith("gpupro5-")], ids=lambda path: path.stem)
 def test_what_is_emulated_says_so_in_its_name(path):

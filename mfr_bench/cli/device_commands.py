@@ -27,7 +27,7 @@ from .options import (
     hold_one_form,
     method,
 )
-from .output import ending, note, say, width
+from .output import ending, note, say, say_lines, width
 
 CHECKER_PIXELS, CHECKER_GREYS = 8, (0.75, 0.9)  # of a square behind a transparent image
 
@@ -155,7 +155,10 @@ def doctor(as_json: bool, device: str) -> None:
         "extensions": sorted(found.extensions),
         "self_tests": [asdict(f) for f in findings], "calibration": asdict(calibration),
     }
-    say(json.dumps(record, indent=2) if as_json else _doctor_text(record))
+    if as_json:
+        say(json.dumps(record, indent=2))
+    else:
+        say_lines(_doctor_text(record))
     if any(f.harmful for f in findings):
         click.get_current_context().exit(1)
 

@@ -10,6 +10,7 @@ from .. import __version__
 from ..errors import Interrupted, MfrError, UsageError, one_of
 from . import (
     advise_command,
+    alive,
     bundle_commands,
     claims_command,
     cluster_commands,
@@ -84,10 +85,11 @@ class Commands(click.Group):
         if args and self.get_command(context, args[0]) is None:
             names = self.list_commands(context)
             raise click.UsageError(f"no command {args[0]!r}; {one_of(args[0], names)}")
+        alive.begin(args[0])
         return super().resolve_command(context, args)
 
     def invoke(self, context):
-        """Runs the command; a mistake in its options that names no command becomes one of this command."""
+        """Run the command; a mistake in its options that names no command becomes one of this command."""
         try:
             return super().invoke(context)
         except click.UsageError as error:
@@ -133,6 +135,7 @@ def main() -> None:
     """Entry point: every ending is a line and an exit status, never a traceback for a user's mistake."""
     prepare_streams()
     status, lines = _outcome()
+    alive.end()
     lines = [*_broken_declarations(), *lines]
     let_go_of_stdout()
     for line in lines:

@@ -12,6 +12,8 @@ from typing import Any
 
 import click
 
+from . import alive
+
 WIDEST = 120  # columns that text is laid out for, at most and where nothing says how wide the terminal is
 NARROWEST = 40
 
@@ -40,6 +42,7 @@ def place(point: Mapping[str, Any]) -> str:
 
 def say(text: object) -> None:
     """Print on stdout. Once its reader has gone (`| head -1`), nothing more is printed."""
+    alive.end()
     try:
         click.echo(text)
     except BrokenPipeError:
@@ -53,10 +56,18 @@ def note(text: object) -> None:
     """
     from .layout import wrapped
 
+    alive.end()
     try:
         click.echo(wrapped(str(text), width()) if sys.stderr.isatty() else text, err=True)
     except OSError:
         _silence(2)
+
+
+def say_lines(text: str) -> None:
+    """Print lines that may have columns; on a terminal that is too narrow for one, the rest below its second column."""
+    from .layout import wrapped
+
+    say("\n".join(wrapped(line, width()) for line in text.split("\n")) if sys.stdout.isatty() else text)
 
 
 def write_text(path: str, text: str) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from .output import note, place, say
+from .output import note, place, say_lines
 from .session import Choices, forecast_of, result_folders, sources
 
 
@@ -38,10 +38,10 @@ def print_plans(plans, supervisor, choices: Choices) -> None:
         if not cells:
             continue
         measured = [cell for cell, row in zip(cells, decided, strict=True) if row["decision"] == "measure"]
-        say(_plan_text(experiment, decided, folder, _predicted(forecast, measured)) + "\n" * (len(plans) > 1))
+        say_lines(_plan_text(experiment, decided, folder, _predicted(forecast, measured)) + "\n" * (len(plans) > 1))
         to_come += measured
     if len(plans) > 1 and forecast:
-        say(f"{len(to_come)} cells to measure in all: {forecast.run(to_come).text}")
+        say_lines(f"{len(to_come)} cells to measure in all: {forecast.run(to_come).text}")
 
 
 def _predicted(forecast, cells: Sequence[Any]) -> list[str]:

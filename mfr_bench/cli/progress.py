@@ -9,6 +9,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from ..store.status import STATUSES
+from . import alive
 from .output import note, place
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ class Progress:
 
     def __enter__(self):
         if self._live:
+            alive.end()
             self._live.start(refresh=True)
         return self
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from .options import FOLDERS, JSON, JUNIT, OUTSIDE, SUMMARY, NumberRange, OneOf, OutPath, hold_one_form, results_below
-from .output import append_text, note, say, width, write_text
+from .output import append_text, note, say, say_lines, width, write_text
 
 
 def _announce(results) -> None:
@@ -269,7 +269,6 @@ def configs(papers: bool, as_markdown: bool, kinds: bool, fidelity: bool) -> Non
     """
     from ..config import load, shipped
     from ..methods import catalog
-    from ..report.data import figure_of
     from ..scene.page import kinds_page
 
     hold_one_form("configs", papers=papers, markdown=as_markdown, kinds=kinds, fidelity=fidelity)
@@ -282,15 +281,21 @@ def configs(papers: bool, as_markdown: bool, kinds: bool, fidelity: bool) -> Non
     if fidelity:
         say(_fidelity_page().rstrip("\n"))
         return
-    longest = max(map(len, shipped()))
-    for name, path in shipped().items():
-        experiment = load(str(path), catalog())[0]
-        if papers:
-            if experiment.source.get("paper"):
-                say(name)
-            continue
-        source = " ".join(filter(None, (experiment.source.get("paper"), figure_of(experiment.source))))
-        say(f"{name:{longest}}  {experiment.title}{f' ({source})' if source else ''}")
+    known = {name: load(str(path), catalog())[0] for name, path in shipped().items()}
+    if papers:
+        say("\n".join(name for name, experiment in known.items() if experiment.source.get("paper")))
+        return
+    longest = max(map(len, known))
+    say_lines("\n".join(f"{name:{longest}}  {experiment.title}{_source(experiment)}"
+                        for name, experiment in known.items()))
+
+
+def _source(experiment) -> str:
+    """The paper and the figure of an experiment, in brackets; empty without a paper."""
+    from ..report.data import figure_of
+
+    source = " ".join(filter(None, (experiment.source.get("paper"), figure_of(experiment.source))))
+    return f" ({source})" if source else ""
 
 
 def _fidelity_page() -> str:

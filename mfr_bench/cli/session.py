@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from .output import note, say, width
+from .output import note, say, say_lines, width
 from .page_command import write_page_of
 from .report_commands import hand_over, write_tables_of
 
@@ -223,7 +223,7 @@ class Session:
         """Print what the time went into."""
         from ..measure.split import told
 
-        say(told(self._spent()["split_s"]))
+        say_lines(told(self._spent()["split_s"]))
 
     def _tell(self, part: Part) -> None:
         """Print an experiment's tables, write what is derived from its cells, say how it ended."""
@@ -234,7 +234,7 @@ class Session:
             say((self.table or terminal_table)(part.folder, width()))
         written = self._report(part)
         if not self.choices.as_json:
-            say(summary(part.sheet, part.manifest, written))
+            say_lines(summary(part.sheet, part.manifest, written))
 
     def _draw(self, parts: Sequence[Part]) -> None:
         """Draw the figures of many experiments side by side; those of few are drawn as each is told of."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from .options import measuring
-from .output import say
+from .output import say_lines
 from .run_command import carry_out, exit_status, plans_of
 
 
@@ -66,8 +66,7 @@ def stress(names: tuple[str, ...], out: str | None, profile: str | None, only: s
     known = stressors()
     if listed:
         longest = max(map(len, known))
-        for name, path in known.items():
-            say(f"{name:{longest}}  {load(str(path), catalog())[0].title}")
+        say_lines("\n".join(f"{name:{longest}}  {load(str(path), catalog())[0].title}" for name, path in known.items()))
         return 0
     configs = [str(known[name]) for name in names or known]
     statuses = carry_out(partial(plans_of, configs, profile, only, overrides), device,
