@@ -45,7 +45,7 @@ scene: {kind: quads, size: [96, 96], pixel_density: 0.5, depth_complexity: 16, s
 methods: [ab-array, ab-ll, ab-sb, peel-f2b, peel-dual, kb-ps, kb-mdt32, kb-ab-array, kb-ab-ll, kb-ll, kplus-array,
           kplus-heap, mlab]
 zip: {scene.depth_complexity: [16, 32], k: [8, 16]}
-measure: {target_rel_ci: 0.05, min_samples: 7, max_samples: 50, time_limit_s: 0.2, wait_s: 20}
+measure: {target_rel_ci: 0.05, min_samples: 7, max_samples: 50, time_limit_s: 0.2, wait_s: 60}
 """
 LOOP = """\
 void main() {{

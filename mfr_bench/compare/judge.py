@@ -192,7 +192,7 @@ class _Timed:
         frames = Frames(_samples(entry) for pair in pairs for entry in pair)
         references = References(pairs if alike else ())
         shifts = {id(a): shift for number, (b, a) in enumerate(pairs)
-                  if (shift := _shift(b, a, frames, references, references.steady[number] if alike else None))}
+                  if (shift := _shift(b, a, frames, references, number if alike else None))}
         self._index = {key: number for number, key in enumerate(shifts)}
         self._shifts = list(shifts.values())
         self._noise: Noise = estimate(self._shifts, floor, alike)
@@ -246,15 +246,15 @@ class _Timed:
         """The logarithmic distance that a burst of load longer than its sampling may move a cell without support.
 
         That is several times as far as cells are apart, or the length of the tails of that; or what a burst did to the
-        slowest frames, or to the slowest turns where the device is known to have been as fast as ever. Nothing of it is
+        slowest frames, or to the slowest turns where the device is known to have been as fast as ever, with what the
+        reference frame explains where it is known to have been slower. Nothing of it is
         put down to what few samples leave open, whose size is a guess: where the guess is too large, too little would
         be left for bursts. What the cell's own samples leave open counts once besides.
         """
         shift, noise = self._shifts[number], self._noise
         times = AGAINST if self._of_method[shift.method][1:] else ALONE
         apart = self._critical * max(times, noise.stretch) * noise.spread
-        slowed = max(shift.burst, math.log(HIDDEN_BURST)) if shift.steady is False else shift.burst
-        return math.hypot(self._critical * shift.error, min(self._most_burst(shift.method), max(apart, slowed)))
+        return math.hypot(self._critical * shift.error, min(self._most_burst(shift.method), max(apart, shift.burst)))
 
     def _most_burst(self, method: Any) -> float:
         """The logarithm of the most that a burst makes of a cell: a strong one shows in cells of other methods too."""
@@ -314,16 +314,22 @@ def _samples(entry: Entry) -> list[float]:
     return entry.point.cell.get("samples_ms") or [] if entry.point.row["time_ms"] is not None else []
 
 
-def _shift(before: Entry, after: Entry, frames: Frames, references: References, steady: bool | None) -> Shift | None:
-    """The change of a cell that has samples on both sides, of one timer; frames: of all cells; steady: see `Shift`."""
+def _shift(before: Entry, after: Entry, frames: Frames, references: References, number: int | None) -> Shift | None:
+    """The change of a cell that has samples on both sides, of one timer.
+
+    frames: of all cells. number: of the cell among those of `references`; None where these tell nothing.
+    """
     over, under = _samples(after), _samples(before)
     if not over or not under or before.point.row["timer"] != after.point.row["timer"]:
         return None
     found = log_ratio(over, under, frames)
     time_ms = min(before.point.row["time_ms"], after.point.row["time_ms"])
+    steady = None if number is None else references.steady[number]
     burst = frames.burst(time_ms)
-    if steady and (unseen := references.burst(time_ms)) is not None:
+    if steady is not None and (unseen := references.burst(time_ms)) is not None:
         burst = min(burst, unseen)
+    if steady is False:
+        burst = min(max(burst, math.log(HIDDEN_BURST)), burst + references.explained(number))
     return Shift(after.scene, after.method, *found, burst, steady) if found else None
 
 

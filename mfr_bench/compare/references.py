@@ -6,6 +6,7 @@ So turns during which it was as fast as ever tell how much slower a cell may be 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import groupby
 from operator import itemgetter
@@ -17,6 +18,7 @@ from .sides import Entry
 
 MOST_OFF = 0.5  # share of the cells, up to which a slower reference tells of these and not of a whole run
 FEWEST = 3  # samples of a turn whose median is not that of a stalled frame
+UNTOLD = 1.25  # times as much as the reference, at most, other frames were slowed down (1.17 was seen)
 
 
 class References:
@@ -28,7 +30,9 @@ class References:
     """
 
     def __init__(self, pairs: Sequence[tuple[Entry, Entry]]):
-        self._most_ms = SLOWER_REFERENCE * min((ms for pair in pairs for entry in pair for ms in _of(entry)), default=0)
+        self._pairs = pairs
+        self._least_ms = min((ms for pair in pairs for entry in pair for ms in _of(entry)), default=0)
+        self._most_ms = SLOWER_REFERENCE * self._least_ms
         found = [None if None in (both := [_median_ms(entry) for entry in pair]) else max(both) <= self._most_ms
                  for pair in pairs]
         self.steady = [None] * len(found) if found.count(False) > MOST_OFF * len(found) else found
@@ -38,9 +42,18 @@ class References:
         """The logarithmic distance of the slowest in a hundred steady turns from their cell; None without any."""
         return self._turns.burst(time_ms) if self._turns.count else None
 
+    def explained(self, number: int) -> float:
+        """The logarithm of how many times as long a cell that was not steady took, at most, for that reason.
+
+        Its slowest reference on either side tells, over the least of all: that moves as much data as any frame.
+        """
+        slowest_ms = max(ms for entry in self._pairs[number] for ms in _of(entry))
+        return math.log(UNTOLD * slowest_ms / self._least_ms)
+
     def _medians_ms(self, entry: Entry) -> list[float]:
         """The median of each turn during which the reference was as fast as ever."""
-        samples = zip(_of(entry), entry.point.cell.get("samples_ms") or (), strict=False)
+        references, every = _of(entry), entry.point.cell.get("samples_ms") or []
+        samples = zip(references, every[max(0, len(every) - len(references)):], strict=False)  # earlier ones have none
         turns = [(reference, [ms for _, ms in turn]) for reference, turn in groupby(samples, key=itemgetter(0))]
         return [median(ms) for reference, ms in turns if len(ms) >= FEWEST and reference <= self._most_ms]
 

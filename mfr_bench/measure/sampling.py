@@ -7,7 +7,7 @@ frames of several methods.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from statistics import median
 
@@ -110,10 +110,10 @@ class Sampler:
         self.spent_s += time_ms / 1e3
         self.samples_ms.append(time_ms)
 
-    def set_aside(self, first: int) -> None:
-        """Take back the samples from the one of that number on: something slowed the device down meanwhile."""
-        taken_ms = self.samples_ms[first:]
-        del self.samples_ms[first:]
+    def set_aside(self, numbers: Collection[int]) -> None:
+        """Take back the samples of these numbers: something slowed the device down meanwhile."""
+        taken_ms = [self.samples_ms[number] for number in numbers]
+        self.samples_ms = [ms for number, ms in enumerate(self.samples_ms) if number not in numbers]
         self.aside_ms += taken_ms
         self.spent_s -= sum(taken_ms) / 1e3
         self.stop_reason = None

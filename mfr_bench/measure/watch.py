@@ -37,7 +37,8 @@ class Watch:
         self._last = -math.inf, math.inf  # when it was looked at, and what that showed
         self._turns_s = self._spent_s = 0.0
 
-    def _look(self) -> float:
+    def look(self) -> float:
+        """The time of the reference now, in ms; the more often it is looked at, the surer is its best."""
         now_ms = self._draw_ms()
         self._last = self._clock(), now_ms
         self.best_ms = min(self.best_ms, now_ms)
@@ -46,7 +47,7 @@ class Watch:
     def _recent(self) -> float:
         """What the last look showed, or another one where that is long ago."""
         at_s, last_ms = self._last
-        return last_ms if self._clock() - at_s <= RECENT_S else self._look()
+        return last_ms if self._clock() - at_s <= RECENT_S else self.look()
 
     @contextmanager
     def turn(self) -> Iterator[Turn]:
@@ -55,24 +56,28 @@ class Watch:
         yield seen
         seen.took_s = self._clock() - begun_s
         self._turns_s += seen.took_s
-        seen.reference_ms = max(before_ms, self._look())
-        seen.slower = seen.reference_ms > SLOWER_REFERENCE * self.best_ms
+        seen.reference_ms = max(before_ms, self.look())
+        seen.slower = self.slower(seen.reference_ms)
 
-    def again(self, turn: Turn, wait_s: float) -> bool:
-        """Whether a turn during which the device was slower is to be taken again.
+    def slower(self, reference_ms: float) -> bool:
+        """Whether the device was slower when the reference took so long, by the best of it until now."""
+        return reference_ms > SLOWER_REFERENCE * self.best_ms
+
+    def again(self, took_s: float, wait_s: float) -> bool:
+        """Whether samples that took so long, while the device was slower, are to be taken again.
 
         wait_s: what a run may spend on this and on waiting, beside SHARE of the time of all turns.
         """
-        if not turn.slower or turn.took_s > self._left_s(wait_s):
+        if took_s > self._left_s(wait_s):
             return False
-        self._spent_s += turn.took_s
+        self._spent_s += took_s
         return True
 
     def wait(self, wait_s: float, look_around: Callable[[], None]) -> None:
         """Wait until the reference is as fast as usual, or nothing is left to spend; look_around: called meanwhile."""
         while (left_s := self._left_s(wait_s)) > 0:
             begun_s = self._clock()
-            if self._look() <= SLOWER_REFERENCE * self.best_ms:
+            if not self.slower(self.look()):
                 return
             look_around()
             self._sleep(min(PAUSE_S, left_s))
@@ -90,8 +95,15 @@ class Unwatched:
         """A turn of which nothing is known."""
         yield Turn()
 
-    def again(self, turn: Turn, wait_s: float) -> bool:
-        """Take no turn again."""
+    def look(self) -> None:
+        """See nothing."""
+
+    def slower(self, reference_ms: float) -> bool:
+        """Know of no time that it is slower."""
+        return False
+
+    def again(self, took_s: float, wait_s: float) -> bool:
+        """Take nothing again."""
         return False
 
     def wait(self, wait_s: float, look_around: Callable[[], None]) -> None:

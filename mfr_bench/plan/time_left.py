@@ -32,7 +32,7 @@ KEPT = 0.05  # of the time to compile a program: the driver has it already
 COUNTED = 0.3  # times to compile a program: the one that counts its fragments in the end
 COUNTERS = 2.5  # times to compile a program: those that count the work of a frame are programs of their own
 PREPARING = ("scene", "compile", "first frame")  # phases of events.Begun; a check before the first sample is another
-COMPILE, SAMPLING = "compile", "sampling"
+COMPILE, SAMPLING, WAIT = "compile", "sampling", "wait"
 REFRESH_S, REFRESH = 1.0, 0.05  # a forecast stands for so long, or for this share of what it says, if that is less
 
 
@@ -78,6 +78,8 @@ class TimeLeft:
             self._foretold[self._now] += self._prepare_s(key, self._now)
             self._compiled.add(self.programs[key])
             self._hands[key] = InHand()
+        elif phase == WAIT:  # for a quiet machine: nothing tells how long, or of any work
+            self._now = None
         elif phase == SAMPLING or (phase not in PREPARING and key in self._hands and self._hands[key].samples_ms):
             self._now = FRAMES
         elif self._now is None or phase == PREPARING[0]:

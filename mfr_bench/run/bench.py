@@ -17,7 +17,7 @@ from ..scene.kinds import kind_of
 from .ahead import Ahead
 from .answers import Answers
 from .aside import Aside, AtOnce
-from .events import CHECK, Begun
+from .events import Begun
 
 Emit = Callable[[Any], None]
 BESIDE_PIXELS = 2**16  # of a scene, from which on it is worth what another process takes to start and to be asked
@@ -76,10 +76,10 @@ class Phases:
         self._bench.emit(Begun(self._key, phase))
 
     @contextmanager
-    def checking(self) -> Iterator[None]:
-        """The harness's own work on images, which counts as no time of the method."""
+    def apart(self, phase: str) -> Iterator[None]:
+        """A phase of the harness's own, CHECK or WAIT, which counts as no time of the method."""
         before = self._now
-        self.begin(CHECK)
-        with self._bench.split.work("check"):
+        self.begin(phase)
+        with self._bench.split.work(phase):
             yield
         self.begin(before)

@@ -18,7 +18,7 @@ from ..plan.forecast import PASS_FRAMES, PASS_SHARE
 from ..stats import interleaved_ratio
 from ..store.journal import Partial
 from .bench import Bench, Phases
-from .events import Finished, Sampled
+from .events import WAIT, Finished, Sampled
 from .images import Images
 from .jobs import Job
 from .outcome import fragment_shares, frame_values, scene_values, verdict
@@ -51,6 +51,7 @@ class CellWork:
         self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
         self.references_ms: list[float] = []  # of the reference frame around the turn of each sample
         self.done = False  # nothing more is drawn for it
+        self.postponed = False  # the last turn is to be taken again: the device was slower
         self.repeats = 1  # frames in a sample
         self.pass_frames = PASS_FRAMES  # frames whose passes are timed
         self._emitted = len(self.sampler.samples_ms)  # samples already sent
@@ -112,7 +113,7 @@ class CellWork:
     def batch(self, sampler: Sampler) -> None:
         """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed."""
         self._phases.begin("sampling")
-        first, watch, wait_s = len(sampler.samples_ms), self.bench.watch, sampler.measure.wait_s
+        first, watch = len(sampler.samples_ms), self.bench.watch
         with self.bench.paused():
             with self.bench.split.work("reference"), watch.turn() as turn:
                 for _ in sampler.turn():
@@ -120,14 +121,33 @@ class CellWork:
                     self.frame.show(self.scene.show(len(sampler.samples_ms)))
                     with self.bench.split.work("measure" if sampler.warm else "warm-up"):
                         sampler.add(self._sample(sampler.warm))
-            if again := watch.again(turn, wait_s):
-                sampler.set_aside(first)
-                with self.bench.split.work("wait"):
-                    watch.wait(wait_s, self.bench.stop_if_asked)
+            self.postponed = turn.slower and watch.again(turn.took_s, sampler.measure.wait_s)
+            if self.postponed:
+                sampler.set_aside(range(first, len(sampler.samples_ms)))
             elif sampler is self.sampler and turn.reference_ms is not None:
                 self.references_ms += [round(turn.reference_ms, 4)] * (len(sampler.samples_ms) - first)
-            passes = self._time_passes(1) if sampler.warm and not again else {}
+            passes = self._time_passes(1) if sampler.warm and not self.postponed else {}
         self._emit_new(passes)
+
+    def wait(self) -> None:
+        """Wait until the device is as fast as usual, which counts as no time of the method."""
+        with self._phases.apart(WAIT), self.bench.paused():
+            self.bench.watch.wait(self.sampler.measure.wait_s, self.bench.stop_if_asked)
+
+    def take_again(self) -> bool:
+        """Take samples back that were taken while the device was slower than its best, which later turns have shown.
+
+        Whether there were any, and time to take them again.
+        """
+        watch, sampler, earlier = self.bench.watch, self.sampler, len(self.sampler.samples_ms) - len(self.references_ms)
+        slow = [earlier + number for number, ms in enumerate(self.references_ms) if watch.slower(ms)]
+        if not slow or not watch.again(sum(sampler.samples_ms[number] for number in slow) / 1e3,
+                                       sampler.measure.wait_s):
+            return False
+        sampler.set_aside(slow)
+        self.references_ms = [ms for ms in self.references_ms if not watch.slower(ms)]
+        self._emitted, self.postponed = len(sampler.samples_ms), True
+        return True
 
     def warm_up(self, frames: int) -> None:
         """Draw frames that count for nothing."""

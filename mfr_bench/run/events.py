@@ -46,7 +46,8 @@ class Go:
     """Everything that was sent until `Synced` is kept."""
 
 
-CHECK = "check"  # phase in which the harness compares images: no time of the method, and within none of its limits
+# Phases in which the harness compares images, and in which it waits for a quiet machine: no time of the method.
+CHECK, WAIT = "check", "wait"
 
 # --- worker to parent ----------------------------------------------------------------------------
 

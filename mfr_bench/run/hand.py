@@ -6,11 +6,12 @@ import time
 from collections.abc import Mapping
 
 from ..environment import MIB
-from .events import CHECK
+from .events import CHECK, WAIT
 from .jobs import Job
 from .memory import FREE_SHARE
 
 START_S = 120.0  # for a worker to open the device, to choose its timer, or to make a scene without cells
+APART = (CHECK, WAIT)  # phases within none of a cell's limits
 SUSPENDED_S = 5.0  # between two looks: it was not the worker that took it
 
 
@@ -33,7 +34,7 @@ class Hand:
         if self._accused:
             return
         now = time.monotonic()
-        if self.phase != CHECK:
+        if self.phase not in APART:
             self._spent_s[self.key] = self._spent_s.get(self.key, 0.0) + now - self._since
         self.key, self.phase, self._since, self._looked = key, phase, now, now
 
@@ -56,10 +57,10 @@ class Hand:
     def overdue_s(self) -> float | None:
         """The limit that the cell in hand, or the scene, has passed, or None.
 
-        Time during which nobody looked does not count, nor does that in which the harness compares images.
+        Time during which nobody looked does not count, nor does that in which the harness compares images or waits.
         """
         now = time.monotonic()
-        if self.phase == CHECK:
+        if self.phase in APART:
             self._looked = now
             return None
         if now - self._looked > SUSPENDED_S:

@@ -15,6 +15,7 @@ from ..methods.spec import Variant
 from .answers import Compared, Packed
 from .aside import Pending
 from .bench import Bench, Phases
+from .events import CHECK
 from .jobs import Job
 from .scene_work import SceneWork
 
@@ -45,7 +46,7 @@ class Images:
 
     def _compare(self, image: np.ndarray, **more: bool) -> None:
         if self.promised:
-            with self._phases.checking():
+            with self._phases.apart(CHECK):
                 self._compared.append(self._scene.compare(self._variant, image, **more))
 
     # --- the last frames -------------------------------------------------------------------------
@@ -74,7 +75,7 @@ class Images:
             self._frame.draw()
             image = self._read()
             seen = len(images)
-            with self._phases.checking():
+            with self._phases.apart(CHECK):
                 images.add(hashlib.sha256(image).digest())
             if len(images) > seen:
                 self._compare(image)
@@ -86,12 +87,12 @@ class Images:
         admitted = admitted_map(self._frame) if "discarded" in wanted else None
         image = self._read() if self.promised and set(OF_IMAGES).intersection(wanted) else None
         if "fragments" in wanted or admitted is not None or image is not None:
-            with self._phases.checking():
+            with self._phases.apart(CHECK):
                 self._packed = self._scene.keep(self._variant, wanted, image, admitted)
 
     def count_edges(self) -> None:
         """Begin to count the pixels at edges."""
-        with self._phases.checking():
+        with self._phases.apart(CHECK):
             self._edges = self._scene.edge_pixels()
 
     def _count_lost(self) -> None:
@@ -109,13 +110,13 @@ class Images:
         """Errors of the first image against all fragments; empty for a method that promises no image."""
         if not self.promised:
             return {}
-        with self._phases.checking():
+        with self._phases.apart(CHECK):
             return dict(self._compared[0]().quality)
 
     def errors(self) -> dict[str, float | int | None]:
         """Errors against the promise, the worst of all images, and those of `quality`; empty without a promise."""
         quality = self.quality
-        with self._phases.checking():
+        with self._phases.apart(CHECK):
             every = [pending().conformance for pending in self._compared]
         worst = {name: max(found[name] for found in every) for name in every[0]} if every else {}
         return worst | quality
@@ -124,17 +125,17 @@ class Images:
         """Different images among those of one scene, where several were drawn; tied pixels alone tell none apart."""
         if not self._several:
             return None
-        with self._phases.checking():
+        with self._phases.apart(CHECK):
             return len({pending().untied for pending in self._compared[self._first_of_several:]})
 
     def kept(self) -> Packed:
         """The arrays that the cell keeps."""
         if self._packed is None:
             return Packed(b"", None)
-        with self._phases.checking():
+        with self._phases.apart(CHECK):
             return self._packed()
 
     def edge_pixels(self) -> int:
         """The pixels at edges, which were counted."""
-        with self._phases.checking():
+        with self._phases.apart(CHECK):
             return self._edges()

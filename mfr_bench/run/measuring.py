@@ -146,6 +146,7 @@ class Measuring:
         expected: when this is done if it takes as long as the cells before; one that would be late is not begun.
         """
         self.bench.stop_if_asked()
+        self._look(job)
         fitted = self._fitted(job, scene.stats)
         if expected > self._prepared_by:
             self._tell(Finished(job.key, "timeout", LATE, values=scene_values(fitted)))
@@ -155,8 +156,18 @@ class Measuring:
         except Exception as error:  # noqa: BLE001 - whatever it is, it is this cell's result
             self._fail(job, error, scene_values(fitted))
 
+    def _look(self, job: Job) -> None:
+        """Look at the reference frame, so that its best is known before the first turn that it is compared with."""
+        if not job.cell.measure.eliminate:
+            with self.bench.split.work("reference"):
+                self.bench.watch.look()
+
     def _sample(self, running: list[CellWork]) -> None:
-        """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done."""
+        """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done.
+
+        Turns during which the device was slower are taken again in later rounds. The run waits only where nothing else
+        is left to do.
+        """
         if running and running[0].job.cell.measure.eliminate:
             rounds = Rounds(running, self._guarded, self._shuffle, lambda: self.bench.emit(Synced()), self._deadline)
             rounds.run(self._finish)
@@ -171,8 +182,10 @@ class Measuring:
             self._tell_ended()
             for cell in running:
                 if not cell.wanted:
-                    self._guarded(cell, self._finish)
+                    self._guarded(cell, self._finish_unless_slow)
             entries = [(cell, s) for cell in running if not cell.done for s in cell.samplers if s.wanted]
+            if entries and all(cell.postponed for cell, _ in entries):
+                self._guarded(entries[0][0], CellWork.wait)
 
     def _start_pairs(self, running: Sequence[CellWork]) -> None:
         """Let one cell of each experiment be sampled twice more; what the two differ by is the noise floor.
@@ -199,6 +212,10 @@ class Measuring:
     def _batch(self, cell: CellWork, sampler: Sampler) -> None:
         if sampler.wanted:
             cell.batch(sampler)
+
+    def _finish_unless_slow(self, cell: CellWork) -> None:
+        if not cell.take_again():
+            self._finish(cell)
 
     def _finish(self, cell: CellWork) -> None:
         cell.end()

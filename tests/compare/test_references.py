@@ -71,6 +71,13 @@ def test_a_cell_during_which_the_reference_was_slower_is_unclear(slow_side):
     assert reason(*sides) == "the reference frame was slower while it was sampled: measure both again"
 
 
+@pytest.mark.parametrize(("times", "reference", "slower"), [(2.56, 1.3, True), (2.56, 2.1, False), (1.6, 1.3, False)])
+def test_what_is_far_beyond_what_slowed_the_reference_down_is_a_change(times, reference, slower):
+    """Frames are slowed down by no more than a quarter further than the reference, which moves as much data as any."""
+    before, after = run(1, references={}), run(2, {PLANTED: times}, {PLANTED: reference * QUIET_MS})
+    assert called(before, after) == ({PLANTED: SLOWER} if slower else {})
+
+
 def test_ten_times_the_time_is_more_than_a_slower_device_makes():
     assert called(run(1, references={}), run(2, {PLANTED: 10.0}, {PLANTED: SLOW_MS})) == {PLANTED: SLOWER}
 
