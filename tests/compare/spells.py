@@ -93,7 +93,7 @@ def _sampled(host: Host, watch: Watch, whole_ms: Sequence[float], wait_s: float)
             if turn.slower and watch.again(turn.took_s, wait_s):
                 sampler.set_aside(range(first, len(sampler.samples_ms)))
             else:
-                references_ms += [turn.reference_ms] * (len(sampler.samples_ms) - first)
+                references_ms.extend([turn.reference_ms] * (len(sampler.samples_ms) - first))
                 kept += sampler.wanted > 0
         for sampler, references_ms, _ in every:
             slow = [n for n, ms in enumerate(references_ms) if watch.slower(ms)]
