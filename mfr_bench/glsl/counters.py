@@ -42,11 +42,20 @@ _BOTH = re.compile(r"\s*(?:\.[xyz]\s*)?(?:[-+|&^]=|\+\+|--)")
 _PART = re.compile(r"\s*\.[xyz]\b")
 LOCAL_ARRAY = "fragments"  # in common/local.glsl
 
-FUNCTIONS = """
-void count_work(uint kind, uint amount) {{
+ADD_WORK = """
+void add_work(uint kind, uint amount) {
     uint before = atomicAdd(work[2u * kind], amount);
     if (before + amount < before) atomicAdd(work[2u * kind + 1u], 1u);
-}}
+}
+"""
+AT_ONCE = ADD_WORK + "#define count_work(kind, amount) add_work(kind, amount)\n"
+# The sums of an invocation, in registers, are added when it ends: a sorting network counts at hundreds of places, each
+# of which would be an atomic operation to compile.
+SUMMED = f"{ADD_WORK}uint summed[{len(WORK)}];\n#define count_work(kind, amount) summed[kind] += (amount)\n"
+MAIN = "void main() {"
+_ENDS_EARLY = re.compile(r"\bdiscard\b|InvocationInterlock")  # before the end of main, or in no other function
+
+FUNCTIONS = """
 #define COUNTED(T) \\
 T reads(T at, uint words, uint holds) {{ \\
     count_work({words_read}u, words); if (holds > 0u) count_work({loaded}u, 1u); return at; }} \\
@@ -86,8 +95,19 @@ def counting(prelude: str, body: str, storage: Mapping[str, Stored]) -> str:
     accessors = {macro: names[name] for macro, name, _ in _ACCESSOR.findall(f"{prelude}\n{body}")
                  if name in names}
     accesses = _Accesses(names, accessors)
-    body = body.replace("void main() {", f"void main() {{ count_work({_index('invocations')}u, 1u);")
-    return accesses.rewritten(prelude + "\n") + FUNCTIONS + accesses.rewritten(body)
+    summed = MAIN in body and not _ENDS_EARLY.search(body)
+    main = "void main_counted() {" if summed else MAIN
+    body = body.replace(MAIN, f"{main} count_work({_index('invocations')}u, 1u);")
+    text = accesses.rewritten(prelude + "\n") + (SUMMED if summed else AT_ONCE) + FUNCTIONS + accesses.rewritten(body)
+    return text + _summing_main() if summed else text
+
+
+def _summing_main() -> str:
+    """The main function around that of a shader, which adds up what an invocation counts."""
+    each = range(len(WORK))
+    begin = " ".join(f"summed[{kind}] = 0u;" for kind in each)
+    end = " ".join(f"if (summed[{kind}] > 0u) add_work({kind}u, summed[{kind}]);" for kind in each)
+    return f"{MAIN} {begin} main_counted(); {end} }}\n"
 
 
 def mapped(prelude: str, body: str, name: str) -> str | None:

@@ -98,6 +98,15 @@ def test_an_array_of_fragments_does_what_it_must(device):
     assert resolve["words_written"] == 4 * PIXELS
 
 
+@pytest.mark.parametrize("params", [{"sort": "insertion"}, {"sort": "register"}, {"resolve": "compute"}], ids=str)
+def test_sums_of_an_invocation_are_what_is_counted_at_once(device, monkeypatch, params):
+    with drawn(device, "ab-array", stack(DEPTHS), **params) as frame:
+        summed = work_of(frame)
+        monkeypatch.setattr(instrument, "_ENDS_EARLY", re.compile("main"))
+        assert work_of(frame) == summed
+    assert summed["resolve"]["moved"] > 0
+
+
 def test_the_fragments_that_early_z_discards_never_reach_the_shader(device):
     depths = [0.1 + 0.01 * i for i in range(40)]
     with drawn(device, "kplus-array", stack(depths), k=2, occupancy=32) as frame:

@@ -14,13 +14,22 @@ from mfr_bench.run.measuring import Measuring
 from mfr_bench.run.process import Died
 from mfr_bench.run.worker import TIMERS
 
+CALIBRATIONS: dict[int, dict] = {}  # by the identity of the device, which lives as long as the tests do
+
+
+def calibration_of(device) -> dict:
+    """What the device's calibration finds, once for all commands of the tests: it takes longer than most of them."""
+    if id(device) not in CALIBRATIONS:
+        CALIBRATIONS[id(device)] = asdict(calibrate(device))
+    return CALIBRATIONS[id(device)]
+
 
 class InProcess:
     """Measures a group when it is sent; the events are received afterwards."""
 
     def __init__(self, want: str, timer: str | None = None):
         self.device = devices.open_device(want)
-        calibration = {} if timer else asdict(calibrate(self.device))
+        calibration = {} if timer else calibration_of(self.device)
         self.timer = timer or calibration["timer"]
         self.events = deque([Ready(self.device.info, self.device.limits, self.timer, calibration)])
 
@@ -30,7 +39,7 @@ class InProcess:
             Measuring(bench, catalog()).group(request)
             self.events.append(Ended(bench.split.rounded()))
         elif isinstance(request, Calibrate):
-            self.events.append(Calibrated(asdict(calibrate(self.device))))
+            self.events.append(Calibrated(calibration_of(self.device)))
 
     def receive(self, timeout_s: float):
         if not self.events:
