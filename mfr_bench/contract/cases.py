@@ -83,7 +83,8 @@ class Drawn:
 
     def __init__(self, device, variant: Variant, config: SceneConfig, frames: int = 1, probing: bool = False):
         on = stage(device, config)
-        frame = Frame(device, Fitted(variant, on.stats), on.scene_buffer, on.canvas)
+        fitted = Fitted(variant, on.stats, device.features)
+        frame = Frame(device, fitted, on.scene_buffer, on.canvas)
         digests = set()
         for _ in range(frames):
             frame.draw_fitting()
@@ -91,11 +92,11 @@ class Drawn:
             digests.add(self.image.tobytes())
         self.distinct_images = len(digests)
         self.lost = frame.lost_fragments()
-        self.passes, self.kept = frame.geometry_passes, Fitted(variant, on.stats).kept()
+        self.passes, self.kept = frame.geometry_passes, fitted.kept()
         self.probed = frame.probe() if probing else {}
         self.passes_probing, self.image_probing = frame.geometry_passes, frame.image()
-        self.allocated, self.declared = frame.memory_bytes, Fitted(variant, on.stats).memory_bytes()
-        promised = on.answer(Fitted(variant, on.stats).promise())
+        self.allocated, self.declared = frame.memory_bytes, fitted.memory_bytes()
+        promised = on.answer(fitted.promise())
         self.error = conformance(self.image, promised, promised.given_by(variant.method))["max_abs_error"]
         self.fits = all(size <= self.declared[name] for name, size in self.allocated.items())
         frame.release()

@@ -35,8 +35,8 @@ K = 8
 class Guarded(Allocation):
     """An allocation with guard words behind every buffer."""
 
-    def _allocate(self):
-        super()._allocate()
+    def _allocate(self, trims: bool = False):
+        super()._allocate(trims)
         for buffer in self._fitted.variant.buffers:
             copies = self._buffers[buffer.name]
             for at, made in enumerate(copies):

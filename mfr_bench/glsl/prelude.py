@@ -15,6 +15,7 @@ from ..methods.spec import (
     ELEMENT_WORDS,
     EMPTY,
     FORMAT_WORDS,
+    FRAMEBUFFER_FETCH,
     IMAGE,
     Buffer,
     Decided,
@@ -57,6 +58,7 @@ FEATURE_EXTENSIONS: Mapping[str, tuple[str, ...]] = {
     "fragment_shader_interlock": ("GL_ARB_fragment_shader_interlock", "GL_NV_fragment_shader_interlock",
                                   "GL_INTEL_fragment_shader_ordering"),
     "shader_atomic_int64": ("GL_NV_shader_atomic_int64",),
+    FRAMEBUFFER_FETCH: ("GL_EXT_shader_framebuffer_fetch",),
 }
 
 WINDOW_DEPTH = "gl_FragCoord.z"
@@ -74,7 +76,7 @@ FRAGMENT_FILE, ONE_SAMPLE_FILE = "scene/fragment.glsl", "scene/one_sample.glsl"
 COLOUR_FILE, SHADE_FILE = "common/colour.glsl", "scene/shade.glsl"
 DRAWN_AS = {"masked": "quad"}  # kinds of primitives that the vertex shader of another draws
 TYPES_OF_64_BITS = ("uint64_t", "int64_t")
-_INTEGER = {"r32ui": "u"}  # the letter before GLSL's type for texels that are whole numbers
+_INTEGER = {"r32ui": "u", "rg32ui": "u"}  # the letter before GLSL's type for texels that are whole numbers
 # Fragment and payload as GLSL types, by the words of the payload. A struct of three words has no padding in std430.
 TYPES: Mapping[int, tuple[str, ...]] = {
     1: ("#define FRAGMENT uvec2", "#define PAYLOAD uint"),
@@ -209,12 +211,13 @@ def _clear_macro(variant: Variant, step: Pass) -> str:
     return f"#define CLEAR(p) {{ {body} }}"
 
 
-def _version(variant: Variant, words: frozenset[str]) -> list[str]:
-    """The language and the extensions that the variant's features and the shader's words ask for."""
+def _version(variant: Variant, words: frozenset[str], fetched: Sequence[str]) -> list[str]:
+    """The language and the extensions that the variant's features and the shader's words and targets ask for."""
     shading = [feature for feature in variant.needs if feature in FEATURE_EXTENSIONS]
     extensions = [name for feature in shading for name in FEATURE_EXTENSIONS[feature]]
     extensions += ["GL_ARB_gpu_shader_int64"] if "shader_atomic_int64" in variant.needs else []
     extensions += ["GL_ARB_ES3_1_compatibility"] if "IS_HELPER" in words else []
+    extensions += FEATURE_EXTENSIONS[FRAMEBUFFER_FETCH] if fetched else ()
     version = VERSION_FOR_FEATURES if shading else VERSION
     return [version, *(f"#extension {name} : enable" for name in extensions)]
 
@@ -271,8 +274,8 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     body = body.replace(WINDOW_DEPTH, depth.name) if depth else body
     clearing = _clear_macro(fitted.variant, step)
     words = _words_used(body, clearing, depth)
-    lines = [*_version(fitted.variant, words), *_macros(fitted, step, words, depth),
-             *_uniform_blocks(fitted.variant, step, words)]
+    lines = [*_version(fitted.variant, words, () if is_vertex else step.fetched),
+             *_macros(fitted, step, words, depth), *_uniform_blocks(fitted.variant, step, words)]
     if not is_vertex:
         lines += _resources(fitted, step, words)
         lines += _readers(fitted, step, words, texels and not counted)
@@ -368,8 +371,10 @@ def _outputs(fitted: Fitted, step: Pass) -> list[str]:
         layers = fitted.layer_count(target) if target else 1
         array = f"[{layers}]" if target and target.layers else ""
         kind = _INTEGER.get(target.format, "") if target else ""
+        qualifier = "inout" if ref in step.fetched else "out"
         output = (f"layout(rgba32f, binding = {location}) writeonly uniform image2D out_{name};"
-                  if step.kind == "compute" else f"layout(location = {location}) out {kind}vec4 out_{name}{array};")
+                  if step.kind == "compute"
+                  else f"layout(location = {location}) {qualifier} {kind}vec4 out_{name}{array};")
         lines.append(_said(output, target))
         location += layers
     return lines

@@ -23,10 +23,14 @@ class Allocation:
         self._device, self._fitted, self._canvas = device, fitted, canvas
         self.room = fitted.start_capacity()
         self.version = 0
-        self._textures = {t.name: [self._texture(t) for _ in range(t.copies)] for t in fitted.variant.targets}
+        self._targets = {t.name: t for t in fitted.variant.targets}
+        self._textures = {name: self._copies(t) for name, t in self._targets.items() if not t.on_demand}
         self._buffers: dict[str, list] = {}
         self._texels: dict[str, BufferTexture | None] = {}
         self._allocate()
+
+    def _copies(self, target: Target) -> list[Texture]:
+        return [self._texture(target) for _ in range(target.copies)]
 
     def _texture(self, target: Target) -> Texture:
         stats = self._fitted.stats
@@ -34,12 +38,12 @@ class Allocation:
                        self._fitted.samples(target) if target.samples else 0,
                        self._fitted.layer_count(target) if target.layers else 0)
 
-    def _allocate(self) -> None:
-        """Make every buffer that is missing or too small for the room."""
+    def _allocate(self, trims: bool = False) -> None:
+        """Make every buffer that is missing or too small for the room, or with `trims` too large."""
         for buffer in self._fitted.variant.buffers:
             size = self._fitted.block_bytes(buffer, self.room)
             present = self._buffers.get(buffer.name, [])
-            if present and present[0].size >= size:
+            if present and (present[0].size == size or (present[0].size > size and not trims)):
                 continue
             for old in (*present, *self._texels_of(buffer.name)):
                 old.release()
@@ -69,6 +73,12 @@ class Allocation:
         if elements > self.room:
             self.room = elements
             self._allocate()
+
+    def trim(self, elements: int) -> None:
+        """Leave room for no more than so many elements."""
+        if elements < self.room:
+            self.room = elements
+            self._allocate(trims=True)
 
     def check_room(self, elements: int, wanted: int) -> None:
         """Raise CapacityError where a storage block cannot have so many elements, of which a frame `wanted` some."""
@@ -104,6 +114,8 @@ class Allocation:
         name = split_ref(ref)[0]
         if name == IMAGE:
             return self._canvas.texture
+        if name not in self._textures:
+            self._textures[name] = self._copies(self._targets[name])
         copies = self._textures[name]
         return copies[_copy(ref, iteration, len(copies))]
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -42,7 +43,9 @@ class Frame:
     ALLOCATION = Allocation  # makes the buffers and textures; a check of writes outside them has a class of its own
 
     def __init__(self, device: Device, fitted: Fitted, scene_buffer: SceneBuffer, canvas: Canvas):
-        self.device, self.gl, self.fitted = device, device.gl, fitted
+        planned = isinstance(fitted.variant.method.capacity, Planned)
+        self.device, self.gl = device, device.gl
+        self.fitted = fitted = replace(fitted, features=device.features) if planned else fitted
         self.variant, self.stats = fitted.variant, fitted.stats
         self.scene_buffer, self.canvas = scene_buffer, canvas
         self.geometry_passes = 0  # of the last frame
@@ -120,6 +123,8 @@ class Frame:
         if plan != self.plan:
             self.plan = plan
             self._write_uniforms()
+            if plan.capacity == 0:
+                self.allocation.trim(0)
         if plan.capacity is not None:
             self._set_capacity(plan.capacity)
 
@@ -261,8 +266,11 @@ class Frame:
         return False
 
     def _deepest(self) -> int:
-        """Fragments of the deepest pixel, as the frame of a planned method has left them."""
-        return int(self.words(self.variant.method.capacity.deepest)[0])
+        """Fragments of the deepest pixel, as a frame of a planned method has left them; 0 takes their place."""
+        name = self.variant.method.capacity.deepest
+        if deepest := int(self.words(name)[0]):
+            self.gl.zero(self.allocation.named(name).glo, 4)
+        return deepest
 
     def draw_fitting(self) -> None:
         """Draw until every growing buffer has room for the frame, and its plan is that of the next.

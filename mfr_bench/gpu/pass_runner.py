@@ -146,11 +146,7 @@ class PassRunner:
         if self.step.kind == "compute":
             self._dispatch(iteration)
             return
-        framebuffer = self._framebuffer(iteration)
-        framebuffer.use(colour=bool(self.step.into), depth=self.writes_depth)
-        for ref, values in self.step.clears.items():
-            sampled = self.samples > 1  # what is drawn into then has a texture of its own, of which the image is made
-            self._clear(framebuffer, framebuffer.textures[0] if sampled else self._texture(ref, iteration), values)
+        self._begin(self._framebuffer(iteration), iteration)
         if self.step.kind == "clear":
             self._zero(iteration)
             return
@@ -163,6 +159,15 @@ class PassRunner:
             self._within(self._corner if self.step.corner else self._band, self._draw_geometry)
         if self.samples > 1 and self.step.into:
             self.frame.canvas.resolve(self.samples)
+
+    def _begin(self, framebuffer: Framebuffer | BareFramebuffer, iteration: int) -> None:
+        """Make the framebuffer the draw target, clear what the pass clears, and then mask what it keeps."""
+        framebuffer.use(colour=bool(self.step.into), depth=self.writes_depth)
+        for ref, values in self.step.clears.items():
+            sampled = self.samples > 1  # what is drawn into then has a texture of its own, of which the image is made
+            self._clear(framebuffer, framebuffer.textures[0] if sampled else self._texture(ref, iteration), values)
+        for ref in self.step.keeps:
+            framebuffer.keep(self._texture(ref, iteration))
 
     def _clear(self, framebuffer: Framebuffer, texture: Texture, values: tuple[float, ...]) -> None:
         beside = self.step.region and self.step.kind == "clear"

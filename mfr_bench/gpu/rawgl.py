@@ -21,7 +21,7 @@ DEFAULT_WIDTH, DEFAULT_HEIGHT, DEFAULT_SAMPLES, DEFAULT_FIXED_PLACES = 0x9310, 0
 TEXTURE0, MULTISAMPLE, TEXTURE_SAMPLES, SAMPLES, NUM_SAMPLE_COUNTS = 0x84C0, 0x809D, 0x9106, 0x80A9, 0x9380
 
 FORMATS = {"r8": 0x8229, "rg8": 0x822B, "rgba8": 0x8058, "r16": 0x822A, "rgba16f": 0x881A, "r32f": 0x822E,
-           "rg32f": 0x8230, "rgba32f": 0x8814, "r32ui": 0x8236, "depth16": 0x81A5, "depth32f": 0x8CAC,
+           "rg32f": 0x8230, "rgba32f": 0x8814, "r32ui": 0x8236, "rg32ui": 0x823C, "depth16": 0x81A5, "depth32f": 0x8CAC,
            "depth24_stencil8": 0x88F0}
 # Of a texture of a buffer's memory, by the words of an element: R32UI, RG32UI, RGB32UI.
 TEXEL_FORMATS = {1: 0x8236, 2: 0x823C, 3: 0x8D71}
@@ -54,6 +54,7 @@ _SIGNATURES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "glStencilOp": (None, (ENUM, ENUM, ENUM)),
     "glDepthMask": (None, (BOOL,)),
     "glColorMask": (None, (BOOL, BOOL, BOOL, BOOL)),
+    "glColorMaski": (None, (UINT, BOOL, BOOL, BOOL, BOOL)),
     "glScissor": (None, (INT, INT, SIZE, SIZE)),
     "glBindBuffer": (None, (ENUM, UINT)),
     "glBindBufferBase": (None, (ENUM, UINT, UINT)),
@@ -129,9 +130,10 @@ class RawGL:
     def clear(self, buffer: int, index: int, values: tuple[float, ...]) -> None:
         self.glClearBufferfv(buffer, index, (FLOAT * len(values))(*values))
 
-    def clear_whole(self, buffer: int, index: int, value: int) -> None:
-        """Clear a colour of unsigned whole numbers."""
-        self.glClearBufferuiv(buffer, index, (UINT * 4)(value, value, value, value))
+    def clear_whole(self, buffer: int, index: int, values: tuple[float, ...]) -> None:
+        """Clear a colour of unsigned whole numbers: to its channels, or to one value in all of them."""
+        channels = (int(values[0]),) * 4 if len(values) == 1 else (*map(int, values), 0, 0, 0)[:4]
+        self.glClearBufferuiv(buffer, index, (UINT * 4)(*channels))
 
     def clip_depths_from_zero(self, wanted: bool) -> None:
         """Let clip space reach from depth 0 to 1, which keeps every bit of a float, or from -1 to 1."""

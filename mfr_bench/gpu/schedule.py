@@ -48,7 +48,7 @@ class Schedule:
         *_, columns, rows = scene.bounds
         stats = replace(self._fitted.stats, primitives=len(scene), area=columns * rows, layers=scene.layers,
                         reach=scene.reach)
-        known = Known.of(stats, self._fragments, self.room, self._deepest)
+        known = Known.of(stats, self._fragments, self.room, self._deepest, self._fitted.fetches)
         return self._fitted.variant.method.capacity.rule(known, self._fitted.scope)
 
     def had_room(self, scene: Geometry, plan: Plan) -> bool:

@@ -114,6 +114,11 @@ class Framebuffer:
         self.gl.glColorMask(colour, colour, colour, colour)
         self.gl.glDepthMask(depth)
 
+    def keep(self, texture: Texture) -> None:
+        """Let draws leave an attached colour as it is, until the framebuffer is used again."""
+        for location in self.locations[texture.name]:
+            self.gl.glColorMaski(location, False, False, False, False)
+
     def clear(self, texture: Texture, values: tuple[float, ...]) -> None:
         """Give one attached texture a value: channels, or depth and stencil. It is in use, with writes allowed."""
         if "stencil" in texture.format:
@@ -126,7 +131,7 @@ class Framebuffer:
 
     def _clear_colour(self, location: int, texture: Texture, values: tuple[float, ...]) -> None:
         if texture.format.endswith("ui"):
-            self.gl.clear_whole(rawgl.COLOR, location, int(values[0]))
+            self.gl.clear_whole(rawgl.COLOR, location, values)
         else:
             self.gl.clear(rawgl.COLOR, location, values)
 

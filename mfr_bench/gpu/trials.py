@@ -20,6 +20,7 @@ from ..methods.spec import (
     ADD,
     BEHIND,
     EMPTY,
+    FRAMEBUFFER_FETCH,
     IMAGE,
     INVERTED_ALPHA,
     LISTED,
@@ -49,6 +50,7 @@ from .context import Device
 from .frame import Frame
 from .probes import COUNTED, LOCKED, ROUTED, ROUTED_SCENE, ProbeBench, probe_method
 from .trial_alone import behind_loop, block_length, primitive_numbers
+from .trial_fetch import fetched
 from .trial_registers import full_registers
 from .trial_triangles import triangles
 
@@ -350,6 +352,7 @@ TRIALS = (
     Trial("elements behind a loop", behind_loop, avoided=True),
     Trial("64-bit atomics", operations64, "shader_atomic_int64"),
     Trial("interlock", interlock, "fragment_shader_interlock"),
+    Trial("framebuffer fetch", fetched, FRAMEBUFFER_FETCH),
     Trial("uniform blocks after a dispatch", uniform_blocks),
     Trial("points after a dispatch", listed_points, TILE_POINTS),
     Trial("nearest 33 in registers", selected, NEAREST_33),

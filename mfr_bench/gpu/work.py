@@ -112,11 +112,12 @@ class CountingRunner(PassRunner):
         words = {ref: texture.bytes // (4 * self.frame.stats.P) for ref, texture in texels.items()}
         colour = sum(count for ref, count in words.items() if not texels[ref].is_depth)
         depth = sum(count for ref, count in words.items() if texels[ref].is_depth)
-        written = colour + depth * self.writes_depth
+        fetched = sum(words[ref] for ref in self.step.fetched)
+        written = colour - sum(words[ref] for ref in self.step.keeps) + depth * self.writes_depth
         tested = bool(self.step.state.depth_test or self.step.state.stencil)
         self.work.update({
             "rasterized": rasterized * geometry, "passed": passed, "words_written": passed * written,
-            "words_read": (passed * colour if self.step.state.blend else 0)
+            "words_read": passed * (colour if self.step.state.blend else fetched)
             + depth * tested * (rasterized if geometry else self._pixels)})
 
     @property

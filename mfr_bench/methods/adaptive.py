@@ -8,6 +8,9 @@ how many fragments the frame before had, in all and in its deepest pixel. From t
   that of all. It is found once, and the primitives are blended in it, the furthest first.
 - `planes`: the same geometry, stored after all, as the parameter `flat` may say: the number of a primitive tells the
   cell, so that nothing is counted at all.
+- `kept`: no pixel can have more than eight fragments by the geometry, or none had in the frame before, and the device
+  lets a shader read the pixel that it draws into. Targets of the framebuffer hold the fragments of a pixel, in which
+  each one takes its place by depth as it is drawn. That none had more is a guess, which the frame checks.
 - `dense`: cells for every layer of every pixel of the rectangle take at most SPARE more memory than exact ranges would.
   Nothing is counted beforehand; the cells of neighbours lie side by side. The same with as many layers as the frame
   before had, where these take at most `spare_memory` more: a guess, which the frame checks. Where a pixel is deeper,
@@ -29,14 +32,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from .shared import CLEARED, PAYLOAD, PIXEL_CLASS, STORED
+from .shared import CLEARED, PAYLOAD, PIXEL_CLASS, STORED, in_framebuffer
 from .shared.bands import SEGMENT
+from .shared.in_framebuffer import KEPT, SHALLOW, beside_image, kept, payload_words
 from .spec import (
     ADD,
     COMMAND_WORDS,
     IMAGE,
     OVER,
-    PAYLOAD_WORDS,
     Buffer,
     Known,
     Loop,
@@ -107,6 +110,8 @@ def plan(known: Known, params: Params) -> Plan:
         return Plan(DENSE if cut else PLANES, known, cells, cut_off=cut)
     if banded or cut:
         return Plan(RANGES, known, banded=banded, cut_off=cut)
+    if in_targets := kept(known, params, _most_cells(known, params)):
+        return in_targets
     room = 0 if known.fragments is None else known.fragments + SPARE * (known.fragments + known.pixels)
     if cells <= room:
         return Plan(DENSE, known, cells)
@@ -116,6 +121,12 @@ def plan(known: Known, params: Params) -> Plan:
                 finds_deepest=True)
 
 
+def _most_cells(known: Known, params: Params) -> float:
+    """The cells of exact ranges, as far as they are known, and those that `spare_memory` allows more."""
+    fragments = known.fragments or 0
+    return fragments + float(params.get(SPARE_MEMORY.name, SPARE_MEMORY.default)) * (fragments + known.pixels)
+
+
 def _guess(known: Known, params: Params) -> Plan | None:
     """Dense cells for as many layers as the frame before had; None where they would take too much memory."""
     if known.deepest is None or known.fragments is None:
@@ -123,9 +134,7 @@ def _guess(known: Known, params: Params) -> Plan | None:
     layers = min(known.layers, known.deepest)
     layers = layers if layers <= UNCHUNKED else -(-layers // CHUNK) * CHUNK
     cells = layers * known.area
-    spare = float(params.get(SPARE_MEMORY.name, SPARE_MEMORY.default))
-    words = 1 + PAYLOAD_WORDS[str(params.get(PAYLOAD.name, PAYLOAD.default))]
-    if cells > min(known.fragments + spare * (known.fragments + known.pixels), MOST_GUESSED_BYTES / (4 * words)):
+    if cells > min(_most_cells(known, params), MOST_GUESSED_BYTES / (4 * (1 + payload_words(params)))):
         return None
     return Plan(DENSE, replace(known, layers=layers), cells, guessed=True)
 
@@ -192,6 +201,8 @@ LAYOUTS = (IN_PLANES, IN_CELLS, IN_CHUNKS, IN_RANGES)
 
 def _cleared(plan: Plan) -> bool:
     """Whether the resolve leaves pixels out anywhere."""
+    if plan.path == KEPT:
+        return not beside_image(plan) and plan.known.area < plan.known.pixels
     return plan.path not in (DIRECT, ORDERED) and (plan.known.area < plan.known.pixels or plan.banded or _classed(plan))
 
 
@@ -329,12 +340,13 @@ METHODS = [
         beside=f"{2 + COMMAND_WORDS * (len(BOUNDS) - 1)} words for the cells taken, the deepest pixel and the draws of "
                "classes, and "
                f"with flat: ordered {COMMAND_WORDS} for each layer, up to {MOST_ORDERED}, for draws in order; where "
+               "fragments are kept in the framebuffer, two for each layer of the viewport in place of 2f; where "
                "cells are dense, at most a twentieth of 2f + 2 for those that stay empty, or by a guess spare_memory "
                f"times as much, {MOST_GUESSED_BYTES // 2**20} MiB in all; with max_error above its "
                f"default, one and a half per pixel for the cut; with memory_mb one for each {SEGMENT} pixels of a row, "
                "and no more fragments at a time than it leaves room for",
-        params=(MAX_ERROR, MEMORY_MB, SPARE_MEMORY, FLAT, PAYLOAD), fixed=(FURTHEST_CUT,), leaves_out=MAX_ERROR.name,
-        deepest=DEEPEST,
+        params=(MAX_ERROR, MEMORY_MB, SPARE_MEMORY, FLAT, SHALLOW, PAYLOAD), fixed=(FURTHEST_CUT,),
+        leaves_out=MAX_ERROR.name, deepest=DEEPEST,
         capacity=Planned(plan, budget=MEMORY_MB.name, least=f"min(F, {SEGMENT}*n)", deepest="deepest"),
         buffers=(Buffer("counter", "P", doc="fragments stored, or the next cell of the range, of each pixel"),
                  Buffer("taken", "1", doc="cells taken by ranges"),
@@ -350,6 +362,7 @@ METHODS = [
                  replace(PIXEL_CLASS, format="depth16"),
                  Target("opacity", "rg8", when=APPROXIMATE,
                         doc="optical depth of the first and second half of the depths before furthest_cut"),
+                 *in_framebuffer.TARGETS,
                  Target("cut_depth", "depth32f", when=APPROXIMATE, doc="depth beyond which fragments are discarded")),
         steps=(
             Pass("blend", "geometry", "methods/baseline/floor.frag", into=(IMAGE,), clears={IMAGE: CLEARED},
@@ -367,6 +380,7 @@ METHODS = [
                  state=State(depth_test="always"), runs_in=_cut, when=APPROXIMATE),
             *_whole_and_cut(replace(COUNT, runs_in=lambda plan: plan.path == RANGES and plan.capacity is None)),
             replace(COUNT_LATER, runs_in=lambda plan: plan.path == RANGES and plan.capacity is not None),
+            *in_framebuffer.passes(),
             *map(_at_once, STORING),
             Pass("blend", "geometry", "methods/adaptive/blended.frag", probes=STORED,
                  runs_in=lambda plan: plan.path in (DIRECT, ORDERED)),

@@ -55,7 +55,8 @@ def _most(variant: Variant, param: Param, limits: Limits) -> int | None:
 
 def judge(cell: Cell, catalog: Mapping[str, Method], stats: SceneStats, limits: Limits | None) -> Decision | None:
     """The reason why a cell is not measured, or None. Without limits only the budget is checked."""
-    fitted = Fitted(catalog[cell.method].variant(cell.params), stats)
+    features = limits.features if limits else frozenset()
+    fitted = Fitted(catalog[cell.method].variant(cell.params), stats, features)
     return _judged(cell, fitted, limits)
 
 
@@ -107,7 +108,8 @@ def overview(cells: Iterable[Cell], catalog: Mapping[str, Method],
 
 
 def _row(cell: Cell, scene: dict[str, Any], variants: Variants, limits: Limits | None) -> dict[str, Any]:
-    fitted = Fitted(variants.of(cell.method, cell.params), expected_stats(cell.scene))
+    features = limits.features if limits else frozenset()
+    fitted = Fitted(variants.of(cell.method, cell.params), expected_stats(cell.scene), features)
     decision = _judged(cell, fitted, limits)
     return {"experiment": cell.experiment, "label": cell.label, "method": cell.method, "point": dict(cell.point),
             "scene": scene, "memory_bytes": sum(fitted.memory_bytes().values()),

@@ -89,7 +89,8 @@ class Measuring:
             scene.release()
 
     def _fitted(self, job: Job, stats: SceneStats) -> Fitted:
-        return Fitted(self.catalog[job.cell.method].variant(job.cell.params), stats)
+        variant = self.catalog[job.cell.method].variant(job.cell.params)
+        return Fitted(variant, stats, self.bench.device.limits.features)
 
     def _tell(self, finished: Finished) -> None:
         self.bench.emit(finished)

@@ -26,7 +26,7 @@ from ..contract.cases import SCENES, SLANTED, Drawn, stats_in
 from .drawing import assert_shows, chosen, drawn, over, stack
 
 FEW = SceneConfig(size=(64, 64), depth_complexity=6, seed=3)
-STORED = {"flat": "stored"}
+STORED = {"flat": "stored", "shallow": "memory"}
 
 
 def stored(device, scene, frames=1, **params):

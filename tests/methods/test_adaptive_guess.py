@@ -30,10 +30,10 @@ KNOWN = Known(50, 100, 100, 400, deepest=8)
 
 @contextmanager
 def animated(device, scenes, **params):
-    """A frame for the scenes, and their buffer."""
+    """A frame for the scenes, whose fragments are kept in memory, and their buffer."""
     quads, canvas = SceneBuffer(device, scenes[0]), Canvas(device, scenes[0].viewport)
     stats = stats_of(max(scenes, key=len))
-    frame = Frame(device, Fitted(catalog()["adaptive"].variant(params), stats), quads, canvas)
+    frame = Frame(device, Fitted(catalog()["adaptive"].variant({"shallow": "memory"} | params), stats), quads, canvas)
     try:
         yield frame, quads
     finally:

@@ -1,16 +1,17 @@
 """Parameters, buffers and passes that several families share. Each is declared once, over shared shader code.
 
-    options        parameters
-    clearing       clears of the image and of buffers, and how a pass expands into those that run
-    reuse          counts and ranges that later frames of a scene use again
-    locks          the semaphore of spin locks, and buffers of 64-bit elements
-    routing        stencil routing into the samples of multisample targets
-    counting       passes that count fragments
-    resolving      passes that turn the stored fragments of a pixel into its colour
-    occupancy      the map by which fragments beyond the k-th are discarded
-    screen_region  full-screen passes limited to the part of the screen that has geometry
-    bands          a frame in bands that fit a memory budget
-    prediction     k from the depth-complexity histogram of a frame
+    options         parameters
+    clearing        clears of the image and of buffers, and how a pass expands into those that run
+    reuse           counts and ranges that later frames of a scene use again
+    locks           the semaphore of spin locks, and buffers of 64-bit elements
+    routing         stencil routing into the samples of multisample targets
+    in_framebuffer  fragments of shallow pixels, sorted in the framebuffer
+    counting        passes that count fragments
+    resolving       passes that turn the stored fragments of a pixel into its colour
+    occupancy       the map by which fragments beyond the k-th are discarded
+    screen_region   full-screen passes limited to the part of the screen that has geometry
+    bands           a frame in bands that fit a memory budget
+    prediction      k from the depth-complexity histogram of a frame
 """
 
 from .clearing import CLEAR_IMAGE, CLEARED, Expand, clear, expanded, zeroed_apart

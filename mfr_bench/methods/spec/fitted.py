@@ -13,7 +13,7 @@ from .formulas import doubled, evaluate
 from .method import Promise, Variant
 from .params import Params
 from .passes import Pass
-from .resources import FORMAT_WORDS, Buffer, Target
+from .resources import FORMAT_WORDS, FRAMEBUFFER_FETCH, Buffer, Target
 from .scene_stats import SceneStats
 
 UNIT_ROUNDOFF = 2.0**-24  # of float32, to nearest
@@ -23,10 +23,11 @@ LEAF_ROUNDINGS = 21  # unit roundoffs of a fragment's own colour and of the last
 
 @dataclass(frozen=True)
 class Fitted:
-    """A variant with the statistics of the scene that it draws."""
+    """A variant with the statistics of the scene that it draws, and the features of the device, where one is known."""
 
     variant: Variant
     stats: SceneStats
+    features: frozenset[str] = frozenset()
 
     @cached_property
     def scope(self) -> Params:
@@ -89,8 +90,13 @@ class Fitted:
 
     def plan(self) -> Plan:
         """The plan of a frame whose scene was shown before, of a planned method."""
-        known = Known.of(self.stats, self.stats.F, self.room(), self.stats.n)
+        known = Known.of(self.stats, self.stats.F, self.room(), self.stats.n, self.fetches)
         return self.variant.method.capacity.rule(known, self.scope)
+
+    @property
+    def fetches(self) -> bool:
+        """Whether the device lets a shader read the pixel that a fragment is drawn into."""
+        return FRAMEBUFFER_FETCH in self.features
 
     def room(self) -> int | None:
         """Elements that the budget allows in addition to what every frame takes, below 1 where that is too much."""
@@ -138,8 +144,16 @@ class Fitted:
     def _bytes(self, capacity: int | None) -> dict[str, int]:
         buffers = {b.name: b.copies * self.block_bytes(b, capacity) for b in self.variant.buffers}
         targets = {t.name: int(4 * FORMAT_WORDS[t.format]) * t.copies * self.stats.P * self.samples(t)
-                   * self.layer_count(t) for t in self.variant.targets}
+                   * self.layer_count(t) for t in self.variant.targets if not t.on_demand or t.name in self._drawn_into}
         return buffers | targets
+
+    @cached_property
+    def _drawn_into(self) -> frozenset[str]:
+        """The targets that passes of the plan draw into; none with a budget, which leaves no plan with such targets."""
+        if not isinstance(self.variant.method.capacity, Planned) or self.variant.budget_bytes:
+            return frozenset()
+        plan = self.plan()
+        return frozenset(ref for p in self.variant.passes if p.runs_in and p.runs_in(plan) for ref in p.into)
 
     def block_bytes(self, buffer: Buffer, capacity: int | None = None) -> int:
         """Bytes of one copy of a buffer; an empty one still has one element."""

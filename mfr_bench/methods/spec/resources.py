@@ -13,6 +13,7 @@ EMPTY = 0xFFFFFFFF  # no fragment, no next node: above the bits of every depth i
 SAMPLE_FEATURES: Mapping[str, int] = {f"samples_{count}": count for count in (4, 8, 16, 32)}  # of multisample targets
 MSAA_FEATURES: Mapping[int, str] = {count: f"msaa_{count}" for count in MSAA if count > 1}  # of rasterizing a scene
 SAMPLE_STENCIL = "sample_stencil"  # the feature of testing each sample's stencil with multisampling off
+FRAMEBUFFER_FETCH = "framebuffer_fetch"  # the feature of reading the pixel that a fragment is drawn into, in order
 NEAREST_33 = "nearest_33"  # the feature of picking a list's nearest 33 and sorting them in registers: docs/drivers.md
 # FRAGMENT is a depth with its payload, PAYLOAD a payload; formulas count them with the plain payload of one word.
 ELEMENT_WORDS: Mapping[str, int] = {"uint": 1, "uvec2": 2, "uint64_t": 2, "int64_t": 2, "vec4": 4, "FRAGMENT": 2,
@@ -45,10 +46,10 @@ class Buffer:
         return ELEMENT_WORDS[self.type]
 
 
-Format = Literal["r8", "rg8", "rgba8", "r16", "rgba16f", "r32f", "rg32f", "rgba32f", "r32ui", "depth16", "depth32f",
-                 "depth24_stencil8"]
+Format = Literal["r8", "rg8", "rgba8", "r16", "rgba16f", "r32f", "rg32f", "rgba32f", "r32ui", "rg32ui", "depth16",
+                 "depth32f", "depth24_stencil8"]
 FORMAT_WORDS: Mapping[str, float] = {"r8": 0.25, "rg8": 0.5, "rgba8": 1, "r16": 0.5, "rgba16f": 2, "r32f": 1,
-                                     "rg32f": 2, "rgba32f": 4, "r32ui": 1, "depth16": 0.5, "depth32f": 1,
+                                     "rg32f": 2, "rgba32f": 4, "r32ui": 1, "rg32ui": 2, "depth16": 0.5, "depth32f": 1,
                                      "depth24_stencil8": 1}
 
 
@@ -57,7 +58,8 @@ class Target:
     """A texture of the viewport's size that passes draw into. The iterations of a loop use the copies in turn.
 
     `samples` is the formula of the samples of a multisample texture, `layers` that of the layers of an array texture,
-    which are drawn into at once, at successive locations. `doc` says what the texture contains, as for a buffer.
+    which are drawn into at once, at successive locations. With `on_demand` it is allocated by the first frame that
+    draws into it. `doc` says what the texture contains, as for a buffer.
     """
 
     name: str
@@ -66,6 +68,7 @@ class Target:
     when: When | None = None
     samples: str | None = None
     layers: str | None = None
+    on_demand: bool = False
     doc: str = ""
 
     @property
