@@ -86,7 +86,7 @@ class Frame:
 
     @property
     def targets(self) -> tuple[Target, ...]:
-        return (*self.variant.targets, Target(IMAGE, "rgba32f"))
+        return (*(t for t in self.variant.targets if not t.on_demand), Target(IMAGE, "rgba32f"))
 
     @property
     def grown_counter(self) -> str | None:
