@@ -353,7 +353,7 @@ TRIALS = (
     Trial("64-bit atomics", operations64, "shader_atomic_int64"),
     Trial("interlock", interlock, "fragment_shader_interlock"),
     Trial("framebuffer fetch", fetched, FRAMEBUFFER_FETCH,
-          spoils="adaptive stores the fragments of shallow pixels in memory"),
+          spoils="fragments of shallow pixels are stored in memory where they would be kept in the framebuffer"),
     Trial("uniform blocks after a dispatch", uniform_blocks),
     Trial("points after a dispatch", listed_points, TILE_POINTS),
     Trial("nearest 33 in registers", selected, NEAREST_33),
