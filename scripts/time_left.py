@@ -4,9 +4,11 @@
 scripts/time_left.py record FILE CONFIG... [--profile smoke] [--device cpu]
 scripts/time_left.py judge FILE
 
-`record` measures each config anew, into a temporary folder, and appends a line to FILE: the cells, and when each phase
-of them began, which samples came and when they were done, in the first half of the run. A config that FILE has is not
-run again. `judge` replays the lines: what the time left is said to be after 0, 20 and 50 %, over what it was.
+`record` measures each config anew, into a temporary folder, and appends a line to FILE: the cells, each with its
+method, the number of its parameters, fragments and pixels; the programs of its frames and those that count, with the
+characters of each; and when each phase of them began, which samples came and when they were done, in the first half of
+the run. A config that FILE has is not run again. `judge` replays the lines: what the time left is said to be after 0,
+20 and 50 %, over what it was.
 """
 
 from __future__ import annotations
@@ -16,8 +18,9 @@ import json
 import subprocess
 import sys
 import time
+from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -25,18 +28,19 @@ from typing import Any
 from mfr_bench.config.model import Measure
 from mfr_bench.plan import time_left
 from mfr_bench.plan.cells import Cell
-from mfr_bench.plan.forecast import Forecast, Rates
+from mfr_bench.plan.forecast import Forecast, Rates, text_of
 
 SHARES = (0.0, 0.2, 0.5)  # of the run, after which the forecast is judged
 USUAL = Measure()
 DIGITS = 3  # of a time in ms, and after the point of seconds
 
 
+@dataclass(frozen=True)
 class Scene:
     """What a forecast asks of a scene: fragments and pixels."""
 
-    def __init__(self, F: int, P: int):
-        self.F, self.P = F, P
+    F: int
+    P: int
 
     def as_dict(self) -> dict[str, int]:
         """The scene as a record has it."""
@@ -50,6 +54,7 @@ class Recording(time_left.TimeLeft):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        self.expected = dict(self._stats)
         self.events: list[list[Any]] = []
         self.began_at: float | None = None
         self.number = {key: number for number, key in enumerate(self.cells)}
@@ -79,14 +84,22 @@ class Recording(time_left.TimeLeft):
 
     def line(self, config: str, ended_s: float) -> dict[str, Any]:
         """The run as a line of the file has it."""
-        programs = list(dict.fromkeys(self.programs[key] for key in self.cells))
-        cells = [[cell.method, programs.index(self.programs[key]), self._stats[key].F, self._stats[key].P]
+        variants = {key: (cell.method, text_of(dict(cell.params))) for key, cell in self.cells.items()}
+        numbers = {variant: number for number, variant in enumerate(dict.fromkeys(variants.values()))}
+        cells = [[cell.method, numbers[variants[key]], self.expected[key].F, self.expected[key].P]
                  for key, cell in self.cells.items()]
+        sizes: dict[int, int] = {}
+        for code in (*self.programs.values(), *self.counting.values()):
+            sizes |= code
+        number = {program: place for place, program in enumerate(sizes)}
+        code = [[[number[program] for program in made[key]] for made in (self.programs, self.counting)]
+                for key in self.cells]
         measure = asdict(next(iter(self.cells.values())).measure)
         unusual = {f.name: measure[f.name] for f in fields(Measure) if measure[f.name] != getattr(USUAL, f.name)}
         return {"config": config, "ended_s": round(ended_s, 2), "end_s": round(self.end_s, 2),
                 "slowness": round(self.slowness, 2), "looks_s": round(self.looks_s, 4),
-                "rates": asdict(self.forecast.rates), "measure": unusual, "cells": cells,
+                "rates": asdict(self.forecast.rates), "measure": unusual, "cells": cells, "code": code,
+                "sizes": list(sizes.values()),
                 "events": [event for event in self.events if event[1] <= max(SHARES) * ended_s]}
 
 
@@ -126,10 +139,12 @@ def replayed(run: Mapping[str, Any], shares: Sequence[float] = SHARES) -> list[f
     measure = Measure(**{name: tuple(value) if isinstance(value, list) else value
                          for name, value in run["measure"].items()})
     scenes = {(f, p): Scene(f, p) for _, _, f, p in run["cells"]}
-    cells = {str(number): Cell(run["config"], method, method, {"cell": number}, scenes[f, p], measure, {})
-             for number, (method, _, f, p) in enumerate(run["cells"])}
-    programs = {str(number): str(program) for number, (_, program, *_) in enumerate(run["cells"])}
-    ahead = _foreseeing(Forecast((), Rates(**run["rates"])), cells, programs, run["end_s"], run["slowness"],
+    cells = {str(number): Cell(run["config"], method, method, params, scenes[f, p], measure, {})
+             for number, ((method, _, f, p), params) in enumerate(zip(run["cells"], _params(run["cells"]),
+                                                                      strict=True))}
+    code = [{str(number): {program: run["sizes"][program] for program in programs[which]}
+             for number, programs in enumerate(run["code"])} for which in (0, 1)]
+    ahead = _foreseeing(Forecast((), Rates(**run["rates"])), cells, *code, run["end_s"], run["slowness"],
                         run["looks_s"])
     events, found = iter([*run["events"], None]), []
     event = next(events)
@@ -139,6 +154,16 @@ def replayed(run: Mapping[str, Any], shares: Sequence[float] = SHARES) -> list[f
             _tell(ahead, cells, event)
             event = next(events)
         found.append(ahead.left_s(at_s) / (run["ended_s"] - at_s))
+    return found
+
+
+def _params(cells: Sequence[Sequence[Any]]) -> list[dict[str, int]]:
+    """Parameters that tell the cells of a scene apart, and are the same in others."""
+    count: Counter[tuple[Any, ...]] = Counter()
+    found = []
+    for cell in cells:
+        found.append({"variant": cell[1], "twin": count[tuple(cell)]})
+        count[tuple(cell)] += 1
     return found
 
 

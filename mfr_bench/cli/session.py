@@ -185,7 +185,9 @@ class Session:
 
     def _time_left(self, groups, parts: Sequence[Part]):
         """The time that the run will take, by earlier results of the device."""
+        from ..glsl.digest import code_of_programs
         from ..methods import catalog
+        from ..methods.spec import Fitted
         from ..plan import expected_stats, judge
         from ..plan.time_left import TimeLeft
 
@@ -193,9 +195,11 @@ class Session:
         forecast = forecast_of([*folders, *self.beside], ready)
         cells = {job.key: job.cell for group in groups for job in group
                  if not judge(job.cell, catalog(), expected_stats(job.cell.scene), ready.limits)}
-        programs = {job.key: job.glsl_hash for group in groups for job in group}
-        return TimeLeft(forecast, cells, programs, self._ends_s(parts, len(cells)), self.slowness,
-                        forecast.rates.looks_s)
+        code = {key: code_of_programs(Fitted(catalog()[cell.method].variant(cell.params), expected_stats(cell.scene)))
+                for key, cell in cells.items()}
+        return TimeLeft(forecast, cells, {key: drawn for key, (drawn, _) in code.items()},
+                        {key: counted for key, (_, counted) in code.items()}, self._ends_s(parts, len(cells)),
+                        self.slowness, forecast.rates.looks_s)
 
     def _ends_s(self, parts: Sequence[Part], cells: int) -> float:
         """Seconds that should follow the last of so many cells."""

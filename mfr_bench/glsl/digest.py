@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import lru_cache
 
 from ..effects import PLAIN, Settings
 from ..methods.spec import Fitted, Pass, SceneStats, Variant
 from .includes import StageSource
-from .prelude import stages
+from .prelude import define_values, stages
 
 Stages = tuple[StageSource, ...]  # of one pass
+DEFINED = re.compile(r"^#define ([A-Z][A-Z0-9_]*) -?[0-9.]+u?$", re.MULTILINE)  # numbers that a program names
 NOMINAL = SceneStats(W=1, H=1, n=2, F=1, primitives=1)  # the scene is in a cell's key of its own
 
 
@@ -41,3 +44,29 @@ def hash_of(passes: Iterable[tuple[Pass, Stages]]) -> str:
 def glsl_hash(variant: Variant, geometry: str, effect: Settings = PLAIN) -> str:
     """Hash of the code of every stage of every pass, for any scene of this geometry and effect; see `hash_of`."""
     return hash_of(stages_by_pass(variant, geometry, effect))
+
+
+def code_of_programs(fitted: Fitted) -> tuple[dict[int, int], dict[int, int]]:
+    """The code that a frame of a scene compiles, and that which counts its fragments in the end: characters by digest.
+
+    Scenes whose constants are the same, as far as a program names them, share it. The digests hold in this process
+    alone; characters are those of any scene.
+    """
+    drawn: dict[int, int] = {}
+    counted: dict[int, int] = {}
+    for step, names, digest, characters in _named(fitted.variant, fitted.stats.geometry, fitted.stats.effect):
+        if fitted.needed(step):
+            values = define_values(fitted, step)
+            (counted if step.probes else drawn)[hash((digest, *map(values.get, names)))] = characters
+    return drawn, counted
+
+
+@lru_cache(maxsize=1024)
+def _named(variant: Variant, geometry: str, effect: Settings) -> list[tuple[Pass, tuple[str, ...], int, int]]:
+    """The passes of a variant that have shaders: the constants that these name, a digest of them, their characters."""
+    found = []
+    for step, made in stages_by_pass(variant, geometry, effect):
+        code = "".join(stage.code for stage in made)
+        plain = DEFINED.sub("", code)
+        found.append((step, tuple(sorted(set(DEFINED.findall(code)))), hash(plain), len(made[-1].code)))
+    return found

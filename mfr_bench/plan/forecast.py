@@ -12,6 +12,7 @@ from bisect import bisect_left, insort
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from statistics import fmean
 from typing import Any
 
 from ..config.model import Measure
@@ -25,16 +26,27 @@ OWN = (MEASURED, IN_HAND := "by its samples so far")  # sources that know how mu
 
 PASS_FRAMES = 7  # whose passes are timed
 PASS_SHARE = 0.25  # of the time limit, at most, that they take
-OTHER_FRAMES = 3  # first frame, last check, counted fragments
-WARMUP_FRAMES = 6  # with the first frame of each later turn, which does not count
+FIRST_FRAMES = 1.4  # until a cell is prepared, beside what is compiled
+OTHER_FRAMES = 2  # last check, counted fragments
+WARMUP_MS, WARMUP_POWER = 15, 0.45  # frames of 1 ms that warm up, and how fewer longer ones take
+WARMUP_SHARE = 0.2  # of the time limit, at most
+LEAST_WARMUP, MOST_WARMUP = 2, 32  # frames
+SETTLED_MS = 10.0  # of a frame, from which on none has to settle
+SETTLING = 2  # of short frames, that do not count since other methods drew before
 UNSTEADY = 0.1  # share of the cells that take as many samples as they may
 MEDIAN_WIDTH = 1.96 * 1.2533  # half-width of the median's interval, in deviations of a mean of n normal samples
 USUAL_CV = 0.05  # of frame times, where none were measured
 WORK_PIXELS = 512 * 512  # of the calibration's image
-OTHER_WORK = 3000  # of a frame beside its fragments, in fragments
+OTHER_WORK = 5000  # of a frame beside its fragments, in fragments
+USUAL_POWER, POWERS = 1.0, 20  # of the work, to which frames of a method take time, as if so many had shown it
+MOST_POWER = 2.0  # by sorting of the fragments of a pixel
+GROWN = 0.25  # logarithm of the ratio of works, from which on two scenes show the power
 FIRST_ROUNDS = 16  # of its smallest work; each is twice the one before
-FRAGMENT_ROUNDS = 150  # what a fragment costs a multi-fragment method, in rounds of the calibration's arithmetic
-PIXEL_ROUNDS = 300  # and a pixel, in clears and the resolve
+FRAGMENT_ROUNDS = 200  # what a fragment costs a multi-fragment method, in rounds of the calibration's arithmetic
+PIXEL_ROUNDS = 60  # and a pixel, in clears and the resolve
+OTHER_PARAMS = 1.5  # logarithm of a ratio of works, that other parameters count as
+FIXED_ROUNDS = 1e6  # and a frame of about five passes, however little they draw
+MOST_FIXED = 0.7  # share of a frame that this may be
 REFERENCE_ROUNDS = 1.2e6  # and the reference frame
 REFERENCES = 20  # of a cell: four after each of four turns, and four before the first
 
@@ -70,6 +82,10 @@ class Rates:
         return FRAGMENT_ROUNDS * self.round_ns / 1e6
 
     @property
+    def fixed_ms(self) -> float:
+        return FIXED_ROUNDS * self.round_ns / 1e6
+
+    @property
     def pixel_ms(self) -> float:
         return PIXEL_ROUNDS * self.round_ns / 1e6
 
@@ -89,6 +105,7 @@ class Record:
 
     fragments: int
     frame: FrameTime
+    params: str = ""  # as text
 
 
 class ByFragments:
@@ -142,44 +159,75 @@ class Forecast:
         self._exact: dict[Identity, FrameTime] = {}
         self._scenes: dict[Scene, str] = {}  # texts, each made once
         self._of_method: dict[str, ByFragments] = defaultdict(ByFragments)
+        self._of_variant: dict[tuple[str, str], ByFragments] = defaultdict(ByFragments)
+        self._last: dict[tuple[str, str], Record] = {}  # of a method with parameters
+        self._powers: list[float] = [USUAL_POWER] * POWERS
         for row in records:
             self.learn(row)
 
     def learn(self, row: Mapping[str, Any]) -> None:
         """Take in the record of a cell; one that has no time predicts nothing."""
         if frame := _measured(row):
-            self._exact[row["method"], _text(row["params"]), _text(row["scene"])] = frame
-            self._of_method[row["method"]].add(
-                Record(row["values"].get("fragments") or 0, replace(frame, source=ALIKE)))
+            variant = method, params = row["method"], text_of(dict(row["params"]))
+            self._exact[method, params, text_of(row["scene"])] = frame
+            record = Record(row["values"].get("fragments") or 0, replace(frame, source=ALIKE), params)
+            self._of_method[method].add(record)
+            self._of_variant[variant].add(record)
+            self._learn_power(self._last.get(variant), record)
+            self._last[variant] = record
+
+    def _learn_power(self, before: Record | None, record: Record) -> None:
+        """Take in how the time of a method's frame grew from one scene to another."""
+        grown = math.log(_work(record.fragments) / _work(before.fragments)) if before else 0.0
+        if abs(grown) >= GROWN:
+            now_ms, before_ms = (r.frame.time_ms - self._fixed_ms(r.frame) for r in (record, before))
+            power = math.log(now_ms / before_ms) / grown
+            self._powers.append(min(MOST_POWER, max(0.0, power)))
+
+    @property
+    def power(self) -> float:
+        """The power of the work to which a method's frames take time, in the mean of the methods that have shown it."""
+        return fmean(self._powers)
 
     def frame(self, cell: Cell, stats: SceneStats) -> FrameTime:
         """The time that a frame of the cell should take."""
-        return self.known(cell) or self.unknown(cell.method, stats)
+        return self.known(cell) or self.unknown(cell, stats)
 
     def known(self, cell: Cell) -> FrameTime | None:
         """The time that a frame of the very cell took."""
         if not self._exact:
             return None
         if cell.scene not in self._scenes:
-            self._scenes[cell.scene] = _text(cell.scene.as_dict())
-        return self._exact.get((cell.method, _text(dict(cell.params)), self._scenes[cell.scene]))
+            self._scenes[cell.scene] = text_of(cell.scene.as_dict())
+        return self._exact.get((cell.method, text_of(dict(cell.params)), self._scenes[cell.scene]))
 
-    def unknown(self, method: str, stats: SceneStats, more: Iterable[Record] = ()) -> FrameTime:
+    def unknown(self, cell: Cell, stats: SceneStats, more: Iterable[Record] = ()) -> FrameTime:
         """The time of a frame that was not measured: of the method, with `more` records of it, or by calibration."""
-        own = self._of_method.get(method)
-        near = [own.nearest(stats.F)] if own else []
-        return self._alike([*near, *more], stats) or self.guess(stats)
+        params = text_of(dict(cell.params))
+        own = self._of_variant.get((cell.method, params)), self._of_method.get(cell.method)
+        near = [records.nearest(stats.F) for records in own if records]
+        return self._alike([*near, *more], stats, params) or self.guess(stats)
 
-    @staticmethod
-    def _alike(records: Iterable[Record], stats: SceneStats) -> FrameTime | None:
-        """The frame of the nearest number of fragments, scaled by the work that this number makes."""
-        near = min(records, key=lambda record: _distance(record.fragments, stats.F), default=None)
-        scale = near and _work(stats.F) / _work(near.fragments)
-        return replace(near.frame, time_ms=near.frame.time_ms * scale) if near else None
+    def _alike(self, records: Iterable[Record], stats: SceneStats, params: str) -> FrameTime | None:
+        """The frame of the nearest number of fragments, scaled by the work that this number makes.
+
+        One with other parameters counts as further away.
+        """
+        near = min(records, key=lambda record: _distance(record.fragments, stats.F)
+                   + OTHER_PARAMS * (record.params != params), default=None)
+        if near is None:
+            return None
+        fixed_ms = self._fixed_ms(near.frame)
+        scale = (_work(stats.F) / _work(near.fragments)) ** self.power
+        return replace(near.frame, time_ms=fixed_ms + (near.frame.time_ms - fixed_ms) * scale)
+
+    def _fixed_ms(self, frame: FrameTime) -> float:
+        """What a frame takes however few fragments there are: its passes begin and end."""
+        return min(self.rates.fixed_ms, MOST_FIXED * frame.time_ms)
 
     def guess(self, stats: SceneStats) -> FrameTime:
         """The time of a frame by calibration alone."""
-        time_ms = self.rates.fragment_ms * stats.F + self.rates.pixel_ms * stats.P
+        time_ms = self.rates.fixed_ms + self.rates.fragment_ms * stats.F + self.rates.pixel_ms * stats.P
         return FrameTime(time_ms, USUAL_CV, CALIBRATED)
 
     def run(self, cells: Sequence[Cell]) -> Prediction:
@@ -203,7 +251,7 @@ def _work(fragments: int) -> float:
 
 def frames_s(frame: FrameTime, measure: Measure) -> float:
     """Seconds that the sampling rules let the frames of a cell take: warm-up, samples, passes, checks."""
-    return sum(parts_s(frame, measure))
+    return sum(parts_s(frame, measure)) + FIRST_FRAMES * frame.time_ms / 1e3
 
 
 def parts_s(frame: FrameTime, measure: Measure) -> tuple[float, float]:
@@ -212,12 +260,21 @@ def parts_s(frame: FrameTime, measure: Measure) -> tuple[float, float]:
     Where the frame's scatter is not the cell's own, they are the mean of many cells, a few of which are unsteady.
     """
     frame_s = frame.time_ms / 1e3
-    sampled_s, longest_s = (min((WARMUP_FRAMES + samples) * frame_s, most_s(frame_s, measure))
+    warm_s = warmup_s(frame_s, measure)
+    sampled_s, longest_s = (min(warm_s + samples * frame_s, most_s(frame_s, measure))
                             for samples in (samples_wanted(frame, measure), measure.max_samples))
     if frame.source not in OWN:
         sampled_s += UNSTEADY * (longest_s - sampled_s)
     passes_s = min(PASS_FRAMES * frame_s, PASS_SHARE * measure.time_limit_s + frame_s)
     return sampled_s, passes_s + OTHER_FRAMES * frame_s
+
+
+def warmup_s(frame_s: float, measure: Measure) -> float:
+    """Seconds of frames that warm a cell up and settle: short ones are seldom alike at once."""
+    frame_ms = max(0.01, 1e3 * frame_s)
+    warming = min(MOST_WARMUP, max(LEAST_WARMUP, WARMUP_MS / frame_ms**WARMUP_POWER))
+    frames = warming + SETTLING * (frame_ms < SETTLED_MS)
+    return min(frames * frame_s, WARMUP_SHARE * measure.time_limit_s + frame_s)
 
 
 def most_s(frame_s: float, measure: Measure) -> float:
@@ -235,7 +292,8 @@ def _distance(fragments: int, of: int) -> float:
     return abs(math.log(_work(of) / _work(fragments)))
 
 
-def _text(value: Any) -> str:
+def text_of(value: Any) -> str:
+    """Parameters or a scene as text."""
     return json.dumps(value, sort_keys=True)
 
 

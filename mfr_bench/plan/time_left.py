@@ -1,38 +1,40 @@
 """Time left of a run while it goes on: the forecast of the cells to come, learned anew from what the run shows. Pure.
 
-Every cell with samples becomes a record of the forecast, so that a method's larger scenes are foretold by its smaller
-ones while these are still being measured. Frames that the calibration alone foretells are corrected by how far it was
-off for the frames that were sampled. The time limit bounds frames however slow they are, so both are put into the
-sampling rules, not behind them. What is left of the error is a factor for each kind of work, taken from the run so far:
-programs that this run compiles first, programs that it has compiled before, and frames. Until a kind of work has shown
-its factor, that of programs is as much larger as the start of the process took longer than on a quiet machine, and that
-of frames follows what all work has shown. What follows the last cell is no part of that: it is given.
+Every cell of which a frame was drawn becomes a record of the forecast, so that a method's larger scenes are foretold by
+its smaller ones while these are still being measured. Frames that the calibration alone foretells are corrected by how
+far it was off for the frames that were drawn. The time limit bounds frames however slow they are, so both are put into
+the sampling rules, not behind them. What is left of the error is a factor for each kind of work, taken from the run so
+far: programs, and frames. What both took together is told apart by the frames that are known. Until a kind of work has
+shown its factor, that of programs is as much larger as the start of the process took longer than on a quiet machine,
+and that of frames follows what all work has shown. What follows the last cell is no part of that: it is given.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from statistics import median
 from typing import Any
 
+from ..scene import Scene
 from .cells import Cell
 from .expected import expected_stats
-from .forecast import ALIKE, CALIBRATED, Forecast, FrameTime, Record
+from .forecast import ALIKE, CALIBRATED, FIRST_FRAMES, USUAL_CV, Forecast, FrameTime, Record, text_of
 from .in_hand import InHand, parts_s
 
-NEW, AGAIN, FRAMES = "new", "again", "frames"  # kinds of work
+PROGRAMS, CHECKS, FRAMES = "programs", "checks", "frames"  # kinds of work
 Seconds = dict[str, float]  # by kind
-USUAL = {NEW: 0.45, AGAIN: 0.1, FRAMES: 1.2}  # what each takes over what is foretold, before a run has shown anything
-TRUST = {NEW: 0.02, AGAIN: 0.02, FRAMES: 1.0}  # share of all that is foretold for which each counts as usual
+Code = Mapping[int, int]  # characters of programs, by their digests
+USUAL = {PROGRAMS: 0.3, CHECKS: 0.05, FRAMES: 1.15}  # what each takes over what is foretold, before a run has shown it
+TRUST = {PROGRAMS: 0.04, CHECKS: 0.04, FRAMES: 0.4}  # share of all that is foretold for which each counts as usual
 COUPLED = 0.4  # power to which the factor of all work raises what is usual of frames
 COUPLED_TRUST = 0.09  # share of all that is foretold for which that factor counts as 1
-GUESS, GUESSES = 0.9, 1  # what a frame takes over its guess by calibration, as if so many had been sampled
-KEPT = 0.05  # of the time to compile a program: the driver has it already
-COUNTED = 0.3  # times to compile a program: the one that counts its fragments in the end
-COUNTERS = 2.5  # times to compile a program: those that count the work of a frame are programs of their own
-PREPARING = ("scene", "compile", "first frame")  # phases of events.Begun; a check before the first sample is another
-COMPILE, SAMPLING, WAIT = "compile", "sampling", "wait"
+GUESS, GUESSES = 0.8, 1  # what a frame takes over its guess by calibration, as if so many had been drawn
+USUAL_CODE = 12000  # characters of the programs that a cell compiles
+COUNTERS = 2.5  # times as much code counts the work of a frame
+CELL_S = 0.01  # to begin and end a cell, beside its frames
+PREPARING = ("scene", "compile", "first frame")  # phases of events.Begun before the first sample
+COMPILE, SAMPLING, CHECK, WAIT = "compile", "sampling", "check", "wait"
 REFRESH_S, REFRESH = 1.0, 0.05  # a forecast stands for so long, or for this share of what it says, if that is less
 
 
@@ -40,21 +42,21 @@ REFRESH_S, REFRESH = 1.0, 0.05  # a forecast stands for so long, or for this sha
 class TimeLeft:
     """The time that a run's cells have taken and will take. `elapsed_s` of every call counts from the same moment on.
 
-    cells: those that are to be measured, by key. programs: the digest of the GLSL of each. end_s: what follows the last
-    of them. slowness: how many times as long as on a quiet machine the start of the process took.
-    looks_s: reference frames of a cell.
+    cells: those that are to be measured, by key. programs, counting: the code of each, of its frames and of what counts
+    its fragments in the end. end_s: what follows the last of them. slowness: how many times as long as on a quiet
+    machine the start of the process took. looks_s: reference frames of a cell.
     """
 
     forecast: Forecast
     cells: Mapping[str, Cell]
-    programs: Mapping[str, str]
+    programs: Mapping[str, Code]
+    counting: Mapping[str, Code]
     end_s: float = 0.0
     slowness: float = 1.0
     looks_s: float = 0.0
     _spent: Seconds = field(default_factory=lambda: dict.fromkeys(USUAL, 0.0))
-    _foretold: Seconds = field(default_factory=lambda: dict.fromkeys(USUAL, 0.0))  # of what is over
-    _compiled: set[str] = field(default_factory=set)  # digests
-    _counted: set[str] = field(default_factory=set)  # those of which a cell is done
+    _compiled: dict[int, int] = field(default_factory=dict)  # code of the cells that are or were prepared
+    _counted: dict[int, int] = field(default_factory=dict)  # code that counts, of the cells that are done
     _hands: dict[str, InHand] = field(default_factory=dict)  # cells that are prepared, also when they are done
     _now: str | None = None  # the kind of work that goes on
     _last_s: float = 0.0  # when the last event came
@@ -64,8 +66,8 @@ class TimeLeft:
         self._stats = {key: expected_stats(cell.scene) for key, cell in self.cells.items()}
         self._known = {key: self.forecast.known(cell) for key, cell in self.cells.items()}
         self._left = dict.fromkeys(self.cells)
-        self._first_s = {key: self._prepare_s(key, NEW) + sum(parts_s(self._frame(key), cell.measure)) + self.looks_s
-                         for key, cell in self.cells.items()}
+        self._first_s = {key: self._frames_s(key, self._frame(key)) + self._code_s(self.programs[key])
+                         for key in self.cells}
         self._whole_s = sum(self._first_s.values())
 
     # --- what the run shows ----------------------------------------------------------------------
@@ -74,23 +76,21 @@ class TimeLeft:
         """Take in that a phase of a cell begins; key None: of all cells of a scene."""
         self._pass(elapsed_s)
         if phase == COMPILE and key in self.cells:
-            self._now = self._kind(key, self._compiled)
-            self._foretold[self._now] += self._prepare_s(key, self._now)
-            self._compiled.add(self.programs[key])
+            self._compiled |= self.programs[key]
             self._hands[key] = InHand()
-        elif phase == WAIT:  # for a quiet machine: nothing tells how long, or of any work
-            self._now = None
-        elif phase == SAMPLING or (phase not in PREPARING and key in self._hands and self._hands[key].samples_ms):
+        if phase in (CHECK, WAIT):  # nothing tells how long a quiet machine is waited for
+            self._now = CHECKS if phase == CHECK else None
+        elif phase in PREPARING and not self.samples_ms(key):
+            self._now = PROGRAMS
+        elif self._now or phase == SAMPLING:
             self._now = FRAMES
-        elif self._now is None or phase == PREPARING[0]:
-            self._now = NEW
 
     def sampled(self, key: str, samples_ms: Sequence[float]) -> None:
         """Take in samples of a cell, in ms."""
         if key in self.cells:
             self._hands.setdefault(key, InHand()).samples_ms += samples_ms
 
-    def samples_ms(self, key: str) -> list[float]:
+    def samples_ms(self, key: str | None) -> list[float]:
         """The samples of a cell so far."""
         return self._hands[key].samples_ms if key in self._hands else []
 
@@ -100,12 +100,16 @@ class TimeLeft:
         if key not in self._left:
             return
         del self._left[key]
-        self._counted.add(self.programs[key])
+        self._counted |= self._counting(key)
+        self._correct(self.cells[key].scene, row["values"].get("fragments"))
         self._said = None
-        if hand := self._hands.get(key):
-            self._foretold[FRAMES] += self.looks_s + hand.seconds(
-                self._frame(key), self.cells[key].measure, done=True)[0]
         self.forecast.learn(row)
+
+    def _correct(self, scene: Scene, fragments: int | None) -> None:
+        """Take the fragments that the device made of a scene in place of those that were expected."""
+        for key, cell in self.cells.items():
+            if fragments and cell.scene == scene and fragments != self._stats[key].F:
+                self._stats[key] = replace(self._stats[key], F=fragments)
 
     def _pass(self, elapsed_s: float) -> None:
         """The time since the last event went to the work that goes on."""
@@ -120,54 +124,98 @@ class TimeLeft:
         if self._said is None or not 0 <= elapsed_s - self._said[1] < min(REFRESH_S, REFRESH * self._said[0]):
             self._said = self._forecast_s(), elapsed_s
         said_s, at_s = self._said
-        return max(0.0, said_s - (elapsed_s - min(at_s, self._last_s))) + self.end_s
+        return max(0.0, said_s - (elapsed_s - min(at_s, self._last_s)) + self.end_s)
 
     def _forecast_s(self) -> float:
         """Seconds from the last event until the last cell is done."""
-        guess, alike = self._guess, self._alike
-        over, to_come = dict(self._foretold), dict.fromkeys(USUAL, 0.0)
-        compiled = set(self._compiled)
-        to_come[NEW] = COUNTED * self.forecast.rates.compile_s * len(
-            {self.programs[key] for key in self._left} - self._counted)
+        if not self._left:
+            return 0.0
+        frames = self._frames_now()
+        over, to_come = self._frames(frames)
+        over[PROGRAMS], to_come[PROGRAMS] = self._code()
+        first_s, counted_s = self._first_frames_s(frames), self._code_s(self._counted)
+        programs = self._factor(PROGRAMS, self._spent[PROGRAMS] - first_s, over[PROGRAMS], self.slowness)
+        checks = self._factor(CHECKS, self._spent[CHECKS], over[CHECKS], self.slowness)
+        few_s = COUPLED_TRUST * self._whole_s
+        of_all = (sum(self._spent.values()) + few_s) / (first_s + counted_s + sum(over.values()) + few_s)
+        drawing = self._factor(FRAMES, self._spent[FRAMES] - programs * counted_s, over[FRAMES], of_all ** COUPLED)
+        return programs * to_come[PROGRAMS] + checks * to_come[CHECKS] + drawing * to_come[FRAMES]
+
+    def _factor(self, kind: str, spent_s: float, over_s: float, usually: float) -> float:
+        """What work of a kind takes over what is foretold: as the run has shown, or else as usual.
+
+        usually: times as long as it takes on other machines.
+        """
+        trust_s = TRUST[kind] * self._whole_s
+        return (max(0.0, spent_s) + trust_s * USUAL[kind] * usually) / (over_s + trust_s)
+
+    def _code(self) -> tuple[float, float]:
+        """Seconds to compile programs, those that are compiled and those that are to be, before any factor."""
+        to_come: dict[int, int] = {}
+        counting: dict[int, int] = {}
         for key in self._left:
-            frame = self._frame(key, guess, alike)
-            to_come[NEW] += self._count_s(key)
-            if hand := self._hands.get(key):
-                over_s, to_come_s = hand.seconds(frame, self.cells[key].measure)
-                looked = over_s / (over_s + to_come_s) if over_s else 0.0
-                over[FRAMES] += over_s + looked * self.looks_s
-                to_come[FRAMES] += to_come_s + (1 - looked) * self.looks_s
-                continue
-            kind = self._kind(key, compiled)
-            compiled.add(self.programs[key])
-            to_come[kind] += self._prepare_s(key, kind)
-            to_come[FRAMES] += self.looks_s + sum(parts_s(frame, self.cells[key].measure))
-        return sum(seconds * self._factor(kind, over) for kind, seconds in to_come.items())
+            to_come |= self.programs[key]
+            counting |= self._counting(key)
+        return self._code_s(self._compiled), self._code_s(to_come, self._compiled) + self._code_s(
+            counting, self._counted)
 
-    def _factor(self, kind: str, over: Seconds) -> float:
-        """What work of a kind takes over what is foretold: as the run has shown, or else as usual."""
-        if not self._whole_s:
-            return 1.0
-        trust_s, few_s = TRUST[kind] * self._whole_s, COUPLED_TRUST * self._whole_s
-        of_all = (sum(self._spent.values()) + few_s) / (sum(over.values()) + few_s)
-        usual = USUAL[kind] * (of_all ** COUPLED if kind == FRAMES else self.slowness)
-        return (self._spent[kind] + trust_s * usual) / (over[kind] + trust_s)
+    def _code_s(self, code: Code, known: Iterable[int] = ()) -> float:
+        """Seconds to compile what is not known yet."""
+        return self.forecast.rates.compile_s / USUAL_CODE * sum(code[program] for program in code.keys() - set(known))
 
-    def _kind(self, key: str, compiled: set[str]) -> str:
-        return AGAIN if self.programs[key] in compiled else NEW
+    def _counting(self, key: str) -> Code:
+        """The code that counts in the end: what is kept of the fragments, and where it is asked for all work."""
+        work = {-1 - program: round(COUNTERS * size) for program, size in self.programs[key].items()}
+        return {**self.counting[key], **(work if self.cells[key].measure.counters else {})}
 
-    def _prepare_s(self, key: str, kind: str) -> float:
-        rates = self.forecast.rates
-        return rates.around_s(self._stats[key]) - (0.0 if kind == NEW else (1 - KEPT) * rates.compile_s)
+    def _frames(self, frames: Mapping[str, FrameTime]) -> tuple[Seconds, Seconds]:
+        """Seconds of frames and checks that are over, and that are to come, before any factor."""
+        over, to_come = dict.fromkeys(USUAL, 0.0), dict.fromkeys(USUAL, 0.0)
+        for key, frame in frames.items():
+            hand, checks_s = self._hands.get(key), self.forecast.rates.check_s(self._stats[key])
+            if key not in self._left:
+                mine_s, left_s = hand.seconds(frame, self.cells[key].measure, done=True) if hand else (0.0, 0.0)
+                mine_s += self.looks_s + CELL_S
+            elif hand:
+                mine_s, left_s = hand.seconds(frame, self.cells[key].measure)
+                looked = mine_s / (mine_s + left_s) if mine_s else 0.0
+                mine_s, left_s = mine_s + looked * self.looks_s, left_s + (1 - looked) * self.looks_s + CELL_S
+            else:
+                mine_s, left_s = 0.0, self._frames_s(key, frame)
+            over[FRAMES] += mine_s
+            to_come[FRAMES] += left_s
+            (to_come if key in self._left else over)[CHECKS] += checks_s
+        return over, to_come
 
-    def _count_s(self, key: str) -> float:
-        return COUNTERS * self.forecast.rates.compile_s if self.cells[key].measure.counters else 0.0
+    def _frames_s(self, key: str, frame: FrameTime) -> float:
+        """Seconds of all frames of a cell that is not prepared."""
+        return self.looks_s + CELL_S + sum(parts_s(frame, self.cells[key].measure)) + FIRST_FRAMES * frame.time_ms / 1e3
 
-    def _frame(self, key: str, guess: float = GUESS, alike: Mapping[str, list[Record]] | None = None) -> FrameTime:
-        """The time of a cell's frame without its own samples. guess: what frames take over their guess."""
-        method, stats = self.cells[key].method, self._stats[key]
-        frame = self._known[key] or self.forecast.unknown(method, stats, (alike or {}).get(method, ()))
-        return replace(frame, time_ms=guess * frame.time_ms) if frame.source == CALIBRATED else frame
+    def _first_frames_s(self, frames: Mapping[str, FrameTime]) -> float:
+        """Seconds of the frames that were drawn to prepare cells."""
+        return FIRST_FRAMES * sum(hand.frame(frames[key]).time_ms for key, hand in self._hands.items()) / 1e3
+
+    def _frames_now(self) -> dict[str, FrameTime]:
+        """The time of a frame of each cell without its own samples, by all that is known now."""
+        scatter, guess, alike = self._scatter, self._guess, self._alike
+        return {key: self._frame(key, scatter, guess, alike.get(cell.method, ())) for key, cell in self.cells.items()}
+
+    def _frame(self, key: str, scatter: float = USUAL_CV, guess: float = GUESS,
+               alike: Iterable[Record] = ()) -> FrameTime:
+        """The time of a cell's frame without its own samples.
+
+        scatter: its deviation. guess: what frames take over their guess. alike: records of cells in hand.
+        """
+        if frame := self._known[key]:
+            return frame
+        frame = self.forecast.unknown(self.cells[key], self._stats[key], alike)
+        return replace(frame, cv=scatter, time_ms=frame.time_ms * (guess if frame.source == CALIBRATED else 1.0))
+
+    @property
+    def _scatter(self) -> float:
+        """The deviation of frames in the middle of all cells: one that stalled frames hit tells little of others."""
+        known = [cv for hand in self._hands.values() if (cv := hand.scatter) is not None]
+        return median([*known, USUAL_CV])
 
     @property
     def _alike(self) -> dict[str, list[Record]]:
@@ -175,8 +223,8 @@ class TimeLeft:
         found: dict[str, list[Record]] = {}
         for key, hand in self._hands.items():
             if hand.samples_ms and key in self._left:
-                frame = replace(hand.frame(self.forecast.guess(self._stats[key])), source=ALIKE)
-                found.setdefault(self.cells[key].method, []).append(Record(self._stats[key].F, frame))
+                cell, frame = self.cells[key], FrameTime(median(hand.samples_ms), USUAL_CV, ALIKE)
+                found.setdefault(cell.method, []).append(Record(self._stats[key].F, frame, text_of(dict(cell.params))))
         return found
 
     @property

@@ -1,12 +1,18 @@
 """The code of a shader, and what depends on it alone."""
 
+from dataclasses import replace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from mfr_bench import glsl
+from mfr_bench.config.model import Scene
 from mfr_bench.glsl.code import code_of
+from mfr_bench.glsl.digest import code_of_programs
 from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
+from mfr_bench.plan import expected_stats
 from mfr_bench.run.jobs import glsl_hash
 
 COUNT = "common/count.frag"
@@ -58,3 +64,12 @@ def test_programs_that_differ_in_comments_alone_are_one(device):
                      for word in ("one", "two"))
     drawn = glsl.StageSource("probe/rasterized.frag", "#version 430 core\nvoid main() {}\n", ())
     assert device.program((first, drawn), "test") is device.program((second, drawn), "test")
+
+
+@pytest.mark.parametrize(("other", "shared"), [({"size": (48, 32)}, True), ({"depth_complexity": 9}, False)])
+def test_scenes_share_the_programs_whose_constants_are_the_same(other, shared):
+    """A larger image changes no program of the A-buffer in arrays, more layers change those that name their number."""
+    variant, scene = catalog()["ab-array"].variant({}), Scene(size=(32, 32), depth_complexity=5)
+    one, two = (code_of_programs(Fitted(variant, expected_stats(s))) for s in (scene, replace(scene, **other)))
+    assert one[0] and one[1] and not one[0].keys() & one[1].keys()
+    assert (one == two) == shared

@@ -11,7 +11,7 @@ from mfr_bench.plan import Cell
 from mfr_bench.plan.ending import ending_s, reports_s
 from mfr_bench.plan.forecast import MEASURED, Forecast, FrameTime, Rates, parts_s
 from mfr_bench.plan.in_hand import InHand
-from mfr_bench.plan.time_left import GUESS, REFRESH, REFRESH_S, TimeLeft
+from mfr_bench.plan.time_left import GUESS, REFRESH, REFRESH_S, USUAL_CODE, TimeLeft
 
 ROOT = Path(__file__).parents[2]
 RECORDED = Path(__file__).with_name("recorded")
@@ -31,13 +31,17 @@ def script(monkeypatch):
 
 
 def test_after_a_fifth_of_a_run_nine_of_ten_forecasts_are_within_a_factor_of_1_5(script):
-    """109 runs without earlier results: 31 configs on a loaded machine, 39 on a quiet one, these again without a cache
-    of shaders."""
-    runs = [run for file in sorted(RECORDED.glob("*.jsonl")) for run in script.read(file)]
-    ratios = [script.replayed(run, (0.2,))[0] for run in runs]
-    assert len(ratios) == 109
-    assert sum(1 / 1.5 <= ratio <= 1.5 for ratio in ratios) >= 0.9 * len(runs), ratios
-    assert sum(1 / 2 <= ratio <= 2 for ratio in ratios) >= 0.95 * len(runs), ratios
+    """125 runs without earlier results: 31 configs on a loaded machine; 39 on a quiet one; these again without a cache
+    of shaders; 16 of them once more, while the host of the machine slowed it down now and then.
+    """
+    runs = {file.stem: script.read(file) for file in sorted(RECORDED.glob("*.jsonl"))}
+    ratios = {name: [script.replayed(run, (0.2,))[0] for run in each] for name, each in runs.items()}
+    unloaded = [ratio for name, found in ratios.items() for ratio in found if name != "loaded"]
+    every = unloaded + ratios["loaded"]
+    assert (len(every), len(unloaded)) == (125, 94)
+    assert sum(1 / 1.5 <= ratio <= 1.5 for ratio in every) >= 0.9 * len(every), ratios
+    assert sum(1 / 1.5 <= ratio <= 1.5 for ratio in unloaded) >= 0.95 * len(unloaded), ratios
+    assert sum(1 / 2 <= ratio <= 2 for ratio in every) >= 0.95 * len(every), ratios
 
 
 def cell(method, scene=SCENE, measure=MEASURE, **params):
@@ -50,8 +54,11 @@ def row(of, time_ms, fragments=64 * 64 * 32, samples=10):
             "samples_ms": [time_ms] * samples}
 
 
-def started(cells, programs=None, rates=RATES, end_s=0.0, **more):
-    return TimeLeft(Forecast((), rates), cells, programs or {key: key for key in cells}, end_s, **more)
+def started(cells, programs=None, rates=RATES, end_s=0.0, counting=None, **more):
+    """The time left of a run whose cells each have one program, named by a number; or none in common."""
+    programs = programs or dict(zip(cells, range(len(cells)), strict=True))
+    code = {key: {program: USUAL_CODE} for key, program in programs.items()}
+    return TimeLeft(Forecast((), rates), cells, code, counting or {key: {} for key in cells}, end_s, **more)
 
 
 def measured(ahead, key, begin_s, prepare_s, frames_s, frame_ms, samples=13):
@@ -91,9 +98,10 @@ def test_a_method_s_larger_scenes_are_foretold_by_its_smaller_ones_while_these_a
     ahead = started({"small": cell("a"), "large": cell("a", large), "other": cell("b", large)})
     ahead.began("small", "compile", 0.0)
     ahead.sampled("small", [4.0] * 8)
-    frames = {key: ahead._frame(key, alike=ahead._alike) for key in ("large", "other")}
+    frames = ahead._frames_now()
     assert 4 * 2 < frames["large"].time_ms < 4 * 4
-    assert frames["other"].time_ms == ahead._frame("other").time_ms
+    guess_ms = ahead._guess * ahead.forecast.guess(ahead._stats["other"]).time_ms
+    assert frames["other"].time_ms == pytest.approx(guess_ms)
 
 
 def test_frames_of_other_methods_are_as_far_from_their_guess_as_those_that_were_sampled():
@@ -108,8 +116,8 @@ def test_frames_of_other_methods_are_as_far_from_their_guess_as_those_that_were_
 
 def test_a_program_that_the_run_has_compiled_takes_less():
     cells = {str(i): cell("a", replace(SCENE, depth_complexity=4 + i)) for i in range(8)}
-    rates = replace(RATES, compile_s=5.0)
-    one, eight = (dict(zip(cells, names, strict=True)) for names in ("aaaaaaaa", "abcdefgh"))
+    rates = replace(RATES, compile_s=8.0)
+    one, eight = (dict(zip(cells, numbers, strict=True)) for numbers in ([0] * 8, range(8)))
     assert started(cells, one, rates).left_s(0.0) < 0.3 * started(cells, eight, rates).left_s(0.0)
 
 
@@ -177,3 +185,51 @@ def test_a_row_of_no_foretold_cell_changes_nothing():
 def test_a_run_without_cells_has_only_its_end_ahead():
     ahead = started({}, end_s=2.0)
     assert (ahead.left_s(0.0), ahead.share) == (2.0, 1.0)
+
+
+def test_one_cell_that_stalls_hit_does_not_make_others_unsteady():
+    large = replace(SCENE, depth_complexity=128)
+    measure, scenes = replace(MEASURE, target_rel_ci=0.05), {"small": SCENE, "large": large}
+    cells = {f"{name} {size}": cell(name, scene, measure) for name in "abc" for size, scene in scenes.items()}
+    left_s = []
+    for stalled in (1.0, 7.0):
+        ahead = started(cells)
+        for name in "abc":
+            ahead.began(f"{name} small", "compile", 0.0)
+            first_ms, second_ms = (stalled, 2 * stalled) if name == "b" else (1.0, 1.02)
+            ahead.sampled(f"{name} small", [first_ms, second_ms, 0.98, *[1.0] * 4])
+        left_s.append(sum(ahead._frames_s(key, frame) for key, frame in ahead._frames_now().items() if "large" in key))
+    assert left_s[1] == pytest.approx(left_s[0], rel=0.05)
+
+
+def test_the_fragments_that_a_device_makes_are_taken_for_those_that_were_expected():
+    """Half as many as were expected of one scene: another grows from these."""
+    large = replace(SCENE, depth_complexity=128)
+    cells = {"small": cell("a"), "large": cell("a", large)}
+    foretold_ms = []
+    for share in (1.0, 0.5):
+        ahead = started(cells)
+        ahead.began("small", "compile", 0.0)
+        ahead.sampled("small", [8.0] * 10)
+        ahead.done("small", row(cells["small"], 8.0, int(share * 64 * 64 * 32)), 1.0)
+        foretold_ms.append(ahead._frames_now()["large"].time_ms)
+    assert 1.6 < foretold_ms[1] / foretold_ms[0] < 2
+
+
+def test_waiting_for_a_quiet_machine_tells_nothing_of_what_is_left():
+    left_s = []
+    for waited_s in (0.0, 50.0):
+        ahead = started({str(i): cell("a", k=i) for i in range(4)})
+        ahead.began("0", "compile", 0.0)
+        ahead.began("0", "sampling", 0.2)
+        ahead.sampled("0", [1.0] * 10)
+        ahead.began("0", "wait", 0.4)
+        ahead.began("0", "sampling", 0.4 + waited_s)
+        left_s.append(ahead.left_s(0.4 + waited_s))
+    assert left_s[0] == pytest.approx(left_s[1])
+
+
+def test_the_end_runs_down_once_the_last_cell_is_done():
+    ahead = started({"a": cell("a")}, end_s=3.0)
+    measured(ahead, "a", 0.0, 0.2, 1.0, 10.0)
+    assert (ahead.left_s(2.2), ahead.left_s(9.0)) == (pytest.approx(2.0), 0.0)
