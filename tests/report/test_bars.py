@@ -35,6 +35,15 @@ def test_the_whole_frames_time_is_written_above_the_bar(tmp_path):
     assert texts.count("10.0") == 2 and texts.count("5.00") == 2
 
 
+@pytest.mark.parametrize(("options", "count", "heights"), [
+    (STACKED, 3, {5.0, 10.0}), (STACKED | {"kind": "bars"}, 3, {10.0}), (STACKED | {"kind": "bars"}, 10, {5.0, 10.0})])
+def test_a_time_that_is_not_the_height_of_its_bar_has_a_line(tmp_path, options, count, heights):
+    """Also one of so few samples that it has no interval: else its number would stand in the air."""
+    axes, = built(tmp_path, two_methods(count=count), options).axes
+    lines = [segment for lines in axes.collections for segment in lines.get_segments()]
+    assert {round(left[1], 6) for left, right in lines if left[1] == right[1]} == heights
+
+
 def test_a_pass_has_one_colour_and_the_legend_names_it_once(tmp_path):
     figure = built(tmp_path, two_methods(), STACKED)
     colours = {}

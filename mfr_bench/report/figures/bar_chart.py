@@ -298,18 +298,22 @@ def _bar(axes: Axes, slot: Slot, segments: Sequence[Segment], hatch: str) -> Non
 
 
 def _totals(axes: Axes, slots: Sequence[Slot], chart: Chart) -> None:
-    """The measured value of each bar with its interval, and its number above. A wrong image has none."""
-    measured = [slot for slot in slots if slot.point.status == "ok"]
-    intervals = [(slot.x, *slot.point.shown(chart.y)) for slot in measured]
-    with_ends = [interval for interval in intervals if interval[1] is not None]
-    if with_ends:
-        xs, lows, middles, highs = zip(*with_ends, strict=True)
-        axes.vlines(xs, lows, highs, colors=style.INK, linewidth=0.7, zorder=4)
+    """The measured value of each bar with its interval, and its number above. A wrong image has none.
+
+    A value without an interval has its line where it is not the height of the bar.
+    """
+    measured = [(slot, sum(segment.height for segment in chart.segments(slot.point)), *slot.point.shown(chart.y))
+                for slot in slots if slot.point.status == "ok"]
+    ends = [(slot.x, low, high) for slot, _, low, _, high in measured if low is not None]
+    lines = [(slot.x, middle) for slot, stack, low, middle, _ in measured if low is not None or stack != middle]
+    if ends:
+        axes.vlines(*zip(*ends, strict=True), colors=style.INK, linewidth=0.7, zorder=4)
+    if lines:
+        xs, middles = zip(*lines, strict=True)
         axes.hlines(middles, [x - 0.42 for x in xs], [x + 0.42 for x in xs], colors=style.INK, linewidth=0.9, zorder=4)
-    for slot, (x, _, middle, high) in zip(measured, intervals, strict=True):
-        stack = sum(segment.height for segment in chart.segments(slot.point))
+    for slot, stack, _, middle, high in measured:
         top, raised = chart.above(slot.point, max(stack, high or middle))
-        axes.annotate(number(middle), (x, top), (0, raised), textcoords="offset points", rotation=90, ha="center",
+        axes.annotate(number(middle), (slot.x, top), (0, raised), textcoords="offset points", rotation=90, ha="center",
                       va="bottom", fontsize=style.NUMBER_PT, annotation_clip=False, zorder=5)
 
 
