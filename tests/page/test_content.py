@@ -80,6 +80,12 @@ def test_the_page_is_the_same_each_time_and_of_several_folders(results, tmp_path
     assert first.count('class="experiment"') == 2
 
 
+def test_a_page_of_one_experiment_has_its_title_once(tmp_path):
+    one, other = (planted.folder(tmp_path / x, [planted.cell()], title=f"Title {x}") for x in "ab")
+    assert page_text([one]).count(">Title a</h") == 1
+    assert re.findall(r">(Title .)</h2>", page_text([one, other])) == ["Title a", "Title b"]
+
+
 def test_an_empty_folder_has_a_page(tmp_path):
     assert 'id="e1"' in page_text([planted.folder(tmp_path / "none", [])])
 
