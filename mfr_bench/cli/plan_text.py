@@ -89,7 +89,8 @@ def _decision(job, why, first: dict[str, Any]) -> str:
 
 
 def _plan_text(experiment, rows: list[dict[str, Any]], folder, predicted: list[str]) -> str:
-    lines = [f"{experiment.name}: {experiment.title}", f"  {len(rows)} cells -> {folder.path}", *predicted]
+    title = f": {experiment.title}" if experiment.title != experiment.name else ""
+    lines = [f"{experiment.name}{title}", f"  {len(rows)} cells -> {folder.path}", *predicted]
     label = max(len(r["label"]) for r in rows)
     where = [place(r["point"]) for r in rows]
     longest = max(map(len, where))

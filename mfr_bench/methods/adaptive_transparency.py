@@ -17,8 +17,8 @@ METHODS = [
     Method(
         id="aoit", name="Adaptive transparency", family="visibility",
         source="Salvi et al. 2011",
-        summary="k nodes of the visibility function, of one more the node goes that changes its area least; a second "
-                "geometry pass shades every fragment by it",
+        summary="k nodes of the visibility function; where one more comes, the one goes that changes its area least; a "
+                "second geometry pass shades every fragment by it",
         guarantee="approximate", words="2*k",
         ties="kept, and they do not hide each other: each adds its colour unattenuated by the others",
         failure="a step that was moved hides what lies before its true place, so that colours come out darker; opacity "

@@ -54,8 +54,8 @@ def _row(full: Sized, smoke: Sized) -> tuple[str, ...]:
 
 
 def _shown(experiment: Experiment) -> str:
-    """'time_ms by k, bars by pass; …': each figure in a few words."""
-    return "; ".join(_figure(f) for f in experiment.figures) or "a table"
+    """'time_ms by k, bars by pass; …': each kind of figure in a few words, once."""
+    return "; ".join(dict.fromkeys(_figure(f) for f in experiment.figures)) or "a table"
 
 
 def _figure(figure: Any) -> str:
@@ -77,15 +77,16 @@ def _scene(experiment: Experiment) -> str:
 
 
 def _size(sized: Sized) -> str:
-    """Viewport, n, k and the number of cells; an axis as its first and last value."""
+    """Viewport, n where the config says it, k and the number of cells; an axis as its first and last value."""
     e = sized.experiment
     axes = {**e.sweep, **e.zip}
     viewport = _span(axes.get("scene.size") or [e.scene.size])
     depth = axes.get("scene.depth_complexity") or [e.scene.depth_complexity]
     k = axes.get("k") or ([e.params["k"]] if "k" in e.params else [])
     r = axes.get("r") or ([e.params["r"]] if "r" in e.params else [])
-    n = f"n {_span(depth)}" if not r else "n = k" if list(r) == [1] else f"n = {plain(r[0])} k"
-    return ", ".join([viewport, n, *([f"k {_span(k)}"] if k else []), f"{sized.cells} cells"])
+    n = (f"n {_span(depth)}" if any(depth) else "") if not r else "n = k" if list(r) == [1] else f"n = {plain(r[0])} k"
+    parts = (viewport, n, f"k {_span(k)}" if k else "", f"{sized.cells} cells")
+    return ", ".join(filter(None, parts))
 
 
 def _span(values: Sequence[Any]) -> str:

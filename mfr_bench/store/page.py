@@ -51,13 +51,23 @@ frontier has an `error` as y and a `cost` as x.
 """
 
 
+STATUSES_HEAD = """
+## Statuses
+
+`image` says whether the cell was measured to its end, and with which image. A `refused` cell says nothing against its
+method. A `retried` one is measured again by the next run. A `failed` one counts as worse in `compare`. `over memory`
+means that there was not enough of it: line charts draw a cross. A run ends with the highest `exit status` of its cells.
+`breaks` is the fault that `mfr-bench stress` shows; where it is empty, image and counts decide.
+"""
+
+
 def columns_page() -> str:
     """The page, as docs/results.md has it."""
     history = [filled(f"{schema}: {what}", "- ") for schema, what in HISTORY.items()]
     arrays = [(f"`{a.name}`", a.type, str(a.dimensions), a.meaning) for a in ARRAYS.values()]
     parts = [HEAD, *history, FILES, COLUMNS_HEAD, *_columns(COLUMNS),
              "\n## Measures derived from them, for figures and tables\n", *_columns(DERIVED),
-             "\n## Columns of passes.csv\n", *_columns(PASS_COLUMNS), "\n## Statuses\n", *_statuses(),
+             "\n## Columns of passes.csv\n", *_columns(PASS_COLUMNS), STATUSES_HEAD, *_statuses(),
              "\n## Arrays\n", *markdown_table(("array", "type", "dimensions", "what"), arrays)]
     return "\n".join(parts) + "\n"
 
