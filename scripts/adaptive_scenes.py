@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Measures `adaptive` beside the fastest other exact method where geometry does not fill rectangles.
 
-scripts/adaptive_scenes.py FILE [--rounds 7] [--only TEXT] [--deep] [--table]
+scripts/adaptive_scenes.py FILE [--rounds 7] [--only TEXT] [--deep] [--bound] [--table]
 
 FILE is a CSV table with a row for each scene; a scene that has one is not measured again. All methods draw a scene in
 turns in one process, by its processor time; every image is compared with the oracle's. --only: scenes whose names have
-TEXT. --deep: the scenes with up to 1024 layers at 512x512 instead. --table: print FILE in Markdown, measure nothing.
-For a driver that draws on the CPU.
+TEXT. --deep: the scenes with up to 1024 layers at 512x512 instead. --bound: for meshes and their stand-ins measure, in
+the place of `adaptive`, the least that a method which stores each fragment can do: a counter and one store for each,
+and a resolve that reads them once and blends them as they come. --table: print FILE in Markdown, measure nothing. For
+a driver that draws on the CPU.
 """
 
 from __future__ import annotations
@@ -26,7 +28,9 @@ from mfr_bench.gpu.device import open_device
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.single import Shown
 from mfr_bench.methods import catalog
-from mfr_bench.methods.spec import Fitted, Variant
+from mfr_bench.methods.shared import PAYLOAD, STAGE, STOP_OPACITY, resolve_sorted
+from mfr_bench.methods.shared.screen_region import TOUCHED, in_screen_region
+from mfr_bench.methods.spec import Buffer, Fitted, Method, Pass, Variant
 from mfr_bench.plan import Cell, judge
 from mfr_bench.scene import Scene, generate
 from mfr_bench.scene.kinds.mesh import View
@@ -36,6 +40,7 @@ ROOT = Path(__file__).resolve().parents[1]
 OTHERS = {"ab-array": "AB_Array", "ab-ll": "AB_LL", "ab-sb": "AB_SB", "ab-precalc-fixed": "PreCalc_Fixed",
           "ab-dfb": "DFB"}
 MINE, FLOOR, REUSE = "adaptive", "floor", "ab-sb reuse_count=on"
+BOUND = "unsorted touched=bounds"
 MESH_LIKE = ("hairball", "needles", "temple", "mesh", "hair,")  # how the names of meshes and their stand-ins begin
 FEW = 16  # layers: where no pixel has more, the frames are told apart in the summary
 KEPT = 2  # others that are measured in all rounds, the fastest by a first look
@@ -94,6 +99,24 @@ DEEP: Mapping[str, Scene] = {
         "hairball": stand_in("hairball", 1000, 300, 0.05), "needles": stand_in("needles", 1024, 300, 0.05)}.items()}
 
 
+def unsorted() -> Method:
+    """AB_Array without its sort: its image is wrong unless fragments come nearest first."""
+    slots = {"SLOTS": "n"}
+    return Method(
+        id="unsorted", name="Unsorted", family="array", source="the bound of scripts/adaptive_scenes.py",
+        summary="n slots per pixel, composited as they come", guarantee="none", words="2*n + 1", ties="kept",
+        params=(STAGE, STOP_OPACITY, TOUCHED, PAYLOAD),
+        buffers=(Buffer("counter", "P", doc="fragments of each pixel"),
+                 Buffer("nodes", "2*n*P", type="FRAGMENT", doc="fragments of each pixel, in order of arrival")),
+        steps=in_screen_region(
+            Pass("clear", "clear", writes=("counter",)),
+            Pass("store", "geometry", "methods/array/store.frag", writes=("counter", "nodes"), defines=slots),
+            resolve_sorted("counter", "nodes", fetch="methods/array/fetch.glsl", texels=("nodes",), defines=slots)))
+
+
+METHODS = {**catalog(), "unsorted": unsorted()}
+
+
 @contextmanager
 def drawn(on: Shown, scene: Scene, names: Sequence[str]) -> Iterator[dict[str, Frame]]:
     """Frames of the methods, each drawn until it fits and its image found right; what cannot be drawn is told."""
@@ -113,7 +136,7 @@ def drawn(on: Shown, scene: Scene, names: Sequence[str]) -> Iterator[dict[str, F
 def variant_of(name: str) -> Variant:
     """The variant of a method with its parameters, `id name=value …`."""
     method, *given = name.split()
-    return catalog()[method].variant(dict(each.split("=") for each in given))
+    return METHODS[method].variant(dict(each.split("=") for each in given))
 
 
 def not_drawn(on: Shown, scene: Scene, name: str) -> str | None:
@@ -121,7 +144,7 @@ def not_drawn(on: Shown, scene: Scene, name: str) -> str | None:
     variant = variant_of(name)
     cell = Cell(experiment="", method=variant.method.id, label=name, params=variant.params, scene=scene,
                 measure=Measure(), point={})
-    decision = judge(cell, catalog(), on.stats, on.device.limits)
+    decision = judge(cell, METHODS, on.stats, on.device.limits)
     return decision[1] if decision else None
 
 
@@ -137,17 +160,17 @@ def checked(on: Shown, name: str) -> Frame:
     return frame
 
 
-def measured(device, name: str, scene: Scene, rounds: int) -> dict[str, object]:
-    """The row of a scene."""
+def measured(device, name: str, scene: Scene, rounds: int, mine: str = MINE) -> dict[str, object]:
+    """The row of a scene: `mine` beside the others."""
     on = Shown(device, generate(scene))
     try:
-        with drawn(on, scene, [MINE, FLOOR, REUSE, *OTHERS]) as frames:
+        with drawn(on, scene, [mine, FLOOR, REUSE, *OTHERS]) as frames:
             looked = in_turns(device, frames, LOOK_ROUNDS)
             kept = sorted((m for m in OTHERS if m in frames), key=lambda m: median(looked[m]))[:KEPT]
             if not kept:
                 raise SystemExit(f"{name}: no other method draws it, so that there is nothing to compare with")
-            times = in_turns(device, {m: frames[m] for m in (MINE, FLOOR, REUSE, *kept) if m in frames}, rounds)
-            return {"scene": name, **depths(on), "plan": plan_of(frames[MINE]), **compared(times)}
+            times = in_turns(device, {m: frames[m] for m in (mine, FLOOR, REUSE, *kept) if m in frames}, rounds)
+            return {"scene": name, **depths(on), "plan": plan_of(frames[mine]), **compared(times, mine)}
     finally:
         on.canvas.release()
         on.scene_buffer.release()
@@ -161,16 +184,18 @@ def depths(on: Shown) -> dict[str, object]:
 
 
 def plan_of(frame: Frame) -> str:
-    return "guessed" if frame.plan.guessed else f"`{frame.plan.path}`"
+    if frame.plan is None:
+        return ""
+    return f"`{frame.plan.path}`" + (", guessed" if frame.plan.guessed else "")
 
 
-def compared(times: Mapping[str, Sequence[float]]) -> dict[str, object]:
+def compared(times: Mapping[str, Sequence[float]], mine: str = MINE) -> dict[str, object]:
     """The columns that times in ms come to: those of the fastest other, and the ratios to it and to two more."""
     fastest = min((m for m in times if m in OTHERS), key=lambda m: median(times[m]))
-    low, middle, high = ratio(times[MINE], times[fastest])
-    beside = {column: round(ratio(times[MINE], times[m])[1], 3) if m in times else ""
+    low, middle, high = ratio(times[mine], times[fastest])
+    beside = {column: round(ratio(times[mine], times[m])[1], 3) if m in times else ""
               for column, m in (("floor", FLOOR), ("reuse", REUSE))}
-    return {"ms": round(median(times[MINE]), 2), "fastest": fastest, "fastest_ms": round(median(times[fastest]), 2),
+    return {"ms": round(median(times[mine]), 2), "fastest": fastest, "fastest_ms": round(median(times[fastest]), 2),
             "ratio": round(middle, 3), "low": "" if low is None else round(low, 3),
             "high": "" if high is None else round(high, 3), **beside}
 
@@ -214,15 +239,17 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--only", default="")
     parser.add_argument("--deep", action="store_true")
+    parser.add_argument("--bound", action="store_true")
     parser.add_argument("--table", action="store_true")
     given = parser.parse_args()
-    scenes = {name: scene for name, scene in (DEEP if given.deep else SCENES).items() if given.only in name}
+    scenes = {name: scene for name, scene in (DEEP if given.deep else SCENES).items()
+              if given.only in name and (not given.bound or name.startswith(MESH_LIKE))}
     done = {row["scene"] for row in rows_of(given.file)}
     if not given.table and scenes.keys() - done:
         device = open_device("cpu")
         for name, scene in scenes.items():
             if name not in done:
-                add_row(given.file, measured(device, name, scene, given.rounds))
+                add_row(given.file, measured(device, name, scene, given.rounds, BOUND if given.bound else MINE))
     order = {name: place for place, name in enumerate((*SCENES, *DEEP))}
     print(as_table(sorted(rows_of(given.file), key=lambda row: order.get(row["scene"], len(order)))))
 

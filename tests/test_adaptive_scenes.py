@@ -4,7 +4,14 @@ import importlib.util
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from mfr_bench.config.model import Scene
+from mfr_bench.gpu.single import shown
+from mfr_bench.oracle.composite import composite
+from mfr_bench.scene import generate
+from mfr_bench.store.status import EXACT_ERROR
 
 SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
 
@@ -110,3 +117,16 @@ def test_a_scene_that_has_a_row_is_not_measured_again(script, tmp_path, monkeypa
         script.main()
     assert asked == ["mesh knot.obj", "mesh solids.obj"]
     assert "| mesh solids.obj | 2, 8 |" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("order", "right"), [("front_to_back", True), ("back_to_front", False)])
+def test_the_bound_blends_fragments_as_they_come(script, device, order, right):
+    config = Scene(size=(24, 20), depth_complexity=5, order=order)
+    with shown(device, generate(config)) as on:
+        image = on.render(script.variant_of(script.BOUND))
+        assert (np.abs(image - composite(on.scene_buffer.scene)).max() <= EXACT_ERROR) == right
+
+
+def test_the_bound_is_compared_as_the_method_is(script):
+    times = {**TIMES, script.BOUND: [4.0] * 7}
+    assert script.compared(times, script.BOUND)["ratio"] == 0.5
