@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 
 COLUMNS = 120  # of a line of prose, at most
 WHOLE = re.compile(r"`[^`]*`|\[[^\]]*\](?:\([^)]*\))?")  # code and links, in which no line ends
-OPENS = re.compile(r" (?=(?:[-+*#>]|\d+[.)])\s)")  # before what would open a list, a heading or a quotation on a line
+OPENS = re.compile(r" (?=(?:[-+*#>]|\d+[.)])\s|%)")  # before what would open a list, a heading, a quotation; before %
 HELD = "\N{NO-BREAK SPACE}"  # stands for a space while lines are broken
 
 

@@ -61,18 +61,20 @@ def test_links_of_the_documentation_lead_somewhere():
 @pytest.mark.parametrize("page", [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.glob("*.md"))],
                          ids=lambda page: page.name)
 def test_prose_fits_the_columns_of_an_editor(page):
-    """Rows of tables and blocks of code are as long as they have to be."""
+    """Rows of tables and blocks of code are as long as they have to be; no number is without its percent sign."""
     text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.DOTALL | re.MULTILINE)
     assert [line for line in text.splitlines() if len(line) > COLUMNS and not line.startswith(("|", "#"))] == []
+    assert [line for line in text.splitlines() if line.lstrip().startswith("%")] == []
 
 
 @pytest.mark.parametrize(("text", "lead", "lines"), [
     ("a " * 90, "- ", ["- " + "a " * 58 + "a", "  " + "a " * 30 + "a"]),
     (f"{'a' * 116} 1 - k/n of it", "", [f"{'a' * 116} 1 -", "k/n of it"]),
+    (f"{'a' * 116} 15 % of it", "", ["a" * 116, "15 % of it"]),
     (f"{'a' * 110} `mfr-bench run smoke` b", "", ["a" * 110, "`mfr-bench run smoke` b"]),
     (f"{'a' * 110} [a page of its own](page.md) b", "", ["a" * 110, "[a page of its own](page.md) b"])])
 def test_a_paragraph_is_filled_so_that_markdown_reads_it_as_it_was(text, lead, lines):
-    """No line opens a list that was none, and none ends within code or a link."""
+    """No line opens a list that was none, and none ends within code, a link or a percentage."""
     assert filled(text.strip(), lead).split("\n") == lines
 
 
