@@ -57,7 +57,11 @@ class TimeLeft:
     _spent: Seconds = field(default_factory=lambda: dict.fromkeys(USUAL, 0.0))
     _compiled: dict[int, int] = field(default_factory=dict)  # code of the cells that are or were prepared
     _counted: dict[int, int] = field(default_factory=dict)  # code that counts, of the cells that are done
-    _hands: dict[str, InHand] = field(default_factory=dict)  # cells that are prepared, also when they are done
+    _hands: dict[str, InHand] = field(default_factory=dict)  # cells that are prepared, until they are done
+    _over: Seconds = field(default_factory=lambda: dict.fromkeys(USUAL, 0.0))  # foretold of the cells that are done
+    _first_ms: float = 0.0  # a frame of each of these
+    _scatters: list[float] = field(default_factory=list)  # their deviations
+    _guesses: list[float] = field(default_factory=list)  # and what their frames take over their guess
     _now: str | None = None  # the kind of work that goes on
     _last_s: float = 0.0  # when the last event came
     _said: tuple[float, float] | None = None  # the last forecast, and when it was made
@@ -66,6 +70,9 @@ class TimeLeft:
         self._stats = {key: expected_stats(cell.scene) for key, cell in self.cells.items()}
         self._known = {key: self.forecast.known(cell) for key, cell in self.cells.items()}
         self._left = dict.fromkeys(self.cells)
+        self._of_scene: dict[Scene, list[str]] = {}
+        for key, cell in self.cells.items():
+            self._of_scene.setdefault(cell.scene, []).append(key)
         self._first_s = {key: self._frames_s(key, self._frame(key)) + self._code_s(self.programs[key])
                          for key in self.cells}
         self._whole_s = sum(self._first_s.values())
@@ -102,14 +109,26 @@ class TimeLeft:
         del self._left[key]
         self._counted |= self._counting(key)
         self._correct(self.cells[key].scene, row["values"].get("fragments"))
+        self._keep(key, self._hands.pop(key, InHand()))
         self._said = None
         self.forecast.learn(row)
 
     def _correct(self, scene: Scene, fragments: int | None) -> None:
         """Take the fragments that the device made of a scene in place of those that were expected."""
-        for key, cell in self.cells.items():
-            if fragments and cell.scene == scene and fragments != self._stats[key].F:
+        for key in self._of_scene[scene]:
+            if fragments and fragments != self._stats[key].F:
                 self._stats[key] = replace(self._stats[key], F=fragments)
+
+    def _keep(self, key: str, hand: InHand) -> None:
+        """Keep what the samples of a cell that is done tell."""
+        self._over[CHECKS] += self.forecast.rates.check_s(self._stats[key])
+        if hand.samples_ms:
+            frame_ms, guess = median(hand.samples_ms), self.forecast.guess(self._stats[key])
+            over_s, _ = hand.seconds(guess, self.cells[key].measure, done=True)
+            self._over[FRAMES] += over_s + self.looks_s + CELL_S
+            self._first_ms += frame_ms
+            self._scatters += [hand.scatter] if hand.scatter is not None else []
+            self._guesses.append(frame_ms / guess.time_ms)
 
     def _pass(self, elapsed_s: float) -> None:
         """The time since the last event went to the work that goes on."""
@@ -170,13 +189,9 @@ class TimeLeft:
 
     def _frames(self, frames: Mapping[str, FrameTime]) -> tuple[Seconds, Seconds]:
         """Seconds of frames and checks that are over, and that are to come, before any factor."""
-        over, to_come = dict.fromkeys(USUAL, 0.0), dict.fromkeys(USUAL, 0.0)
+        over, to_come = dict(self._over), dict.fromkeys(USUAL, 0.0)
         for key, frame in frames.items():
-            hand, checks_s = self._hands.get(key), self.forecast.rates.check_s(self._stats[key])
-            if key not in self._left:
-                mine_s, left_s = hand.seconds(frame, self.cells[key].measure, done=True) if hand else (0.0, 0.0)
-                mine_s += self.looks_s + CELL_S
-            elif hand:
+            if hand := self._hands.get(key):
                 mine_s, left_s = hand.seconds(frame, self.cells[key].measure)
                 looked = mine_s / (mine_s + left_s) if mine_s else 0.0
                 mine_s, left_s = mine_s + looked * self.looks_s, left_s + (1 - looked) * self.looks_s + CELL_S
@@ -184,7 +199,7 @@ class TimeLeft:
                 mine_s, left_s = 0.0, self._frames_s(key, frame)
             over[FRAMES] += mine_s
             to_come[FRAMES] += left_s
-            (to_come if key in self._left else over)[CHECKS] += checks_s
+            to_come[CHECKS] += self.forecast.rates.check_s(self._stats[key])
         return over, to_come
 
     def _frames_s(self, key: str, frame: FrameTime) -> float:
@@ -193,12 +208,13 @@ class TimeLeft:
 
     def _first_frames_s(self, frames: Mapping[str, FrameTime]) -> float:
         """Seconds of the frames that were drawn to prepare cells."""
-        return FIRST_FRAMES * sum(hand.frame(frames[key]).time_ms for key, hand in self._hands.items()) / 1e3
+        now_ms = sum(hand.frame(frames[key]).time_ms for key, hand in self._hands.items())
+        return FIRST_FRAMES * (self._first_ms + now_ms) / 1e3
 
     def _frames_now(self) -> dict[str, FrameTime]:
-        """The time of a frame of each cell without its own samples, by all that is known now."""
+        """The time of a frame of each cell that is left without its own samples, by all that is known now."""
         scatter, guess, alike = self._scatter, self._guess, self._alike
-        return {key: self._frame(key, scatter, guess, alike.get(cell.method, ())) for key, cell in self.cells.items()}
+        return {key: self._frame(key, scatter, guess, alike.get(self.cells[key].method, ())) for key in self._left}
 
     def _frame(self, key: str, scatter: float = USUAL_CV, guess: float = GUESS,
                alike: Iterable[Record] = ()) -> FrameTime:
@@ -215,14 +231,14 @@ class TimeLeft:
     def _scatter(self) -> float:
         """The deviation of frames in the middle of all cells: one that stalled frames hit tells little of others."""
         known = [cv for hand in self._hands.values() if (cv := hand.scatter) is not None]
-        return median([*known, USUAL_CV])
+        return median([*self._scatters, *known, USUAL_CV])
 
     @property
     def _alike(self) -> dict[str, list[Record]]:
         """Records of the cells in hand that have samples, by method."""
         found: dict[str, list[Record]] = {}
         for key, hand in self._hands.items():
-            if hand.samples_ms and key in self._left:
+            if hand.samples_ms:
                 cell, frame = self.cells[key], FrameTime(median(hand.samples_ms), USUAL_CV, ALIKE)
                 found.setdefault(cell.method, []).append(Record(self._stats[key].F, frame, text_of(dict(cell.params))))
         return found
@@ -230,8 +246,8 @@ class TimeLeft:
     @property
     def _guess(self) -> float:
         """What frames take over their guess by calibration: in the mean of those that were sampled, and of GUESS."""
-        ratios = [median(hand.samples_ms) / self.forecast.guess(self._stats[key]).time_ms
-                  for key, hand in self._hands.items() if hand.samples_ms]
+        ratios = self._guesses + [median(hand.samples_ms) / self.forecast.guess(self._stats[key]).time_ms
+                                  for key, hand in self._hands.items() if hand.samples_ms]
         return (sum(ratios) + GUESSES * GUESS) / (len(ratios) + GUESSES)
 
     @property
