@@ -195,8 +195,8 @@ class Session:
         forecast = forecast_of([*folders, *self.beside], ready)
         cells = {job.key: job.cell for group in groups for job in group
                  if not judge(job.cell, catalog(), expected_stats(job.cell.scene), ready.limits)}
-        code = {key: code_of_programs(Fitted(catalog()[cell.method].variant(cell.params), expected_stats(cell.scene)))
-                for key, cell in cells.items()}
+        code = {key: code_of_programs(Fitted(catalog()[cell.method].variant(cell.params), expected_stats(cell.scene),
+                                             ready.limits.features)) for key, cell in cells.items()}
         return TimeLeft(forecast, cells, {key: drawn for key, (drawn, _) in code.items()},
                         {key: counted for key, (_, counted) in code.items()}, self._ends_s(parts, len(cells)),
                         self.slowness, forecast.rates.looks_s)
