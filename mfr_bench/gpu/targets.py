@@ -31,7 +31,8 @@ class BufferTexture:
 class Texture:
     """An immutable texture without mipmaps or filtering. `format` is a key of `rawgl.FORMATS`.
 
-    With `samples` it is a multisample texture, with `layers` an array; without either, a plain one.
+    With `samples` it is a multisample texture, with `layers` an array; without either, a plain one. To make one takes
+    unit 0, which every pass that reads a texture binds anew: a frame that makes one keeps what it has bound elsewhere.
     """
 
     def __init__(self, gl: RawGL, format: str, size: tuple[int, int], samples: int = 0, layers: int = 0):
@@ -39,6 +40,7 @@ class Texture:
         self.target = (rawgl.TEXTURE_2D_MULTISAMPLE if samples else rawgl.TEXTURE_2D_ARRAY if layers
                        else rawgl.TEXTURE_2D)
         self.name = gl.generate("Textures")
+        gl.glActiveTexture(rawgl.TEXTURE0)
         gl.glBindTexture(self.target, self.name)
         self._allocate(samples)
         self.samples = gl.texture_samples(self.target) if samples else 1
