@@ -307,9 +307,11 @@ class PassRunner:
         return partial(self.gl.glEnable if on else self.gl.glDisable, capability)
 
     def release(self) -> None:
+        """Free what the pass alone has, and no longer use its program, which its frame and it, in a cycle, would keep."""
         for framebuffer in self.framebuffers.values():
             framebuffer.release()
         if self.vao:
             self.vao.release()
+        self.program = self.vao = None
         if "_by_storage" in self.__dict__:
             self._by_storage.release()

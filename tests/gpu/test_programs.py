@@ -1,7 +1,6 @@
 """Linked programs are kept while they are in use or were used of late, and deleted otherwise."""
 
 import gc
-import weakref
 
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.probes import COUNTED, ProbeBench
@@ -48,14 +47,15 @@ def test_a_program_in_use_stays_and_is_the_same():
 
 
 def test_frames_that_were_released_keep_no_program(device, monkeypatch):
+    """Not even until Python looks for cycles, as a frame and its passes are one."""
     monkeypatch.setattr(device, "programs", Programs(most=0))
-    with ProbeBench(device, SceneConfig(size=(8, 8), depth_complexity=2)) as bench:
-        frame = bench.frame(COUNTED)
-        frame.draw_fitting()
-        kept = [weakref.ref(program) for program in device.programs._there.values()]
-        assert len(kept) == len(device.programs) >= 2
-        frame.release()
-        del frame
-    del bench
-    gc.collect()
-    assert [program() for program in kept] == [None] * len(kept)
+    gc.disable()
+    try:
+        with ProbeBench(device, SceneConfig(size=(8, 8), depth_complexity=2)) as bench:
+            frame = bench.frame(COUNTED)
+            frame.draw_fitting()
+            drawn = len(device.programs)
+            frame.release()
+            assert (drawn >= 2, len(device.programs)) == (True, 0)
+    finally:
+        gc.enable()
