@@ -307,7 +307,7 @@ class PassRunner:
         return partial(self.gl.glEnable if on else self.gl.glDisable, capability)
 
     def release(self) -> None:
-        """Free what the pass alone has, and no longer use its program, which its frame and it, in a cycle, would keep."""
+        """Free what the pass alone has, and let go of its program, which it and its frame, a cycle, would keep."""
         for framebuffer in self.framebuffers.values():
             framebuffer.release()
         if self.vao:
