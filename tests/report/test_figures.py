@@ -95,6 +95,12 @@ def test_an_error_in_the_other_process_is_told(tmp_path):
         figures.write_figures(folder, processes=2)
 
 
+def test_without_figures_nothing_is_asked_of_their_font(tmp_path, monkeypatch):
+    """matplotlib takes longer to import than a small run takes otherwise."""
+    monkeypatch.setattr("mfr_bench.report.figures.files.lacking_glyphs", lambda text: pytest.fail("asked"))
+    assert figures.write_figures(planted.folder(tmp_path, [planted.cell()])) == []
+
+
 def test_the_users_own_matplotlib_settings_change_nothing(tmp_path):
     import matplotlib as mpl
     before = figures.render(built(tmp_path, two_methods(), STACKED))

@@ -123,6 +123,8 @@ def _by_device(result: Result) -> Result:
 
 
 def _draw_all(result: Result, target: Path, processes: int) -> list[Path]:
+    if not result.figures:
+        return []  # before matplotlib is imported
     several = len(result.figures) > 1
     if any(options.get("kind") == "maps" for options in result.figures):
         for point in result.points:  # read here, to report unreadable files; a forked child's warnings are lost
