@@ -25,7 +25,7 @@ BASE = SceneConfig(size=(75, 53), depth_complexity=9, seed=11)
 SCENES = {
     **{f"{layout} {density}": replace(BASE, layout=layout, pixel_density=density)
        for layout in ("block", "tiles") for density in (0.05, 1.0)},
-    "random": replace(BASE, layout="random", quad_size=(5, 3)),
+    "random": replace(BASE, layout="random", quad_size=(5, 3), depth_complexity=5),  # at most 16 fragments, as below
     "crossing": SceneConfig(size=(48, 40), depth_complexity=9, slant=0.7, layout="mixed", mean_depth=5, seed=10),
     "nothing": replace(BASE, depth_complexity=0),
 }
