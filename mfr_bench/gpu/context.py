@@ -42,7 +42,7 @@ class Device:
     """A context with its limits. `kind` is gpu or cpu.
 
     bound_threads: threads of a software driver that have processors of their own. instructions: the newest instruction
-    set that a software driver of Mesa may use; None: the processor's.
+    set that a software driver of Mesa may use; None: the processor's. sampler: at every texture unit.
     """
 
     ctx: moderngl.Context
@@ -53,6 +53,7 @@ class Device:
     programs: Programs = field(default_factory=Programs)
     bound_threads: int = 0
     instructions: str | None = None
+    sampler: moderngl.Sampler | None = None
 
     @cached_property
     def info(self) -> dict[str, str | None]:

@@ -1,0 +1,40 @@
+"""Gives every texture unit the same sampler, so that no program is compiled again for the one that is left there.
+
+Programs of llvmpipe depend on the samplers at their units. For a texture of a buffer, Mesa leaves there what an earlier
+program has used, or none: after a method that reads an image of its own, each program that reads buffers through
+textures would be compiled a second time, at its next frame.
+"""
+
+from __future__ import annotations
+
+import moderngl
+
+UNITS = 16  # that GL has at least
+READ = 4  # samplers of one program that leave theirs behind, at most of those here
+VERTEX = """#version 430 core
+void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0); }
+"""
+FRAGMENT = f"""#version 430 core
+layout(binding = 0) uniform sampler2D read[{READ}];
+out vec4 colour;
+void main() {{ colour = {" + ".join(f"texelFetch(read[{i}], ivec2(0), 0)" for i in range(READ))}; }}
+"""
+
+
+def settle_samplers(ctx: moderngl.Context) -> moderngl.Sampler:
+    """Bind one sampler without filtering to each unit, and draw once with a program that uses it; it has to be kept."""
+    sampler = ctx.sampler(filter=(moderngl.NEAREST, moderngl.NEAREST))
+    for unit in range(UNITS):
+        sampler.use(unit)
+    texture = ctx.texture((1, 1), 4, dtype="f4")
+    framebuffer = ctx.simple_framebuffer((1, 1), 4, dtype="f4")
+    program = ctx.program(vertex_shader=VERTEX, fragment_shader=FRAGMENT)
+    array = ctx.vertex_array(program, [])
+    framebuffer.use()
+    for unit in range(READ):
+        texture.use(unit)
+    array.render(moderngl.TRIANGLES, vertices=3)
+    ctx.finish()
+    for made in (array, program, framebuffer, texture):
+        made.release()
+    return sampler
