@@ -18,6 +18,7 @@ from ..plan import Limits
 from .egl import EglDevice, uuid_text
 from .programs import Programs
 from .rawgl import RawGL
+from .samplers import Samplers
 
 SOFTWARE_LOCAL_ARRAY = 1024  # fragments: llvmpipe takes seconds to compile it, and minutes for twice as many
 # Drivers that translate to another one, as they write it: zink Vulkan 1.4(NAME), D3D12 (NAME), virgl (NAME).
@@ -42,7 +43,7 @@ class Device:
     """A context with its limits. `kind` is gpu or cpu.
 
     bound_threads: threads of a software driver that have processors of their own. instructions: the newest instruction
-    set that a software driver of Mesa may use; None: the processor's. sampler: at every texture unit.
+    set that a software driver of Mesa may use; None: the processor's. samplers: those at the texture units.
     """
 
     ctx: moderngl.Context
@@ -53,7 +54,7 @@ class Device:
     programs: Programs = field(default_factory=Programs)
     bound_threads: int = 0
     instructions: str | None = None
-    sampler: moderngl.Sampler | None = None
+    samplers: Samplers | None = None
 
     @cached_property
     def info(self) -> dict[str, str | None]:
@@ -163,6 +164,11 @@ class Device:
 
     def finish(self) -> None:
         self.gl.glFinish()
+
+    def settle(self) -> None:
+        """Leave the samplers as every frame should find them, see `samplers`; not while frames are timed."""
+        if self.samplers:
+            self.samplers.settle()
 
     def check(self, doing: str) -> None:
         """Raise what GL has to complain of."""

@@ -14,7 +14,7 @@ from . import trials
 from .context import Device, Trials
 from .egl import EglDevice, egl_devices, is_named, library
 from .rawgl import RawGL
-from .samplers import settle_samplers
+from .samplers import Samplers
 from .threads import spread_rasterizers
 from .vectors import instructions
 from .visible import Visible, visible
@@ -33,7 +33,7 @@ def _create(index: int) -> Device:
     ctx.enable(moderngl.PROGRAM_POINT_SIZE)
     device = Device(ctx, RawGL(backend.load), backend, Trials(trials.failed, trials.dispatches_need_a_flush))
     device.gl.spend_first_timers()
-    device.sampler = settle_samplers(ctx)
+    device.samplers = Samplers(ctx)
     device.bound_threads = spread_rasterizers()
     device.instructions = instructions() if device.kind == "cpu" else None
     return device

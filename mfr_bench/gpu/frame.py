@@ -71,6 +71,7 @@ class Frame:
         self._query = device.gl.generate("Queries")
         self._runners = {id(step): PassRunner(self, step) for step in self.variant.passes if self._compiles_now(step)}
         self._write_uniforms()
+        device.settle()
         device.check(f"{self.variant.method.id}: allocation")
 
     def _compiles_now(self, step: Pass) -> bool:

@@ -21,20 +21,21 @@ void main() {{ colour = {" + ".join(f"texelFetch(read[{i}], ivec2(0), 0)" for i 
 """
 
 
-def settle_samplers(ctx: moderngl.Context) -> moderngl.Sampler:
-    """Bind one sampler without filtering to each unit, and draw once with a program that uses it; it has to be kept."""
-    sampler = ctx.sampler(filter=(moderngl.NEAREST, moderngl.NEAREST))
-    for unit in range(UNITS):
-        sampler.use(unit)
-    texture = ctx.texture((1, 1), 4, dtype="f4")
-    framebuffer = ctx.simple_framebuffer((1, 1), 4, dtype="f4")
-    program = ctx.program(vertex_shader=VERTEX, fragment_shader=FRAGMENT)
-    array = ctx.vertex_array(program, [])
-    framebuffer.use()
-    for unit in range(READ):
-        texture.use(unit)
-    array.render(moderngl.TRIANGLES, vertices=3)
-    ctx.finish()
-    for made in (array, program, framebuffer, texture):
-        made.release()
-    return sampler
+class Samplers:
+    """One sampler without filtering at each unit, and a draw that leaves it behind at the first of them."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self._sampler = ctx.sampler(filter=(moderngl.NEAREST, moderngl.NEAREST))
+        for unit in range(UNITS):
+            self._sampler.use(unit)
+        self._texture = ctx.texture((1, 1), 4, dtype="f4")
+        self._framebuffer = ctx.simple_framebuffer((1, 1), 4, dtype="f4")
+        self._array = ctx.vertex_array(ctx.program(vertex_shader=VERTEX, fragment_shader=FRAGMENT), [])
+        self.settle()
+
+    def settle(self) -> None:
+        """Draw one pixel with a program that reads plain textures: one that read several samples leaves another."""
+        self._framebuffer.use()
+        for unit in range(READ):
+            self._texture.use(unit)
+        self._array.render(moderngl.TRIANGLES, vertices=3)
