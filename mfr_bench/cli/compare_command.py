@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NoReturn
+
 import click
 
 from ..errors import UsageError
@@ -62,8 +64,10 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
 
     hold_one_form("compare", json=as_json, csv=as_csv, markdown=as_markdown)
     sides = _sides(before, after)
-    found = compared(*sides, threshold, across_devices, absolute)
     damaged = [line for side in sides for line in side.damaged]
+    if not all(side.entries for side in sides):
+        _refuse_empty(sides, damaged)
+    found = compared(*sides, threshold, across_devices, absolute)
     if found.verdicts:
         printed(found, whole, as_json, as_csv, as_markdown)
         handed_over(found, junit, summary)
@@ -115,3 +119,11 @@ def _sides(before: str, after: str):
     if mistakes:
         raise UsageError(mistakes)
     return sides
+
+
+def _refuse_empty(sides, damaged: list[str]) -> NoReturn:
+    """Name the files that were not used. Raises UsageError that names the sides of which no cell is left."""
+    for line in damaged:
+        note(line)
+    raise UsageError([f"{side.path}: no cell of it can be used; allowed: results with a cell at least, which "
+                      "'mfr-bench run' measures" for side in sides if not side.entries])

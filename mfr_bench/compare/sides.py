@@ -63,7 +63,7 @@ def load_side(path: str) -> Side:
     entries = {identity(result.name, p): Entry(_name(result, p), result.name, p)
                for result in results for p in result.points}
     noises = [n for r in results if (n := r.manifest.get("noise_floor_rel")) is not None]
-    drifts = [f"{r.name}: {d}" for r in results if (d := r.manifest.get("calibration_drift"))]
+    drifts = [f"{r.folder.path}: {d}" for r in results if (d := r.manifest.get("calibration_drift"))]
     return Side(path, entries, frozenset(_devices(results)), max(noises, default=None), _environment(results),
                 tuple(drifts), tuple(line for r in results for line in r.folder.damaged))
 

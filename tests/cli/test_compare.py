@@ -119,3 +119,24 @@ def test_a_damaged_manifest_is_named_where_nothing_can_be_compared(mfr, tmp_path
     (tmp_path / "other" / "manifest.json").write_text('{"name": "pla')
     ended = mfr("compare", tmp_path / "one", tmp_path / "other", "--across-devices")
     assert ended.status == 2 and "manifest.json: cannot be read" in ended.err and "no cell in common" in ended.err
+
+
+@pytest.mark.parametrize("options", [[], ["--across-devices"]], ids=" ".join)
+def test_a_side_whose_cells_are_all_unreadable_is_named_with_the_reason(mfr, here, options):
+    """It is not taken for the results of another device."""
+    made(here / "old")
+    made(here / "new")
+    for path in (here / "new" / "cells").glob("*.json"):
+        path.write_text(json.dumps(json.loads(path.read_text()) | {"schema": 99}))
+    ended = mfr("compare", "old", "new", *options)
+    *files, complaint = ended.err.splitlines()
+    assert ended.status == 2 and complaint.startswith("new: no cell of it can be used")
+    assert len(files) == 4 and all("has schema 99, this program reads " in line for line in files)
+
+
+def test_an_unsteady_run_is_named_by_its_folder(mfr, here):
+    """Both sides have the same config, whose name would not tell them apart."""
+    made(here / "old")
+    made(here / "new", calibration_drift="the same work took twice as long")
+    lines = mfr("compare", "old", "new").out.splitlines()
+    assert [line for line in lines if "twice as long" in line] == ["- new: the same work took twice as long"]

@@ -66,7 +66,8 @@ ONE_LINE = [
     (scene("overhang: 16777215").replace("[64, 48]", "[64, 2]"),
      ("F:2: scene.overhang: an overhang of 16777215 beyond a viewport whose shorter side has 2 pixels, which float32 "
       "cannot clip; allowed: up to 16777214")),
-    (scene("overhang: 8388608").replace("[64, 48]", "[1, 48]"), "allowed: up to 8388607"),
+    (scene("overhang: 8388608").replace("[64, 48]", "[1, 48]"),
+     "a viewport whose shorter side has 1 pixel, which float32 cannot clip; allowed: up to 8388607"),
     (scene("depth_at: 0.5"), ("F:2: scene.depth_at: 32 quads in steps of 2^-4 about 0.5 leave the depth range; "
                              "allowed: smaller steps or fewer quads")),
     (scene("depth_at: 1, depth_gap_log2: -25"),

@@ -135,7 +135,8 @@ def _least_depth_unused(scene: CommonKeys) -> Fault | None:
 def _cannot_be_clipped(scene: CommonKeys) -> Fault | None:
     """A corner at 2^24 half viewports or more has float32 coordinates whose edges the clipping loses."""
     most = min(MAX_OVERHANG, min(scene.size) * CLIPPED_PER_PIXEL)
-    what = (f"an overhang of {scene.overhang} beyond a viewport whose shorter side has {min(scene.size)} pixels, which "
+    side = "1 pixel" if min(scene.size) == 1 else f"{min(scene.size)} pixels"
+    what = (f"an overhang of {scene.overhang} beyond a viewport whose shorter side has {side}, which "
             f"float32 cannot clip; allowed: up to {most}")
     return (("scene.overhang", "scene.size"), what) if scene.overhang > most else None
 
