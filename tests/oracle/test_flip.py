@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -111,3 +115,23 @@ def test_images_that_a_screen_shows_alike_are_equal():
     assert not OnScreen.of(image + 1 / 255, image).equal
     assert not OnScreen.of(np.where(np.arange(8)[:, None, None] == 3, 1.1, image), np.clip(image * 2, 0, 1)).equal
     assert np.array_equal(displayed(np.full((1, 1, 4), np.nan), 0.0), np.zeros((1, 1, 3)))
+
+
+FLIPPED = """
+import os
+import subprocess
+import sys
+
+import numpy as np
+from mfr_bench.oracle.flip import flip_map
+flip_map(np.zeros((9, 6, 3), np.uint8), np.full((9, 6, 3), 255, np.uint8))
+"""
+
+
+@pytest.mark.parametrize("given", [{}, {"OMP_WAIT_POLICY": "active"}], ids=["by default", "spinning"])
+def test_its_threads_wait_asleep_unless_the_user_says_otherwise(given):
+    """The library that runs them tells how often they spin when it is loaded."""
+    inherited = {name: value for name, value in os.environ.items() if name != "OMP_WAIT_POLICY"}
+    told = subprocess.run([sys.executable, "-c", FLIPPED], env={**inherited, **given, "OMP_DISPLAY_ENV": "verbose"},
+                          capture_output=True, text=True, check=True).stderr
+    assert ("GOMP_SPINCOUNT = '0'" in told) == (not given), told
