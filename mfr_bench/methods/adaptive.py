@@ -4,6 +4,7 @@ Before a frame the host knows its geometry: how many primitives can meet in a pi
 how many fragments the frame before had, in all and in its deepest pixel. From these it plans the frame:
 
 - `direct`: no pixel can have two fragments. They are blended, and nothing is stored.
+- `nearest`: all primitives are opaque. A depth test leaves the nearest fragment of each pixel, and nothing is stored.
 - `ordered`: each primitive has one fragment in every pixel of the rectangle, and one depth: the order of one pixel is
   that of all. It is found once, and the primitives are blended in it, the furthest first.
 - `planes`: the same geometry, stored after all, as the parameter `flat` may say: the number of a primitive tells the
@@ -78,7 +79,11 @@ FLAT = Param("flat", "ordered", "primitives that all fill one rectangle, each at
              "their depths, which is found once for all pixels (ordered), or stored like others (stored)",
              choices=("ordered", "stored"))
 
-DIRECT, ORDERED, PLANES, DENSE, RANGES = "direct", "ordered", "planes", "dense", "ranges"
+OPAQUE = Param("opaque", "tested", "primitives that are all opaque: a depth test leaves the nearest fragment of each "
+               "pixel (tested), or they are stored like others (stored)", choices=("tested", "stored"))
+
+DIRECT, NEAREST, ORDERED, PLANES, DENSE, RANGES = "direct", "nearest", "ordered", "planes", "dense", "ranges"
+BLENDED = DIRECT, NEAREST, ORDERED  # plans that make the image of the geometry as it is drawn, and store no fragment
 
 MOST_ORDERED = 2048  # primitives; to find their order takes a comparison of each with each
 ORDERERS = 64  # invocations of a work group that finds the ranks of primitives
@@ -99,10 +104,8 @@ CLASSES = {"COMMAND_WORDS": COMMAND_WORDS, "UNCLASSED": UNCLASSED, "HALVES": HAL
 
 def plan(known: Known, params: Params) -> Plan:
     """The cheapest way that is right and stays within the memory of exact ranges and SPARE."""
-    if known.layers <= 1:
-        return Plan(DIRECT, known, 0)
-    if known.filled and known.layers <= MOST_ORDERED and params.get(FLAT.name, FLAT.default) == "ordered":
-        return Plan(ORDERED, known, known.layers)
+    if drawn := _drawn(known, params):
+        return drawn
     cells = known.layers * known.area
     banded = known.room is not None and cells > known.room
     cut = float(params.get(MAX_ERROR.name, EXACT)) > EXACT and known.layers >= WORTH_CUTTING
@@ -119,6 +122,17 @@ def plan(known: Known, params: Params) -> Plan:
         return guess
     return Plan(RANGES, known, known.reach if known.reach is not None and known.reach <= room else None,
                 finds_deepest=True)
+
+
+def _drawn(known: Known, params: Params) -> Plan | None:
+    """The plan of a frame that stores no fragments; None where it has to."""
+    if known.layers <= 1:
+        return Plan(DIRECT, known, 0)
+    if known.hides and known.room is None and params.get(OPAQUE.name, OPAQUE.default) == "tested":
+        return Plan(NEAREST, known, 0)
+    if known.filled and known.layers <= MOST_ORDERED and params.get(FLAT.name, FLAT.default) == "ordered":
+        return Plan(ORDERED, known, known.layers)
+    return None
 
 
 def _most_cells(known: Known, params: Params) -> float:
@@ -203,7 +217,7 @@ def _cleared(plan: Plan) -> bool:
     """Whether the resolve leaves pixels out anywhere."""
     if plan.path == KEPT:
         return not beside_image(plan) and plan.known.area < plan.known.pixels
-    return plan.path not in (DIRECT, ORDERED) and (plan.known.area < plan.known.pixels or plan.banded or _classed(plan))
+    return plan.path not in BLENDED and (plan.known.area < plan.known.pixels or plan.banded or _classed(plan))
 
 
 def _banded(plan: Plan) -> bool:
@@ -308,6 +322,7 @@ STORING = (
 RESOLVING = _resolves()
 
 IS_ORDERED = when(FLAT.name, "ordered")
+IS_TESTED = when(OPAQUE.name, "tested")
 
 # The order of the primitives by the fragments of one pixel, and the primitives in that order.
 IN_ORDER = (
@@ -340,12 +355,13 @@ METHODS = [
         beside=f"{2 + COMMAND_WORDS * (len(BOUNDS) - 1)} words for the cells taken, the deepest pixel and the draws of "
                "classes, and "
                f"with flat: ordered {COMMAND_WORDS} for each layer, up to {MOST_ORDERED}, for draws in order; where "
-               "fragments are kept in the framebuffer, two for each layer of the viewport in place of 2f; where "
-               "cells are dense, at most a twentieth of 2f + 2 for those that stay empty, or by a guess spare_memory "
+               "fragments are kept in the framebuffer, two for each layer of the viewport in place of 2f; where all "
+               "primitives are opaque, one per pixel for a depth; where cells are dense, at most a twentieth of 2f + 2 "
+               "for those that stay empty, or by a guess spare_memory "
                f"times as much, {MOST_GUESSED_BYTES // 2**20} MiB in all; with max_error above its "
                f"default, one and a half per pixel for the cut; with memory_mb one for each {SEGMENT} pixels of a row, "
                "and no more fragments at a time than it leaves room for",
-        params=(MAX_ERROR, MEMORY_MB, SPARE_MEMORY, FLAT, SHALLOW, PAYLOAD), fixed=(FURTHEST_CUT,),
+        params=(MAX_ERROR, MEMORY_MB, SPARE_MEMORY, FLAT, OPAQUE, SHALLOW, PAYLOAD), fixed=(FURTHEST_CUT,),
         leaves_out=MAX_ERROR.name, deepest=DEEPEST,
         capacity=Planned(plan, budget=MEMORY_MB.name, least=f"min(F, {SEGMENT}*n)", deepest="deepest"),
         buffers=(Buffer("counter", "P", doc="fragments stored, or the next cell of the range, of each pixel"),
@@ -363,10 +379,15 @@ METHODS = [
                  Target("opacity", "rg8", when=APPROXIMATE,
                         doc="optical depth of the first and second half of the depths before furthest_cut"),
                  *in_framebuffer.TARGETS,
+                 Target("nearest_depth", "depth32f", when=IS_TESTED, on_demand=True,
+                        doc="depth of the nearest fragment so far, where all are opaque"),
                  Target("cut_depth", "depth32f", when=APPROXIMATE, doc="depth beyond which fragments are discarded")),
         steps=(
             Pass("blend", "geometry", "methods/baseline/floor.frag", into=(IMAGE,), clears={IMAGE: CLEARED},
                  state=State(blend=OVER), runs_in=_in(DIRECT)),
+            Pass("draw", "geometry", "methods/baseline/floor.frag", into=(IMAGE, "nearest_depth"),
+                 clears={IMAGE: CLEARED, "nearest_depth": (1.0,)}, state=State(depth_test="lequal"),
+                 runs_in=_in(NEAREST), when=IS_TESTED),
             *IN_ORDER,
             Pass("clear", "clear", writes=("counter",), runs_in=_where(_in(DENSE), _certain)),
             Pass("clear", "clear", writes=("counter", "deepest"), runs_in=_guessed),
@@ -383,7 +404,7 @@ METHODS = [
             *in_framebuffer.passes(),
             *map(_at_once, STORING),
             Pass("blend", "geometry", "methods/adaptive/blended.frag", probes=STORED,
-                 runs_in=lambda plan: plan.path in (DIRECT, ORDERED)),
+                 runs_in=lambda plan: plan.path in BLENDED),
             *map(_at_once, RESOLVING),
             Pass("clear", "clear", writes=("sums",), runs_in=_banded, when=BUDGETED),
             Pass("allocate", "fullscreen", "methods/adaptive/sums.frag", region=True, reads=("fragment_counts",),

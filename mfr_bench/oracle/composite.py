@@ -84,7 +84,7 @@ def scene_stats(scene: Geometry, counts: np.ndarray, areas: np.ndarray | int = 1
         W=scene.viewport[0], H=scene.viewport[1], n=max(1, int(counts.max())), F=int((counts * areas).sum()),
         primitives=len(scene), rejects=scene.rejects, histogram=tuple(int(h) for h in histogram),
         geometry=scene.geometry, area=scene.bounds[2] * scene.bounds[3], layers=scene.layers, reach=scene.reach,
-        least=scene.least, occluded=scene.occluded, shading=scene.shading,
+        least=scene.least, occluded=scene.occluded, all_opaque=scene.all_opaque, shading=scene.shading,
         effect=scene.effect)
 
 

@@ -12,6 +12,7 @@ from ..effects import PLAIN, Settings
 from .overlap import bounds_of, boxes_of, depth_bounds_of, most_over
 
 ALIGNED = 8  # pixels: of two words each, a line of a cache
+OPAQUE = 255  # the alpha, of 8 bits, of what no light passes
 
 
 def _outwards(first: int, length: int, end: int) -> tuple[int, int]:
@@ -24,6 +25,7 @@ class Primitives:
     """Primitives of which each fragment is generated with a probability: by a hash of pixel, primitive and seed."""
 
     geometry: ClassVar[str]  # how primitives reach the device: shaders/scene/<geometry>.vert
+    rgba: np.ndarray
     fragment_probability: float
     shading: int
     effect: Settings
@@ -37,6 +39,11 @@ class Primitives:
     def occluded(self) -> bool:
         """Whether something opaque is drawn first and may hide fragments."""
         return False
+
+    @cached_property
+    def all_opaque(self) -> bool:
+        """Whether no primitive lets light through."""
+        return bool((self.rgba[:, 3] == OPAQUE).all())
 
 
 @dataclass(frozen=True)

@@ -26,11 +26,11 @@ from ..contract.cases import SCENES, SLANTED, Drawn, stats_in
 from .drawing import assert_shows, chosen, drawn, over, stack
 
 FEW = SceneConfig(size=(64, 64), depth_complexity=6, seed=3)
-STORED = {"flat": "stored", "shallow": "memory"}
+STORED = {"flat": "stored", "opaque": "stored", "shallow": "memory"}
 
 
 def stored(device, scene, frames=1, **params):
-    """A frame of the method in which flat primitives are stored like others."""
+    """A frame of the method in which flat and opaque primitives are stored like others."""
     return drawn(device, "adaptive", scene, frames, **(STORED | params))
 
 

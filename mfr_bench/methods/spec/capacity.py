@@ -74,6 +74,7 @@ class Known:
     filled: bool = False  # every primitive has one fragment in each pixel of the rectangle
     deepest: int | None = None  # most fragments of a pixel in the frame before; None where that is not known
     fetches: bool = False  # the device lets a shader read the pixel that a fragment is drawn into
+    hides: bool = False  # the nearest fragment of a pixel hides all others, and a depth test finds it
 
     @classmethod
     def of(cls, stats: SceneStats, fragments: int | None, room: int | None, deepest: int | None = None,
@@ -81,8 +82,8 @@ class Known:
         """Knowledge of a scene before a frame is drawn, from the statistics of its geometry."""
         area = stats.P if stats.area is None else stats.area
         filled = stats.flat and not stats.rejects and stats.reach == stats.primitives * area
-        return cls(stats.most_layers, area, stats.P, fragments, room, stats.reach, filled, deepest,
-                   fetches)
+        return cls(stats.most_layers, area, stats.P, fragments, room, stats.reach, filled, deepest, fetches,
+                   stats.all_opaque and stats.forward)
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ class SceneStats:
     occluded: bool = False  # opaque triangles in a depth buffer of their own may hide fragments
     shading: int = 0  # arithmetic steps of each fragment that is shaded
     effect: Settings = PLAIN  # what is done with the fragments of a pixel
+    all_opaque: bool = False  # no primitive lets light through
     least: int = 0  # fewest fragments that a pixel draws of those of all primitives; 0: every pixel has all
 
     @property
