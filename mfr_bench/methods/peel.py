@@ -62,7 +62,7 @@ MIDDLE = replace(PEELED, doc="layers peeled at most, half from the front and hal
                  weakens={"1-4096": "of more fragments than `layers`, those in the middle are missing"})
 TOUCHED_BOUNDS = without_tiles("since most full-screen passes stand between the geometry passes")
 NO_BOUNDS = (-2.0, -2.0, 0.0, 0.0)  # below every (-z, z)
-SEEN_THROUGH = (0.0, 0.0, 0.0, -1.0)  # no colour; the transmittance negated, for MAX blending
+SEEN_THROUGH = (0.0, 0.0, 0.0, 1.0)  # no colour, with transmittance
 UNBOUNDED = (1.0, 2.0, 0.0, 0.0)  # as (-z, z) around every depth
 
 METHODS = [
@@ -76,7 +76,7 @@ METHODS = [
         targets=(Target("layer", "rgba32f", doc="colour of the layer just peeled"),
                  Target("layer_depth", "depth32f", copies=2, doc="depth of this layer, and of the one before")),
         steps=in_screen_region(
-            replace(CLEAR_IMAGE, clears={IMAGE: (0.0, 0.0, 0.0, 1.0)}),
+            replace(CLEAR_IMAGE, clears={IMAGE: SEEN_THROUGH}),
             Loop((
                 Pass("peel", "geometry", "methods/peel/f2b.frag", reads=("layer_depth.previous",),
                      into=("layer", "layer_depth.current"), clears={"layer": CLEARED, "layer_depth.current": (1.0,)},
@@ -97,25 +97,25 @@ METHODS = [
         guarantee="exact all", words="20", cost="one geometry pass for every two layers",
         ties="the maximum of each channel is kept", loses_ties=True, params=(MIDDLE, TOUCHED_BOUNDS),
         targets=(Target("bounds", "rg32f", copies=2, doc="(-nearest, furthest) depth of the fragments that are left"),
-                 Target("front", "rgba32f", copies=2, doc="front layers composited, transmittance negated"),
+                 Target("ahead", "rgba32f", doc="nearest layer just peeled"),
                  Target("behind", "rgba32f", doc="furthest layer just peeled"),
+                 Target("front", "rgba32f", doc="front layers composited, with transmittance"),
                  Target("back", "rgba32f", doc="back layers composited")),
         steps=in_screen_region(
             Pass("bounds", "geometry", "common/depth_bounds.frag", into=("bounds.previous",),
                  clears={"bounds.previous": NO_BOUNDS}, state=State(blend=MAX)),
-            Pass("clear", "clear", into=("front.previous", "back"),
-                 clears={"front.previous": SEEN_THROUGH, "back": CLEARED}),
+            Pass("clear", "clear", into=("front", "back"), clears={"front": SEEN_THROUGH, "back": CLEARED}),
             Loop((
-                Pass("peel", "geometry", "methods/peel/dual.frag", reads=("bounds.previous", "front.previous"),
-                     into=("bounds.current", "front.current", "behind"),
-                     clears={"bounds.current": NO_BOUNDS, "front.current": SEEN_THROUGH, "behind": CLEARED},
-                     state=State(blend=MAX)),
+                Pass("peel", "geometry", "methods/peel/dual.frag", reads=("bounds.previous",),
+                     into=("bounds.current", "ahead", "behind"),
+                     clears={"bounds.current": NO_BOUNDS, "ahead": CLEARED, "behind": CLEARED}, state=State(blend=MAX)),
                 Pass("peel", "fullscreen", "methods/peel/stored_dual.frag", reads=("bounds.previous",), probes=STORED),
+                Pass("blend", "fullscreen", "methods/peel/dual_front.frag", reads=("ahead",), into=("front",),
+                     state=State(blend=BEHIND, blend_alpha=SEEN_THROUGH_BOTH)),
                 Pass("blend", "fullscreen", "methods/peel/dual_blend.frag", reads=("behind", "bounds.current"),
                      into=("back",), state=State(blend=OVER), counts=True),
             ), times="min(n // 2 + 1, ceil(layers / 2) or n // 2 + 1)"),
-            Pass("combine", "fullscreen", "methods/peel/dual_combine.frag", reads=("front.previous", "back"),
-                 into=(IMAGE,)),
+            Pass("combine", "fullscreen", "methods/peel/dual_combine.frag", reads=("front", "back"), into=(IMAGE,)),
         ),
     ),
     Method(

@@ -28,6 +28,7 @@ FAULTS = [
     ("ab-ll-bucket", "methods/list/choose.glsl", "share * float", "(1.0 - share) * float"),
     ("lin-pre", "methods/list/insert_cas32.frag", "<= fragment.x", ">= fragment.x"),
     ("kb-mdt32", "methods/mdt/store_depth.frag", "max(depth, ", "min(depth, "),
+    ("kb-mdt32", "methods/mdt/store_depth.frag", "depth > depths[", "depth < depths["),
     ("kb-ab-ll", "common/local.glsl", "fragment.x >= furthest", "fragment.x < furthest"),
     ("kplus-array", "methods/kplus/array.glsl", "worse(node, worst)", "worse(worst, node)"),
     ("kplus-array-r", "methods/kplus/store_revised.frag", "NODE(p, slot) = fragment", "NODE(p, 1u) = fragment"),

@@ -9,15 +9,23 @@ float falling(float rise, float distance_term) {
     return clamp(rise / (1e-5 + distance_term), LEAST_WEIGHT, MOST_WEIGHT);
 }
 
+float squared(float x) {
+    return x * x;
+}
+
+float cubed(float x) {
+    return x * x * x;
+}
+
 float weight(float depth, float alpha) {
     float z = mix(NEAR, FAR, depth);
 #if WEIGHT_EQ7
-    return alpha * falling(10.0, pow(z / 5.0, 2.0) + pow(z / 200.0, 6.0));
+    return alpha * falling(10.0, squared(z / 5.0) + squared(cubed(z / 200.0)));
 #elif WEIGHT_EQ8
-    return alpha * falling(10.0, pow(z / 10.0, 3.0) + pow(z / 200.0, 6.0));
+    return alpha * falling(10.0, cubed(z / 10.0) + squared(cubed(z / 200.0)));
 #elif WEIGHT_EQ9
-    return alpha * falling(0.03, pow(z / 200.0, 4.0));
+    return alpha * falling(0.03, squared(squared(z / 200.0)));
 #else
-    return alpha * max(LEAST_WEIGHT, MOST_WEIGHT * pow(1.0 - depth, 3.0));
+    return alpha * max(LEAST_WEIGHT, MOST_WEIGHT * cubed(1.0 - depth));
 #endif
 }
