@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import gc
+import importlib
 import multiprocessing
 import os
+import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
-from threading import Thread
 from typing import TypeVar
 
 from .environment import usable_cores
 
-FEWEST = 3  # items for which a process is worth its start
+GL = {"moderngl", "glcontext"}  # modules of a process that may hold a context
+FEWEST = 3  # items for which a process that is no copy is worth its start
 
 Item = TypeVar("Item")
 Outcome = TypeVar("Outcome")
@@ -20,22 +24,33 @@ def in_processes(work: Callable[[Item], Outcome], items: Sequence[Item], process
                  imports: Sequence[str] = ()) -> Iterator[Outcome]:
     """The outcome of each item in turn, by other processes; in this one where a process would have too few items.
 
-    What an item raises is raised here. The processes are no copies of this one, which may hold a GL context, but of one
-    that has imported the modules `imports`, once for all. `work`, its items and outcomes pickle.
+    What an item raises is raised here. The processes are copies of this one where it has nothing that a copy must not
+    share, and else of one that has imported the modules `imports`, once for all. `work`, its items and outcomes pickle.
     """
-    count = min(processes or usable_cores() or 1, len(items) // FEWEST)
+    copies = _copies()
+    count = min(processes or usable_cores() or 1, len(items) // (1 if copies else FEWEST))
     if count < 2:
         yield from map(work, items)
         return
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(list(imports))
-    with context.Pool(count, _watch_parent) as pool:
+    context = multiprocessing.get_context("fork" if copies else "forkserver")
+    if copies:
+        for name in imports:
+            importlib.import_module(name)
+    else:
+        context.set_forkserver_preload(list(imports))
+    with context.Pool(count, _begin) as pool:
         yield from pool.imap(work, items)
 
 
-def _watch_parent() -> None:
-    """Let a process of the pool end with the one that wants its outcomes, whose child it is not."""
-    Thread(target=_end_with_parent, daemon=True).start()
+def _copies() -> bool:
+    """Whether a copy of this process is sound: it has no other thread of Python, and no GL context."""
+    return threading.active_count() == 1 and not GL.intersection(sys.modules)
+
+
+def _begin() -> None:
+    """Let a process of the pool end with the one that wants its outcomes; what it was given is never collected."""
+    gc.freeze()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
 
 
 def _end_with_parent() -> None:

@@ -110,39 +110,54 @@ def _plot_scaled(results, look) -> None:
               "figure, in points; other texts keep their ratio to it.")
 @click.option("--dpi", type=NumberRange(30, 2400), help="Of --style: dots per inch of png, and of images in pdf.")
 @click.option("--format", "formats", metavar="F,...", callback=_formats, help="Of --style: png, svg, pdf, pgf.")
+@click.option("--force", is_flag=True, help="Draw figures again that are up to date.")
 @OUTSIDE
 def plot(folders: tuple[str, ...], together: str | None, look: str | None, width_in: float | None,
-         font_pt: float | None, dpi: float | None, formats: tuple[str, ...] | None) -> None:
-    """Draw the figures of all results at or below DIR again.
+         font_pt: float | None, dpi: float | None, formats: tuple[str, ...] | None, force: bool) -> None:
+    """Draw the figures of all results at or below DIR that are not up to date.
 
-    They go into the folders of the results, which are listed first where there are several.
+    They go into the folders of the results, which are listed first where there are several. A figure is up to date
+    where its files say that they were drawn from the same results, config, code and libraries. With --together or
+    --style all are drawn.
 
     \b
     Examples: mfr-bench plot results/nvidia-h200/smoke
               mfr-bench plot results --together results/devices
               mfr-bench plot results --style paper --width 89mm --font-size 6
     """
-    from ..report import write_all, write_together
+    from ..report import write_all
 
     results = results_below(folders)
     if look := _look(look, width_in, font_pt, dpi, formats):
         _plot_scaled(results, look)
         return
-    if together is None:
-        _announce(results)
-    notes: list[str] = []
-    for paths, damaged in write_all(results) if together is None else ():
-        if paths:
-            say("\n".join(map(str, paths)))
-        notes += damaged
     if together is not None:
-        written = write_together(results, Path(together))
-        for path in written:
-            say(path)
-        if not written:
-            note("no experiment is in more than one of these results; nothing drawn")
-    for line in notes if together is None else (line for folder in results for line in folder.damaged):
+        _plot_together(results, Path(together))
+        return
+    _announce(results)
+    notes, kept = [], 0
+    for drawn in write_all(results, force=force):
+        if drawn.paths:
+            say("\n".join(map(str, drawn.paths)))
+        notes += drawn.damaged
+        kept += drawn.kept
+    for line in notes:
         note(line)
+    if kept:
+        note(f"{kept} {'figure was' if kept == 1 else 'figures were'} up to date; --force draws all again")
+
+
+def _plot_together(results, out: Path) -> None:
+    from ..report import write_together
+
+    written = write_together(results, out)
+    for path in written:
+        say(path)
+    if not written:
+        note("no experiment is in more than one of these results; nothing drawn")
+    for folder in results:
+        for line in folder.damaged:
+            note(line)
 
 
 def _print_columns(context: click.Context, parameter: click.Parameter, asked: bool) -> None:

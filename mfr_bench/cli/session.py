@@ -249,8 +249,8 @@ class Session:
         for part in parts:
             self._write_noise_floor(part)
         with self.split.work("report"):
-            for part, (written, _) in zip(parts, write_all([part.folder for part in parts]), strict=True):
-                part.figures = written
+            for part, drawn in zip(parts, write_all([part.folder for part in parts]), strict=True):
+                part.figures = drawn.paths
 
     def _report(self, part: Part) -> list[Path]:
         from ..report import write_figures

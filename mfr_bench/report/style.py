@@ -74,6 +74,7 @@ RC = {
     "text.color": INK, "axes.labelcolor": INK, "axes.edgecolor": QUIET, "xtick.color": INK, "ytick.color": INK,
     "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6, "ytick.minor.width": 0.4,
     "xtick.minor.width": 0.4, "axes.spines.top": False, "axes.spines.right": False, "axes.axisbelow": True,
+    "axes.titley": 1.0,  # titles stand where they are put: finding a place clear of ticks lays out every tick twice
     "grid.color": RULE, "grid.linewidth": 0.5, "hatch.linewidth": 0.35, "lines.linewidth": 1.3,
     "lines.markersize": 4.5, "legend.frameon": False, "text.parse_math": False,  # a $ in a label is a $
     "svg.hashsalt": "mfr-bench", "svg.fonttype": "path", "path.simplify": False,

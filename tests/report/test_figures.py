@@ -77,7 +77,7 @@ def test_files_are_numbered_and_the_same_each_time(tmp_path):
     written = figures.write_figures(folder)
     assert [path.name for path in written] == ["a-b-c-1.png", "a-b-c-1.svg", "a-b-c-2.png", "a-b-c-2.svg"]
     before = [path.read_bytes() for path in written]
-    figures.write_figures(folder)
+    figures.write_figures(folder, force=True)
     assert [path.read_bytes() for path in written] == before
 
 

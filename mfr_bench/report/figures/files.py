@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import gc
-import io
+import importlib
 import json
 import os
 import re
 import warnings
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,32 +20,61 @@ from ...parallel import in_processes
 from ...store import ResultFolder, write_file
 from .. import data, style
 from ..data import Result
+from . import inputs
 from .build import build
 from .series import Options
-from .sheet import lacking_glyphs, styled
+from .sheet import POINTS, lacking_glyphs, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMATS: Mapping[str, Mapping[str, Any]] = {
-    "png": {"dpi": style.DPI, "metadata": {"Software": None}, "pil_kwargs": {"compress_level": 4}},
+    "png": {"dpi": style.DPI, "metadata": {"Software": None}, "pil_kwargs": {"compress_level": 3}},
     "svg": {"metadata": {"Date": None, "Creator": None}},
 }
 
 
-DRAWS = ("matplotlib.figure", "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg")  # long to import
+DRAWS = ("matplotlib.figure", f"{__package__}.canvas", "PIL.Image")  # long to import
 
 
-def write_figures(folder: ResultFolder, processes: int = 1) -> list[Path]:
+@dataclass(frozen=True)
+class Drawn:
+    """The files of a folder's figures, how many figures of them were up to date, and what could not be used."""
+
+    paths: list[Path]
+    kept: int
+    damaged: list[str]
+
+
+def write_figures(folder: ResultFolder, processes: int = 1, force: bool = False) -> list[Path]:
     """Write figures/<name>.png and .svg, numbered where there are several. Raises StoreError.
 
-    Files of this experiment's name that an earlier config left there are removed. With 2 `processes`
+    A figure whose files bear the digest of all that it is drawn from is left as it is, unless `force` says otherwise;
+    see `inputs`. Files of this experiment's name that an earlier config left there are removed. With 2 `processes`
     a forked child draws every other figure; not where the process holds a GL context.
     """
-    result, target = data.load(folder), folder.path / "figures"
-    written = _draw_all(result, target, processes)
-    _remove_others(target, {path.stem for path in written}, file_name(result.name))
-    return written
+    return _drawn(folder, processes, force).paths
+
+
+def _drawn(folder: ResultFolder, processes: int = 1, force: bool = False) -> Drawn:
+    planned = Result(folder, folder.manifest(), ())
+    stems, target = _stems(planned), folder.path / "figures"
+    marks = inputs.marks(folder, stems) if stems else []
+    due = [force or not _current(stem, mark) for stem, mark in zip(stems, marks, strict=True)]
+    if any(due):
+        result = data.load(folder)
+        tasks = zip(stems, result.figures, marks, strict=True)
+        _draw_all(result, [task for task, wanted in zip(tasks, due, strict=True) if wanted], processes)
+    _remove_others(target, {stem.name for stem in stems}, file_name(planned.name))
+    return Drawn(_files(stems), due.count(False), folder.damaged)
+
+
+def _current(stem: Path, mark: str) -> bool:
+    return all(inputs.current(path, mark) for path in _files([stem]))
+
+
+def _files(stems: Iterable[Path]) -> list[Path]:
+    return [stem.with_name(f"{stem.name}.{suffix}") for stem in stems for suffix in FORMATS]
 
 
 def _remove_others(target: Path, stems: Collection[str], name: str) -> None:
@@ -55,22 +85,44 @@ def _remove_others(target: Path, stems: Collection[str], name: str) -> None:
             path.unlink(missing_ok=True)
 
 
-def write_all(folders: Sequence[ResultFolder],
-              processes: int | None = None) -> Iterator[tuple[list[Path], list[str]]]:
-    """Writes the figures of each folder; returns their files, and what could not be used. Raises StoreError.
+def write_all(folders: Sequence[ResultFolder], processes: int | None = None, force: bool = False) -> Iterator[Drawn]:
+    """Write the figures of each folder that are not up to date, all with `force`; see `write_figures`.
 
-    Forked processes draw a folder each, as many at a time as there are cores; not where the process holds a GL context.
+    Other processes draw a folder each, as many at a time as there are cores, those with the most cells first. Where
+    none has a file without a mark, what is up to date is found out here.
     """
     count = min(processes or usable_cores() or 1, len(folders))
-    if count < 2:
-        yield from ((write_figures(folder, processes=2), folder.damaged) for folder in folders)
+    known = [None if force or not _marked(folder) else _if_current(folder) for folder in folders]
+    due = sorted((i for i, found in enumerate(known) if found is None), key=lambda i: -_size(folders[i]))
+    if min(count, len(due)) < 2:
+        yield from (found or _drawn(folder, 2, force) for found, folder in zip(known, folders, strict=True))
         return
-    yield from in_processes(_written, folders, count, DRAWS)
+    drawn = in_processes(partial(_drawn, force=force), [folders[i] for i in due], count, DRAWS)
+    at = 0
+    for i, found in zip(due, drawn, strict=True):
+        known[i] = found
+        while at < len(known) and (found := known[at]):
+            yield found
+            at += 1
+    yield from filter(None, known[at:])
 
 
-def _written(folder: ResultFolder) -> tuple[list[Path], list[str]]:
-    paths = write_figures(folder)
-    return paths, folder.damaged
+def _marked(folder: ResultFolder) -> bool:
+    """Whether each figure's files bear a mark, of whatever inputs."""
+    return all(inputs.mark_of(path) for path in _files(_stems(Result(folder, folder.manifest(), ()))))
+
+
+def _if_current(folder: ResultFolder) -> Drawn | None:
+    """The figures of a folder, where none is due."""
+    stems = _stems(Result(folder, folder.manifest(), ()))
+    if all(map(_current, stems, inputs.marks(folder, stems))):
+        return Drawn(_files(stems), len(stems), folder.damaged)
+    return None
+
+
+def _size(folder: ResultFolder) -> int:
+    manifest = folder.manifest()
+    return len(manifest.get("cells") or ()) * len(manifest.get("figures") or ())
 
 
 MOST_PANELS = 24  # devices of which each has a panel
@@ -90,7 +142,10 @@ def write_panels(folders: Sequence[ResultFolder], target: Path) -> list[Path]:
         source = dict(result.manifest.get("source") or {})
         source["readings"] = [said, *(source.get("readings") or ())]
         result = replace(result, manifest={**result.manifest, "source": source})
-    return _draw_all(_by_device(result), target, 1)
+    joined = _by_device(result)
+    stems = _stems(joined, target)
+    _draw_all(joined, [(stem, options, "") for stem, options in zip(stems, joined.figures, strict=True)], 1)
+    return _files(stems)
 
 
 def evenly(order: Sequence[Any], most: int) -> list[Any]:
@@ -102,12 +157,16 @@ def evenly(order: Sequence[Any], most: int) -> list[Any]:
 
 def figure_paths(result: Result) -> list[Path]:
     """The path of the PNG file of each of the result's figures, in their order, whether or not it is there."""
-    return [stem.with_name(f"{stem.name}.png") for stem in _stems(result, result.folder.path / "figures")]
+    return [stem.with_name(f"{stem.name}.png") for stem in _stems(result)]
 
 
-def _stems(result: Result, target: Path) -> list[Path]:
-    """The files of the result's figures without their endings: numbered where there are several."""
+def _stems(result: Result, target: Path | None = None) -> list[Path]:
+    """The files of the result's figures without their endings: numbered where there are several.
+
+    target: their folder, by default the one that belongs to the result.
+    """
     name, several = file_name(result.name), len(result.figures) > 1
+    target = target or result.folder.path / "figures"
     return [target / (f"{name}-{i}" if several else name) for i in range(1, len(result.figures) + 1)]
 
 
@@ -122,31 +181,33 @@ def _by_device(result: Result) -> Result:
     return replace(result, manifest={**result.manifest, "figures": panelled})
 
 
-def _draw_all(result: Result, target: Path, processes: int) -> list[Path]:
-    if not result.figures:
-        return []  # before matplotlib is imported
-    several = len(result.figures) > 1
-    if any(options.get("kind") == "maps" for options in result.figures):
+Task = tuple[Path, Options, str]  # a figure's files without their endings, its entry in the config, and its mark
+
+
+def _draw_all(result: Result, tasks: Sequence[Task], processes: int) -> None:
+    if not tasks:
+        return  # before matplotlib is imported
+    if any(options.get("kind") == "maps" for _, options, _ in tasks):
         for point in result.points:  # read here, to report unreadable files; a forked child's warnings are lost
             _ = point.arrays
-    tasks = list(zip(_stems(result, target), result.figures, strict=True))
-    with _uncollected(), _boxes_told(result):
-        if processes > 1 and several:
+    unmarked = result.folder.damaged or _boxes_told(result)
+    tasks = [(stem, options, "" if unmarked else mark) for stem, options, mark in tasks]
+    with _uncollected():
+        if processes > 1 and len(tasks) > 1:
             _write_shared(result, tasks)
         else:
             _write(result, tasks)
-    return [path.with_name(f"{path.name}.{suffix}") for path, _ in tasks for suffix in FORMATS]
 
 
-def _write(result: Result, tasks: Iterable[tuple[Path, Options]]) -> None:
-    for path, options in tasks:
-        for suffix, content in render(build(result, options)).items():
-            write_file(path.with_name(f"{path.name}.{suffix}"), content)
+def _write(result: Result, tasks: Iterable[Task]) -> None:
+    for stem, options, mark in tasks:
+        for suffix, content in render(build(result, options), mark).items():
+            write_file(stem.with_name(f"{stem.name}.{suffix}"), content)
 
 
-def _write_shared(result: Result, tasks: Sequence[tuple[Path, Options]]) -> None:
-    from matplotlib.backends import backend_agg, backend_svg  # noqa: F401  loaded once, for both
-
+def _write_shared(result: Result, tasks: Sequence[Task]) -> None:
+    for name in DRAWS:
+        importlib.import_module(name)  # once, for both
     child = os.fork()
     if child == 0:
         try:
@@ -159,17 +220,14 @@ def _write_shared(result: Result, tasks: Sequence[tuple[Path, Options]]) -> None
         _write(result, tasks[1::2])  # raises the child's error here
 
 
-@contextmanager
-def _boxes_told(result: Result):
-    """Warn once of the characters that the figures' font lacks, instead of each time that one is drawn."""
+def _boxes_told(result: Result) -> bool:
+    """Warn of the characters that the figures' font lacks; whether there are any."""
     texts = [str(result.manifest.get("title")), *(point.label for point in result.points),
              json.dumps(result.figures, ensure_ascii=False)]
     if lacking := lacking_glyphs("".join(texts)):
         warnings.warn(f"{result.name}: the font of the figures lacks {' '.join(lacking)}; boxes stand for them",
                       stacklevel=2)
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Glyph .* missing from")
-        yield
+    return bool(lacking)
 
 
 @contextmanager
@@ -184,12 +242,15 @@ def _uncollected():
             gc.enable()
 
 
-def render(figure: Figure) -> dict[str, bytes]:
-    """The figure as file contents by suffix. Nothing in them depends on when or where they were made."""
-    contents = {}
+def render(figure: Figure, mark: str = "") -> dict[str, bytes]:
+    """The figure as file contents by suffix, which bear the mark of its inputs, see `inputs`.
+
+    Nothing in them depends on when or where they were made. The figure is laid out and drawn once.
+    """
+    from .canvas import PngAndSvg
+
+    figure.dpi = POINTS
     with styled():
-        for suffix, options in FORMATS.items():
-            file = io.BytesIO()
-            figure.savefig(file, format=suffix, **options)
-            contents[suffix] = file.getvalue()
-    return contents
+        both = PngAndSvg(figure, style.DPI, mark)
+        figure.draw(both)
+        return {"png": both.png(), "svg": both.svg()}

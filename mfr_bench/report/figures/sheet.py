@@ -13,12 +13,14 @@ from ...environment import draws_in_software
 from ...store.columns import COLUMNS, names
 from .. import printed, style
 from ..data import Result
+from .glyphs import EM, Face, face_of
 from .series import Options
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+POINTS = 72  # per inch
 LEFT, RIGHT, EDGE = 0.76, 0.08, 0.07  # room for y labels; at the right; around text
 HINTING = 1.03  # glyphs fitted to a screen's pixels are up to this much wider than their outlines
 ERROR_ARRAYS = ("error", "loss", "max_abs_error", "wrong_pixels")
@@ -52,17 +54,15 @@ def _register_fonts() -> None:
 
 def text_width(text: str, points: float, weight: str = "normal") -> float:
     """Width of one line of text."""
-    return _width_per_point(text, weight) * points / 72
+    return HINTING * _face(weight).setting(text).width / EM * points / POINTS
 
 
 @cache
-def _width_per_point(text: str, weight: str) -> float:
+def _face(weight: str) -> Face:
     from matplotlib.font_manager import FontProperties
-    from matplotlib.textpath import text_to_path
 
     _register_fonts()
-    font = FontProperties(family=style.RC["font.family"], weight=weight, size=100)
-    return HINTING * text_to_path.get_text_width_height_descent(text, font, False)[0] / 100
+    return face_of(FontProperties(family=style.RC["font.family"], weight=weight))
 
 
 def lacking_glyphs(text: str) -> list[str]:

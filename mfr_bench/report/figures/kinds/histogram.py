@@ -93,8 +93,8 @@ def _told(result: Result, point: Point) -> str:
 
 
 def _draw(axes: Axes, panel: Panel) -> None:
-    depths = range(1, len(panel.pixels))
-    axes.bar(list(depths), panel.pixels[1:], width=1.0, color=style.HISTOGRAM, linewidth=0, zorder=2)
+    edges = [depth - 0.5 for depth in range(1, len(panel.pixels) + 1)]
+    axes.stairs(panel.pixels[1:], edges, fill=True, color=style.HISTOGRAM, linewidth=0, zorder=2)
     axes.set_title(panel.heading, loc="left")
     by_k: dict[int, list[str]] = {}
     for words, k in panel.chosen:

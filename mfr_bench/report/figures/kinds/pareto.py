@@ -6,7 +6,8 @@ import math
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 from ....store.columns import COLUMNS, DERIVED, names
 from ... import data, style
@@ -79,11 +80,12 @@ class FrontierChart:
     def y(self) -> str:
         return self.options["y"]
 
-    @property
+    @cached_property
     def labels(self) -> list[str]:
         """Labels of the points on any frontier, in the order of methods in the config."""
-        return list(self._members())
+        return list(self._members)
 
+    @cached_property
     def _members(self) -> dict[str, Point]:
         on = {p.label: p for place in self.places for p in place.frontier(self.x, self.y)}
         return {p.label: on[p.label] for place in self.places for p in place.points if p.label in on}
@@ -92,8 +94,11 @@ class FrontierChart:
         frontier = place.frontier(self.x, self.y)
         on = {p.cell["key"] for p in frontier}
         shown = [p for p in place.points if p.measure(self.x)[1] and p.measure(self.y)[1] is not None]
+        self._faded(axes, [p for p in shown if p.cell["key"] not in on])
         for p in shown:
-            self._mark(axes, p, faded=p.cell["key"] not in on)
+            if p.cell["key"] in on:
+                axes.plot([p.measure(self.x)[1]], [self._error(p)], zorder=3, **self._look(p))
+        self._intervals(axes, [p for p in shown if p.cell["key"] in on], zorder=3)
         if frontier:
             axes.step([p.measure(self.x)[1] for p in frontier], [self._error(p) for p in frontier], where="post",
                       color=style.INK, linewidth=0.9, zorder=2.5)
@@ -101,15 +106,27 @@ class FrontierChart:
     def _error(self, point: Point) -> float:
         return max(LEAST, point.measure(self.y)[1])
 
-    def _mark(self, axes: Axes, point: Point, faded: bool) -> None:
-        low, middle, high = point.measure(self.x)
-        ends = None if low is None or high is None else ([middle - low], [high - middle])
-        axes.errorbar([middle], [self._error(point)], xerr=ends, fmt="o" if faded else self._marker(point.label),
-                      markersize=3.2 if faded else 4.8, color=style.method_colour(point.method), elinewidth=0.7,
-                      alpha=FADED if faded else 1.0, markeredgewidth=0.6 if faded else 0.4,
-                      markeredgecolor=style.method_colour(point.method) if faded else "white",
-                      markerfacecolor="none" if faded else style.method_colour(point.method),
-                      zorder=1.5 if faded else 3)
+    def _faded(self, axes: Axes, points: Sequence[Point]) -> None:
+        """Points on no frontier, hundreds of them in a figure: one artist for all."""
+        if points:
+            axes.scatter([p.measure(self.x)[1] for p in points], [self._error(p) for p in points], s=3.2**2,
+                         facecolors="none", edgecolors=[style.method_colour(p.method) for p in points], linewidths=0.6,
+                         alpha=FADED, zorder=1.5)
+            self._intervals(axes, points, alpha=FADED, zorder=1.5)
+
+    def _intervals(self, axes: Axes, points: Sequence[Point], **look: Any) -> None:
+        """The intervals of the points that have one."""
+        known = [(p, *p.measure(self.x)) for p in points]
+        known = [(p, low, high) for p, low, _, high in known if low is not None and high is not None]
+        if known:
+            axes.hlines([self._error(p) for p, _, _ in known], [low for _, low, _ in known],
+                        [high for _, _, high in known], colors=[style.method_colour(p.method) for p, _, _ in known],
+                        linewidths=0.7, **look)
+
+    def _look(self, point: Point) -> dict[str, Any]:
+        """The mark of a point on a frontier."""
+        return {"linestyle": "", "marker": self._marker(point.label), "color": style.method_colour(point.method),
+                "markersize": 4.8, "markeredgecolor": "white", "markeredgewidth": 0.4, "label": point.label}
 
     def _marker(self, label: str) -> str:
         return style.MARKERS[self.labels.index(label) % len(style.MARKERS)]
@@ -127,9 +144,7 @@ class FrontierChart:
     def handles(self) -> Sequence:
         from matplotlib.lines import Line2D
 
-        named = [Line2D([], [], linestyle="", marker=self._marker(label), color=style.method_colour(p.method),
-                        markersize=4.8, markeredgecolor="white", markeredgewidth=0.4, label=label)
-                 for label, p in self._members().items()]
+        named = [Line2D([], [], **self._look(point)) for point in self._members.values()]
         return [*named, Line2D([], [], linestyle="", marker="o", markersize=3.2, color=style.QUIET, alpha=FADED,
                                markerfacecolor="none", markeredgewidth=0.6,
                                label="on no frontier")]
