@@ -61,7 +61,7 @@ def _drawn(folder: ResultFolder, processes: int = 1, force: bool = False) -> Dra
     stems, target = _stems(planned), folder.path / "figures"
     marks = inputs.marks(folder, stems) if stems else []
     due = [force or not _current(stem, mark) for stem, mark in zip(stems, marks, strict=True)]
-    if any(due):
+    if any(due) or not due:  # without figures too: what could not be used is told
         result = data.load(folder)
         tasks = zip(stems, result.figures, marks, strict=True)
         _draw_all(result, [task for task, wanted in zip(tasks, due, strict=True) if wanted], processes)
@@ -115,7 +115,7 @@ def _marked(folder: ResultFolder) -> bool:
 def _if_current(folder: ResultFolder) -> Drawn | None:
     """The figures of a folder, where none is due."""
     stems = _stems(Result(folder, folder.manifest(), ()))
-    if all(map(_current, stems, inputs.marks(folder, stems))):
+    if stems and all(map(_current, stems, inputs.marks(folder, stems))):
         return Drawn(_files(stems), len(stems), folder.damaged)
     return None
 
