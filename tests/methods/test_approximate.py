@@ -180,7 +180,7 @@ FAULTS = [
     ("hybrid 4", "methods/hybrid/store.frag", "tail_count[p] += 1u", "tail_count[p] = 1u"),
     ("aoit 3", "methods/visibility/compress.glsl", "area < least", "area > least - 2.0"),
     ("aoit 6", "methods/visibility/nodes.glsl", "node.x >= depth", "node.x > depth"),
-    ("mboit 4", "methods/moments/reconstruct.glsl", "support[i] < z", "support[i] > z"),
+    ("mboit 4", "methods/moments/reconstruct.glsl", "lessThan(support.yz,", "greaterThan(support.yz,"),
     ("mboit 6", "methods/moments/roots.glsl", "c[2] + middle * u", "c[2]"),
     ("mboit 4", "methods/moments/store.frag", "term *= z * z", "term *= z"),
 ]

@@ -7,12 +7,21 @@
 // Source: Muenstermann et al. 2018, §3.2; kernel and weights: Christoffel function, Krein and Nudelman 1977.
 #include "methods/moments/roots.glsl"
 
-const int SIDE = MOMENTS / 2 + 1;
 const float SHARE = 0.25;
 const float LEAST_PIVOT = 1e-9;
 
-// Factors of B = L D L^T: L, which has a unit diagonal, and D.
-float lower[SIDE * SIDE], pivot[SIDE];
+// The depth, and the other support points.
+#if MOMENTS == 4
+#define SUPPORT vec3
+#else
+#define SUPPORT vec4
+#endif
+
+// Factors of B = L D L^T: L, which has a unit diagonal, and D, of which the first element is 1.
+float l10, l20, l21, d1, d2;
+#if MOMENTS == 6
+float l30, l31, l32, d3;
+#endif
 
 // Moves the moments by `bias` towards those of a spread-out measure, so that B stays positive definite in float32. The
 // values are those of the paper for single precision.
@@ -28,40 +37,42 @@ void biased(inout float moment[MOMENTS + 1]) {
 }
 
 void factorize(float moment[MOMENTS + 1]) {
-    for (int j = 0; j < SIDE; ++j) {
-        for (int i = j; i < SIDE; ++i) {
-            float entry = moment[i + j];
-            for (int k = 0; k < j; ++k) entry -= lower[i * SIDE + k] * lower[j * SIDE + k] * pivot[k];
-            if (i == j) pivot[j] = max(entry, LEAST_PIVOT);
-            else lower[i * SIDE + j] = entry / pivot[j];
-        }
-    }
+    l10 = moment[1];
+    l20 = moment[2];
+    d1 = max(moment[2] - l10 * l10, LEAST_PIVOT);
+    l21 = (moment[3] - l20 * l10) / d1;
+    d2 = max(moment[4] - l20 * l20 - l21 * l21 * d1, LEAST_PIVOT);
+#if MOMENTS == 6
+    l30 = moment[3];
+    l31 = (moment[4] - l30 * l10) / d1;
+    l32 = (moment[5] - l30 * l20 - l31 * l21 * d1) / d2;
+    d3 = max(moment[6] - l30 * l30 - l31 * l31 * d1 - l32 * l32 * d2, LEAST_PIVOT);
+#endif
 }
 
-// Solves L y = v(x).
-float[SIDE] forward(float x) {
-    float y[SIDE], power = 1.0;
-    for (int i = 0; i < SIDE; ++i) {
-        y[i] = power;
-        for (int k = 0; k < i; ++k) y[i] -= lower[i * SIDE + k] * y[k];
-        power *= x;
-    }
-    return y;
-}
-
-float weight_at(float x) {
-    float y[SIDE] = forward(x), kernel = 0.0;
-    for (int i = 0; i < SIDE; ++i) kernel += y[i] * y[i] / pivot[i];
+// 1 / K(x, x) of each point, by L y = v(x).
+SUPPORT weights_at(SUPPORT x) {
+    SUPPORT y1 = x - l10, y2 = x * x - l20 - l21 * y1;
+    SUPPORT kernel = 1.0 + y1 * y1 / d1 + y2 * y2 / d2;
+#if MOMENTS == 6
+    SUPPORT y3 = x * x * x - l30 - l31 * y1 - l32 * y2;
+    kernel += y3 * y3 / d3;
+#endif
     return 1.0 / kernel;
 }
 
 // Solves B c = v(z): c are the coefficients of K(x, z) as a polynomial in x.
-float[SIDE] kernel_at(float z) {
-    float c[SIDE] = forward(z);
-    for (int i = 0; i < SIDE; ++i) c[i] /= pivot[i];
-    for (int i = SIDE - 1; i >= 0; --i)
-        for (int k = i + 1; k < SIDE; ++k) c[i] -= lower[k * SIDE + i] * c[k];
-    return c;
+SUPPORT kernel_at(float z) {
+    float y1 = z - l10, y2 = z * z - l20 - l21 * y1;
+#if MOMENTS == 6
+    float c3 = (z * z * z - l30 - l31 * y1 - l32 * y2) / d3;
+    float c2 = y2 / d2 - l32 * c3;
+    float c1 = y1 / d1 - l21 * c2 - l31 * c3;
+    return vec4(1.0 - l10 * c1 - l20 * c2 - l30 * c3, c1, c2, c3);
+#else
+    float c2 = y2 / d2, c1 = y1 / d1 - l21 * c2;
+    return vec3(1.0 - l10 * c1 - l20 * c2, c1, c2);
+#endif
 }
 
 // `moment` are the moments of the absorbance over depth; the 0th is the total absorbance.
@@ -70,14 +81,12 @@ float absorbance_before(float z, float moment[MOMENTS + 1]) {
     for (int i = 0; i <= MOMENTS; ++i) moment[i] /= total;
     biased(moment);
     factorize(moment);
-    float c[SIDE] = kernel_at(z);
 #if MOMENTS == 4
-    vec2 support = quadratic_roots(vec3(c[0], c[1], c[2]));
+    SUPPORT support = vec3(z, quadratic_roots(kernel_at(z)));
+    vec2 before = vec2(lessThan(support.yz, vec2(z)));
 #else
-    vec3 support = cubic_roots(vec4(c[0], c[1], c[2], c[3]));
+    SUPPORT support = vec4(z, cubic_roots(kernel_at(z)));
+    vec3 before = vec3(lessThan(support.yzw, vec3(z)));
 #endif
-    float part = SHARE * weight_at(z);
-    for (int i = 0; i < MOMENTS / 2; ++i)
-        if (support[i] < z) part += weight_at(support[i]);
-    return total * clamp(part, 0.0, 1.0);
+    return total * clamp(dot(weights_at(support), SUPPORT(SHARE, before)), 0.0, 1.0);
 }
