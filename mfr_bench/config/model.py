@@ -78,6 +78,11 @@ class Measure(_Plain):
                 if name not in ("wait_s", "eliminate", "max_error") or value}
 
     @property
+    def single(self) -> bool:
+        """Whether one sample is all that is asked for: images are what counts, and no time has an interval."""
+        return self.max_samples == 1
+
+    @property
     def longest_s(self) -> float:
         """Seconds after which a cell is ended, whatever it does."""
         return self.hard_limit_s or ALLOWANCE_S + LIMITS_LONG * self.time_limit_s

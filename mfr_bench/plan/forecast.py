@@ -24,7 +24,7 @@ from .expected import expected_stats
 MEASURED, ALIKE, CALIBRATED = "measured here", "from the same method elsewhere", "by calibration alone"
 OWN = (MEASURED, IN_HAND := "by its samples so far")  # sources that know how much the cell's frames scatter
 
-PASS_FRAMES = 7  # whose passes are timed
+PASS_FRAMES = 7  # whose passes are timed, where a time is told with an interval
 PASS_SHARE = 0.25  # of the time limit, at most, that they take
 FIRST_FRAMES = 1.4  # until a cell is prepared, beside what is compiled
 OTHER_FRAMES = 2  # last check, counted fragments
@@ -265,12 +265,22 @@ def parts_s(frame: FrameTime, measure: Measure) -> tuple[float, float]:
                             for samples in (samples_wanted(frame, measure), measure.max_samples))
     if frame.source not in OWN:
         sampled_s += UNSTEADY * (longest_s - sampled_s)
-    passes_s = min(PASS_FRAMES * frame_s, PASS_SHARE * measure.time_limit_s + frame_s)
+    passes_s = min(pass_frames(measure) * frame_s, PASS_SHARE * measure.time_limit_s + frame_s)
     return sampled_s, passes_s + OTHER_FRAMES * frame_s
 
 
+def pass_frames(measure: Measure) -> int:
+    """Frames of a cell whose passes are timed: one beside a single sample."""
+    return 1 if measure.single else PASS_FRAMES
+
+
 def warmup_s(frame_s: float, measure: Measure) -> float:
-    """Seconds of frames that warm a cell up and settle: short ones are seldom alike at once."""
+    """Seconds of frames that warm a cell up and settle: short ones are seldom alike at once.
+
+    A single frame warms up for a single sample.
+    """
+    if measure.single:
+        return frame_s
     frame_ms = max(0.01, 1e3 * frame_s)
     warming = min(MOST_WARMUP, max(LEAST_WARMUP, WARMUP_MS / frame_ms**WARMUP_POWER))
     frames = warming + SETTLING * (frame_ms < SETTLED_MS)

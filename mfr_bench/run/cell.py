@@ -12,9 +12,10 @@ from ..gpu.frame import Frame
 from ..gpu.timers import repeats_for, undisturbed_ms
 from ..gpu.work import work_of
 from ..measure.sampling import Sampler
+from ..measure.watch import Unwatched
 from ..methods.spec import Fitted
 from ..oracle import twochannel
-from ..plan.forecast import PASS_FRAMES, PASS_SHARE
+from ..plan.forecast import PASS_SHARE, pass_frames
 from ..stats import interleaved_ratio
 from ..store.journal import Partial
 from .bench import Bench, Phases
@@ -46,6 +47,7 @@ class CellWork:
         self.bench, self.scene, self.job, self.fitted, self.variant = bench, scene, job, fitted, fitted.variant
         self.sampler = Sampler(job.cell.measure)
         self.sampler.resume(partial.samples_ms)
+        self._watch = Unwatched() if job.cell.measure.single else bench.watch
         self._pair: tuple[Sampler, ...] = ()  # an A/A pair: the same twice more, for the noise floor
         self.passes = {name: list(times_ms) for name, times_ms in partial.passes.items()}
         self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
@@ -53,7 +55,7 @@ class CellWork:
         self.done = False  # nothing more is drawn for it
         self.postponed = False  # the last turn is to be taken again: the device was slower
         self.repeats = 1  # frames in a sample
-        self.pass_frames = PASS_FRAMES  # frames whose passes are timed
+        self.pass_frames = pass_frames(job.cell.measure)  # frames whose passes are timed
         self._emitted = len(self.sampler.samples_ms)  # samples already sent
         self._phases = Phases(bench, job.key)
         self.frame = self._drawn()
@@ -113,7 +115,7 @@ class CellWork:
     def batch(self, sampler: Sampler) -> None:
         """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed."""
         self._phases.begin("sampling")
-        first, watch = len(sampler.samples_ms), self.bench.watch
+        first, watch = len(sampler.samples_ms), self._watch
         with self.bench.paused():
             with self.bench.split.work("reference"), watch.turn() as turn:
                 for _ in sampler.turn():
@@ -132,14 +134,14 @@ class CellWork:
     def wait(self) -> None:
         """Wait until the device is as fast as usual, which counts as no time of the method."""
         with self._phases.apart(WAIT), self.bench.paused():
-            self.bench.watch.wait(self.sampler.measure.wait_s, self.bench.stop_if_asked)
+            self._watch.wait(self.sampler.measure.wait_s, self.bench.stop_if_asked)
 
     def take_again(self) -> bool:
         """Take samples back that were taken while the device was slower than its best, which later turns have shown.
 
         Whether there were any, and time to take them again.
         """
-        watch, sampler, earlier = self.bench.watch, self.sampler, len(self.sampler.samples_ms) - len(self.references_ms)
+        watch, sampler, earlier = self._watch, self.sampler, len(self.sampler.samples_ms) - len(self.references_ms)
         slow = [earlier + number for number, ms in enumerate(self.references_ms) if watch.slower(ms)]
         if not slow or not watch.again(sum(sampler.samples_ms[number] for number in slow) / 1e3,
                                        sampler.measure.wait_s):

@@ -159,7 +159,7 @@ class Measuring:
 
     def _look(self, job: Job) -> None:
         """Look at the reference frame, so that its best is known before the first turn that it is compared with."""
-        if not job.cell.measure.eliminate:
+        if not (job.cell.measure.eliminate or job.cell.measure.single):
             with self.bench.split.work("reference"):
                 self.bench.watch.look()
 

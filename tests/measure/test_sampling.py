@@ -52,6 +52,12 @@ def test_warm_up_takes_no_more_than_its_share_of_the_time():
     assert sampler.stop_reason == "time limit"
 
 
+def test_a_single_sample_follows_one_frame_of_warm_up():
+    """Whoever asks for one sample asks for images: frames that still get faster are not waited for."""
+    sampler = fed(Sampler(Measure(max_samples=1, min_samples=1)), [9.0, 5.0, 3.0, *[1.0] * 40])
+    assert (sampler.warmup_ms, sampler.samples_ms, sampler.stop_reason) == ([9.0], [5.0], "most samples")
+
+
 def test_one_stalled_frame_does_not_stand_for_a_cell():
     """Frames of 0.2 ms, the first sample stalled beyond the time limit: two more outvote it."""
     sampler = fed(Sampler(Measure(time_limit_s=0.05)), [0.2, 0.2, 50.6, *[0.2] * 9])
