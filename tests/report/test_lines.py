@@ -148,3 +148,20 @@ def test_measures_by_memory(tmp_path):
 def test_a_config_may_draw_every_derived_measure():
     assert set(data.MEASURES) >= set(columns.MEASURED)
     assert {"fps", "floor_ratio", "ms_per_mib", "fps_per_mib", "words_per_pixel"} <= set(columns.MEASURED)
+
+
+def test_what_is_not_drawn_is_named_once_whatever_the_panels_that_lack_it(tmp_path):
+    lacking = {("A", 16, 8), ("A", 64, 8), ("B", 16, 8), ("B", 64, 8), ("C", 4, 8)}
+    cells = [cell("kb", label, None if (label, k, n) in lacking else 2.0, scene={"depth_complexity": n},
+                  params={"k": k}, point={"k": k, "scene.depth_complexity": n},
+                  **({"status": "unsupported", "reason": "needs x"} if (label, k, n) in lacking else {}))
+             for label in "ABC" for k in (4, 16, 64) for n in ((8,) if label != "C" else (8, 16))]
+    texts = " ".join(all_texts(built(tmp_path, cells, LINES | {"panels": "k"}))).replace("\n", " ")
+    assert "Not drawn: A, B: unsupported at k = 16, 64; C: unsupported at k = 4, n = 8." in texts
+
+
+def test_ticks_write_thousands_as_logarithmic_axes_do(tmp_path):
+    cells = [cell("kb", "KB", 2.0, scene={"depth_complexity": n}, point={"scene.depth_complexity": n})
+             for n in (8, 1024, 24500)]
+    axes, = built(tmp_path, cells, LINES).axes
+    assert [t.get_text() for t in axes.get_xticklabels()] == ["8", "1,024", "24,500"]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import math
+import struct
+import zlib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +24,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.font_manager import FontProperties
 
-LEVEL = 3  # of zlib: the smallest files of figures, and a fifth less time than 4
+INCH_M = 0.0254
+PNG_SIGNATURE, PNG_RGB, PNG_METRES = b"\x89PNG\r\n\x1a\n", 2, 1
+LEVEL = 3  # of zlib. Figures take 11 ms, and 0.84 of Pillow's bytes, which tries five filters on each row in 19 ms
 NEAR = 1e-6
 
 
@@ -56,15 +60,16 @@ class PngAndSvg(RendererBase):
 
     def png(self) -> bytes:
         """The PNG file, without the transparency that no figure has."""
-        from PIL import Image
-        from PIL.PngImagePlugin import PngInfo
-
-        pixels, content, texts = np.asarray(self._image.buffer_rgba()), io.BytesIO(), PngInfo()
-        if self._mark:
-            texts.add_text("Source", self._mark)
-        image = Image.frombuffer("RGBA", pixels.shape[1::-1], pixels, "raw", "RGBA", 0, 1).convert("RGB")
-        image.save(content, "png", compress_level=LEVEL, dpi=(self._dpi, self._dpi), pnginfo=texts)
-        return content.getvalue()
+        pixels = np.asarray(self._image.buffer_rgba())
+        height, width, _ = pixels.shape
+        rows = np.zeros((height, 1 + 3 * width), np.uint8)  # before each row of pixels its filter: none
+        rows[:, 1:] = pixels[:, :, :3].reshape(height, 3 * width)
+        per_metre = round(self._dpi / INCH_M)
+        return b"".join((
+            PNG_SIGNATURE, _chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, PNG_RGB, 0, 0, 0)),
+            _chunk(b"pHYs", struct.pack(">2IB", per_metre, per_metre, PNG_METRES)),
+            _chunk(b"tEXt", b"Source\0" + self._mark.encode()) if self._mark else b"",
+            _chunk(b"IDAT", zlib.compress(rows, LEVEL)), _chunk(b"IEND", b"")))
 
     # --- what is asked of a renderer -------------------------------------------------------------
 
@@ -111,6 +116,10 @@ class PngAndSvg(RendererBase):
         self._image.draw_image(self._scaled(gc), x * self._scale, y * self._scale, im)
 
     # --- text ------------------------------------------------------------------------------------
+
+    def _get_font_height_metrics(self, prop):
+        """Ascent, descent and gap between lines, in points; without it, matplotlib 3.11 reads them for each text."""
+        return tuple(height * prop.get_size_in_points() for height in face_of(prop).heights)
 
     def get_text_width_height_descent(self, s, prop, ismath):
         found, scale = face_of(prop).setting(s), prop.get_size_in_points() / EM
@@ -177,3 +186,8 @@ class PngAndSvg(RendererBase):
         if path is not None:
             scaled.set_clip_path(TransformedPath(path, self._pixels(transform)))
         return scaled
+
+
+def _chunk(kind: bytes, content: bytes) -> bytes:
+    """A part of a PNG file: its length, kind, content and checksum."""
+    return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))

@@ -34,7 +34,7 @@ FORMATS: Mapping[str, Mapping[str, Any]] = {
 }
 
 
-DRAWS = ("matplotlib.figure", f"{__package__}.canvas", "PIL.Image")  # long to import
+DRAWS = ("matplotlib.figure", f"{__package__}.canvas")  # long to import
 
 
 @dataclass(frozen=True)

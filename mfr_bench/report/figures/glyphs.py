@@ -75,6 +75,12 @@ class Face:
         self._glyphs: dict[str, Glyph] = {}
         self._pairs: dict[tuple[str, str], float] = {}
 
+    @cached_property
+    def heights(self) -> tuple[float, float, float]:
+        """Ascent, descent and gap between lines, at a type size of 1, as the font has them for typesetting."""
+        table, unit = self._font.get_sfnt_table("OS/2"), self._font.get_sfnt_table("head")["unitsPerEm"]
+        return table["sTypoAscender"] / unit, -table["sTypoDescender"] / unit, table["sTypoLineGap"] / unit
+
     def setting(self, text: str) -> Setting:
         """A line of text, set word by word."""
         if any(unicodedata.bidirectional(c) in SHAPED for c in text if ord(c) > 0x2ff):

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .. import style
+from ..data import plain
 from .series import Options
 from .sheet import EDGE, fitted
 
@@ -25,6 +26,11 @@ def log_axis(axes: Axes, which: str, base: int) -> None:
     low, high = getattr(axes, f"get_{which}lim")()
     if base == 10 and (high / low < 40 or _powers_of_ten(low, high) < 2):  # one tick gives no scale: 1, 2, 5, 10
         axis.set_major_locator(LogLocator(base=10, subs=(1, 2, 5), numticks=12))
+
+
+def tick(value: Any) -> str:
+    """A coordinate as the text of a tick, as those of a logarithmic axis: 24,500."""
+    return f"{value:,}" if type(value) is int else plain(value)
 
 
 def _powers_of_ten(low: float, high: float) -> int:

@@ -121,25 +121,40 @@ def axis_label(name: str) -> str:
 
 
 def gaps(points: Sequence[Point], x: str, panels: str | None) -> list[str]:
-    """A sentence on the cells that are no points of a line, by method and by panel."""
-    groups: dict[tuple[str, str, str], list[str]] = {}
+    """A sentence on the cells that are no points of a line: methods of which the same is to say are named together."""
+    missing: dict[tuple[str, str], list[Point]] = {}
     for p in points:
         if p.status != "ok":
-            panel = data.heading(panels, p.at(panels)) if panels and p.at(panels) is not None else ""
-            groups.setdefault((p.label, panel, p.sign), []).append(data.plain(p.at(x)) if p.at(x) is not None else "")
-    texts = [f"{label}: {sign}{_at(x, where, panel, [p for p in points if p.label == label], panels)}"
-             for (label, panel, sign), where in groups.items()]
-    return [f"Not drawn: {'; '.join(dict.fromkeys(texts))}"] if texts else []
+            missing.setdefault((p.label, p.sign), []).append(p)
+    told: dict[str, list[str]] = {}
+    for (label, sign), cells in missing.items():
+        where = _at(x, cells, panels, [p for p in points if p.label == label])
+        told.setdefault(f"{sign}{where}", []).append(label)
+    texts = [f"{listed(labels)}: {what}" for what, labels in told.items()]
+    return [f"Not drawn: {'; '.join(texts)}."] if texts else []
 
 
-def _at(x: str, where: Sequence[str], panel: str, cells: Sequence[Point], panels: str | None) -> str:
-    """Name the places where cells of a label are missing: the panel unless all are, x unless the whole panel is."""
+def _at(x: str, missing: Sequence[Point], panels: str | None, cells: Sequence[Point]) -> str:
+    """Name the places where cells of a label are missing, unless all are: panels that lack all of them, then others."""
     if all(p.status != "ok" for p in cells):
         return ""
-    found = list(dict.fromkeys(w for w in where if w))
-    whole = panel and len(where) == sum(data.heading(panels, p.at(panels)) == panel for p in cells)
-    at = "" if whole or not found else f"{data.short(x)} = {', '.join(found)}"
-    return f" at {', '.join(part for part in (panel, at) if part)}" if panel or at else ""
+    parts, whole = [], []
+    for panel in data.values(missing, panels) if panels else []:
+        here = [p for p in missing if p.at(panels) == panel]
+        if len(here) == sum(p.at(panels) == panel for p in cells):
+            whole.append(panel)
+        else:
+            parts.append(f"{data.heading(panels, panel)}, {_places(x, here)}")
+    lone = _places(x, [p for p in missing if not panels or p.at(panels) is None])
+    if whole:
+        parts.insert(0, f"{data.short(panels)} = {', '.join(map(data.plain, whole))}")
+    parts = [part.removesuffix(", ") for part in (*parts, lone) if part]
+    return f" at {' and at '.join(parts)}" if parts else ""
+
+
+def _places(x: str, points: Sequence[Point]) -> str:
+    found = data.values(points, x)
+    return f"{data.short(x)} = {', '.join(map(data.plain, found))}" if found else ""
 
 
 def refusals(points: Iterable[Point]) -> list[str]:

@@ -14,7 +14,7 @@ from ...data import Point, Result
 from ..fits import DEGREES, Fit, draw_fit, fits_of, room_for
 from ..kind import FLOOR, GAIN_OF, LOG, LOG_BASE, PANELS, PASSES, PRINTED, X_LABEL, Y_LABEL, Key, Kind
 from ..marks import Guide, Mark, draw_guides, draw_marks, guides_of, marks_of
-from ..scales import log_axes, log_axis, log_base, nothing, y_label
+from ..scales import log_axes, log_axis, log_base, nothing, tick, y_label
 from ..series import Options, axis_label, gaps, labels_of, listed, panels_of, refusals, series_of, y_text
 from ..sheet import EDGE, HEADING_IN, LEFT, LONG_LABEL, fitted, sheet_of, text_width, widest
 
@@ -262,7 +262,7 @@ class LineChart:
         low, high = map(scale, self._x_limits())
         places, labels, last, free = [], [], -math.inf, -math.inf
         for value, place in self.places.items():
-            text = data.plain(value)
+            text = tick(value)
             middle, half = (scale(place) - low) / (high - low) * width, text_width(text, 7.5) / 2
             if middle - last < TICK_GAP_IN:
                 continue
