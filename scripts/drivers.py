@@ -79,10 +79,11 @@ CHECKS = {
     BENCH: Check("rm -rf .venv; make bench", 1200, ["llvmpipe"]),  # a newcomer's two commands, on the root's default
     "tests": Check("make test", 1800, ["llvmpipe"]),
     "doctor": Check(".venv/bin/mfr-bench doctor --device $DEVICE", 120),
-    "smoke": Check(f"{MEASURE.format('run smoke --force', '$DEVICE')}", 300),
+    "smoke": Check(f"{MEASURE.format('run smoke --force', '$DEVICE')}", 300, ["zink", "virgl"]),  # of llvmpipe, bench
     "conformance": Check(MEASURE.format("run conformance determinism device-features --profile smoke", "$DEVICE"),
                          1200),
-    "stress": Check(MEASURE.format("stress --profile smoke", "$DEVICE"), 1200),
+    "stress": Check(f"{MEASURE.format('stress --profile smoke', '$DEVICE')}\n"
+                    ".venv/bin/python scripts/stress_breaks.py /tmp/drivers/$NAME", 1200),
     "features": Check(".venv/bin/python -m pytest -q tests/gpu/test_trials.py tests/contract/test_images.py "
                       "-k 'trial or fault or native or interlock or 128'", 600),
     "contract": Check(".venv/bin/python -m pytest -q tests/contract tests/gpu", 1200,
