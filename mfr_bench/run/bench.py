@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,6 +18,7 @@ from .ahead import Ahead
 from .answers import Answers
 from .aside import Aside, AtOnce
 from .events import Begun
+from .precompile import Precompiler
 
 Emit = Callable[[Any], None]
 BESIDE_PIXELS = 2**16  # of a scene, from which on it is worth what another process takes to start and to be asked
@@ -28,7 +29,8 @@ class Bench:
     """The device and the timer of every cell, and `emit`, which receives the events of its measurement.
 
     answers: what this process knows of scenes. beside: another process, which does what no frame waits for; None where
-    there is none. watch: tells whether the device was slower while samples were taken.
+    there is none. watch: tells whether the device was slower while samples were taken. precompiler: holds a third
+    process, where one helps, which compiles for cells that come later.
     """
 
     device: Device
@@ -38,6 +40,7 @@ class Bench:
     answers: Answers = field(default_factory=Answers)
     beside: Aside | None = None
     watch: Watch | Unwatched = field(default_factory=Unwatched)
+    precompiler: Precompiler = field(default_factory=lambda: Precompiler(None))
 
     def __post_init__(self) -> None:
         self.here = AtOnce(self.answers)
@@ -56,9 +59,13 @@ class Bench:
         foreign = kind_of(scene).package(scene) or scene.settings.effect.package
         return self.here if self.beside is None or foreign or math.prod(scene.size) < BESIDE_PIXELS else self.beside
 
-    def paused(self):
+    @contextmanager
+    def paused(self) -> Iterator[None]:
         """Within this no other process takes a core that draws."""
-        return self.beside.paused() if self.beside else nullcontext()
+        with ExitStack() as stack:
+            for process in filter(None, (self.beside, self.precompiler)):
+                stack.enter_context(process.paused())
+            yield
 
     def stop_if_asked(self) -> None:
         if self.interrupted():

@@ -88,7 +88,7 @@ class CellWork:
         scene, device = self.scene, self.bench.device
         scene.show(0)
         self._phases.begin("compile")
-        begun = time.perf_counter()
+        begun, begun_cpu_s = time.perf_counter(), time.process_time()
         with self.bench.split.work("compile"):
             frame = Frame(device, self.fitted, scene.scene_buffer, scene.canvas)
             try:
@@ -100,6 +100,7 @@ class CellWork:
                 frame.release()
                 raise
         self._first_s, self._first_frames = time.perf_counter() - begun, frame.drawn
+        self.first_cpu_s = time.process_time() - begun_cpu_s
         return frame
 
     def _count_as_frames(self, taken_s: float, frames: int, of: str, to: str) -> None:

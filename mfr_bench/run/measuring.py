@@ -21,6 +21,7 @@ from .eliminating import Rounds
 from .events import Begun, Finished, Group, Synced
 from .jobs import Job
 from .outcome import failure, scene_values
+from .precompile import drawable
 from .scene_work import SceneWork
 
 LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
@@ -83,6 +84,7 @@ class Measuring:
             allowed = [job for job in group.jobs if not self._skipped(job, scene.stats)]
             self.bench.emit(Synced())
             scene.prepare(self._fitted(job, scene.stats).variant for job in allowed)
+            self.bench.precompiler.begin([job for job in allowed if drawable(job, self._fitted(job, scene.stats))])
             for chunk in self._chunks(allowed, scene.stats):
                 self._chunk(chunk, scene)
         finally:
@@ -147,6 +149,7 @@ class Measuring:
         expected: when this is done if it takes as long as the cells before; one that would be late is not begun.
         """
         self.bench.stop_if_asked()
+        self.bench.precompiler.reached(job)
         self._look(job)
         fitted = self._fitted(job, scene.stats)
         if expected > self._prepared_by:
@@ -156,11 +159,13 @@ class Measuring:
             running.append(CellWork(self.bench, scene, job, fitted, self._partials.get(job.key, Partial())))
         except Exception as error:  # noqa: BLE001 - whatever it is, it is this cell's result
             self._fail(job, error, scene_values(fitted))
+        else:
+            self.bench.precompiler.drew(job, running[-1].first_cpu_s)
 
     def _look(self, job: Job) -> None:
         """Look at the reference frame, so that its best is known before the first turn that it is compared with."""
         if not (job.cell.measure.eliminate or job.cell.measure.single):
-            with self.bench.split.work("reference"):
+            with self.bench.split.work("reference"), self.bench.paused():
                 self.bench.watch.look()
 
     def _sample(self, running: list[CellWork]) -> None:

@@ -8,8 +8,10 @@ import time
 from contextlib import suppress
 from dataclasses import asdict
 from multiprocessing.connection import Connection
+from typing import NoReturn
 
 from ..errors import DeviceError, UnknownDeviceError
+from ..gpu.context import Device
 from ..gpu.device import open_device
 from ..gpu.reference import ReferenceFrame
 from ..gpu.selftest import calibrate
@@ -20,8 +22,10 @@ from .answers import Answers
 from .aside import OtherProcess
 from .bench import Bench
 from .events import Calibrate, Calibrated, Ended, Failed, Go, Ready, Synced
+from .first_frames import serve as draw_ahead
 from .measuring import DeviceLost, Measuring
 from .parent import live_for
+from .precompile import Precompiler, helps
 
 TIMERS = {timer.name: timer for timer in (GpuTimer, WallTimer)}
 LOST = 3  # exit status
@@ -53,21 +57,38 @@ def serve(link: Connection, want: str, timer: str) -> int:
     answers = Answers()
     beside = OtherProcess(device.kind == "cpu", answers)
     watch = Watch(ReferenceFrame(device))
-    bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted, answers, beside, watch)
-    measuring = Measuring(bench, catalog())
+    bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted, answers, beside, watch,
+                  precompiler_for(device))
     link.send(Ready(device.info, device.limits, timer, calibration, device.bound_threads, calibrated_s,
                     device.instructions))
+    try:
+        answer(link, bench)
+    finally:
+        bench.precompiler.close()
+
+
+def precompiler_for(device: Device) -> Precompiler:
+    """The process that compiles ahead on the same device; one that is never started where it would not help."""
+    if not helps(device.info["slug"]):
+        return Precompiler(None)
+    return Precompiler(draw_ahead, device.egl.index, device.failed_trials, device.flushes_dispatches)
+
+
+def answer(link: Connection, bench: Bench) -> NoReturn:
+    """Measure the groups that come, and calibrate where that is asked for, until the parent closes the link."""
+    measuring = Measuring(bench, catalog())
     while True:
         group = link.recv()
         if isinstance(group, Calibrate):
-            link.send(Calibrated(asdict(calibrate(device))))
+            with bench.paused():
+                link.send(Calibrated(asdict(calibrate(bench.device))))
             continue
         interrupted = False
         try:
             measuring.group(group)
         except KeyboardInterrupt:
             interrupted = True
-        link.send(Ended(bench.split.taken(), interrupted, beside.taken_s()))
+        link.send(Ended(bench.split.taken(), interrupted, bench.beside.taken_s() | bench.precompiler.taken_s()))
 
 
 class Channel:
