@@ -16,7 +16,7 @@ from ..glsl import FEATURE_EXTENSIONS, StageSource
 from ..methods.spec import LISTED, MSAA_FEATURES, NEAREST_33, SAMPLE_FEATURES, SAMPLE_STENCIL, TILE_POINTS
 from ..plan import Limits
 from .egl import EglDevice, uuid_text
-from .programs import Programs
+from .programs import MOST, MOST_LAYERED, Programs
 from .rawgl import RawGL
 from .samplers import Samplers
 
@@ -51,10 +51,14 @@ class Device:
     backend: object  # keeps the native context alive
     trials: Trials
     egl: EglDevice = field(default_factory=lambda: EglDevice(0))
-    programs: Programs = field(default_factory=Programs)
+    programs: Programs = field(init=False)
     bound_threads: int = 0
     instructions: str | None = None
     samplers: Samplers | None = None
+
+    def __post_init__(self) -> None:
+        layered = LAYERED.match(str(self.ctx.info["GL_RENDERER"]).lower())
+        self.programs = Programs(MOST_LAYERED if layered else MOST)
 
     @cached_property
     def info(self) -> dict[str, str | None]:

@@ -6,7 +6,9 @@ import weakref
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 
-MOST = 256  # programs kept beside those in use: more than a point of any config needs; one takes 1 to 4 MiB of llvmpipe
+# Programs kept beside those in use. A scene of `conformance` takes 302: where fewer are kept, each scene compiles all
+# of them again. One takes 1 to 4 MiB of llvmpipe; a layered driver has its own of it too, 2.5 GiB for 256 on zink.
+MOST, MOST_LAYERED = 512, 256
 
 
 class Programs:

@@ -1,10 +1,16 @@
 """Linked programs are kept while they are in use or were used of late, and deleted otherwise."""
 
 import gc
+from collections import defaultdict
 
+from mfr_bench.config import load
 from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.glsl.digest import code_of_programs
 from mfr_bench.gpu.probes import COUNTED, ProbeBench
-from mfr_bench.gpu.programs import Programs
+from mfr_bench.gpu.programs import MOST, Programs
+from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
+from mfr_bench.plan import expand, expected_stats
 
 
 class Object:
@@ -44,6 +50,15 @@ def test_a_program_in_use_stays_and_is_the_same():
         get(programs, name, deleted)
     assert get(programs, "a", deleted) is used
     assert deleted == ["b"]  # and c before the next is linked
+
+
+def test_scenes_of_conformance_take_no_more_programs_than_are_kept():
+    """The device draws all methods of a scene, then those of the next: with fewer, none would still be there."""
+    found = defaultdict(set)
+    for cell in expand(load("conformance", catalog(), "smoke")[0], catalog()):
+        fitted = Fitted(catalog()[cell.method].variant(cell.params), expected_stats(cell.scene))
+        found[cell.scene].update(*code_of_programs(fitted))
+    assert 256 < max(map(len, found.values())) <= MOST
 
 
 def test_frames_that_were_released_keep_no_program(device, monkeypatch):
