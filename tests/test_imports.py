@@ -17,7 +17,7 @@ PACKAGE = Path(mfr_bench.__file__).parent
 # From left to right; a module imports only from its own layer and those before it. Longer names bind first. What shows
 # results knows nothing of configs; configs are checked against what each kind of figure declares of itself.
 LAYERS = (
-    "errors", "resources", "hashing", "stats", "environment", "orphans", "parallel", "markdown", "effects",
+    "errors", "lazy", "resources", "hashing", "stats", "environment", "orphans", "parallel", "markdown", "effects",
     "store.status", "store.columns", "methods.spec", "methods.shared", "methods", "store", "report", "parquet", "api",
     "scene", "config", "report.experiments", "plan", "report.settings", "oracle", "glsl", "race", "contract.variants",
     "outside", "gpu", "measure", "contract", "claims", "compare", "merge", "bundle", "page", "decide", "run",

@@ -3,8 +3,9 @@
 A name is loaded when it is first used: most users need one of them.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ..lazy import from_modules
 
 if TYPE_CHECKING:
     from .conformance import conformance_page
@@ -13,16 +14,9 @@ if TYPE_CHECKING:
     from .figures.scaled import write_scaled
     from .tables import breaking_text, markdown, terminal_table, write_for_paper, write_tables
 
-_PLACES = {
+__getattr__ = from_modules(__name__, {
     "breaking_text": "tables", "conformance_page": "conformance", "markdown": "tables", "terminal_table": "tables",
     "write_all": "figures", "write_figures": "figures", "write_for_paper": "tables", "write_scaled": "figures.scaled",
-    "write_tables": "tables", "write_together": "devices"}
+    "write_tables": "tables", "write_together": "devices"})
 __all__ = ["breaking_text", "conformance_page", "markdown", "terminal_table", "write_all",
            "write_figures", "write_for_paper", "write_scaled", "write_tables", "write_together"]
-
-
-def __getattr__(name: str) -> Any:
-    """What users of the package call, from the module that has it."""
-    if name not in _PLACES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f".{_PLACES[name]}", __name__), name)

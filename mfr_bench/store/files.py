@@ -6,7 +6,6 @@ import errno
 import fcntl
 import os
 from collections.abc import Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -37,6 +36,7 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
     """
     if not files:
         return
+    from concurrent.futures import ThreadPoolExecutor  # with what it loads, as much as the rest of the store
 
     def replaced(name: str) -> None:
         try:

@@ -21,7 +21,7 @@ from ...store import ResultFolder, write_file
 from .. import data, style
 from ..data import Result
 from . import inputs
-from .build import build
+from .entry import build
 from .series import Options
 from .sheet import POINTS, lacking_glyphs, styled
 

@@ -23,7 +23,7 @@ ENDS = {".png": b"IEND\xaeB`\x82", ".svg": b"</svg>\n"}
 LIBRARIES = ("matplotlib", "numpy", "pillow")
 UNSEEN = ("split_s", "beside_s", "environment", "calibration_end", "calibration_drift", "left_out")  # of a manifest
 CODE = (  # all that drawing loads, but for the declarations of methods, of which `_of_the_catalog` has what is drawn
-    "__init__.py", "effects", "environment.py", "errors.py", "markdown.py", "methods/__init__.py",
+    "__init__.py", "effects", "environment.py", "errors.py", "lazy.py", "markdown.py", "methods/__init__.py",
     "methods/checking.py", "methods/loading.py", "methods/outside.py", "methods/shared", "methods/spec", "parallel.py",
     "report/__init__.py", "report/breaking.py", "report/checkerboard.py", "report/data", "report/figures",
     "report/frontier.py", "report/printed.py", "report/reference.py", "report/style.py", "resources.py", "stats.py",

@@ -12,7 +12,7 @@ from ...store import ResultFolder, write_file
 from .. import data
 from ..latex import escaped
 from ..look import Look, laid_out
-from .build import build
+from .entry import build
 from .files import FORMATS, figure_paths
 from .sheet import styled
 
