@@ -6,6 +6,10 @@ RUN_READY := $(VENV)/run-ready
 PYTHON_READY := $(VENV)/python-ready
 DRIVER_READY := $(VENV)/driver-ready
 
+# A container may forbid Python to keep bytecode. Each process of a run, and hundreds of the tests, would then compile
+# its modules anew: of pandas and matplotlib alone that takes 2 s.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: help bench papers test test-cluster lint docs setup lock clean drivers meshes
 .DEFAULT_GOAL := help
 

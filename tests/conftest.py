@@ -1,5 +1,6 @@
 """One OpenGL device for the whole session (GL has one current context per thread), and how properties are tried."""
 
+import gc
 import os
 import signal
 
@@ -9,6 +10,17 @@ from hypothesis import settings
 # A busy machine is no failure; on a server the same examples are tried each time.
 settings.register_profile("mfr-bench", deadline=None, derandomize=bool(os.environ.get("CI")))
 settings.load_profile("mfr-bench")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Let no search for garbage look at some 15,000 collected tests: neither while they are collected nor later."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -1,5 +1,6 @@
 """`make help` lists every target, and every target is one that no file of its name can hide."""
 
+import os
 import re
 import subprocess
 from pathlib import Path
@@ -16,3 +17,11 @@ def test_help_lists_every_target():
 
 def test_every_target_is_phony():
     assert set(re.search(r"^\.PHONY: (.*)$", MAKEFILE, flags=re.MULTILINE)[1].split()) == TARGETS
+
+
+def test_recipes_keep_bytecode():
+    """Hundreds of processes read what one has compiled."""
+    shown = subprocess.run(["make", "-s", "--eval=shown: ; @env", "shown"], cwd=ROOT, capture_output=True, text=True,
+                           check=True, env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}).stdout
+    assert "PATH=" in shown
+    assert "PYTHONDONTWRITEBYTECODE" not in shown
