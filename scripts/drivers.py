@@ -87,7 +87,7 @@ CHECKS = {
                     ".venv/bin/python scripts/stress_breaks.py /tmp/drivers/$NAME", 1200),
     "features": Check(".venv/bin/python -m pytest -q tests/gpu/test_trials.py tests/contract/test_images.py "
                       "-k 'trial or fault or native or interlock or 128'", 600),
-    "contract": Check(".venv/bin/python -m pytest -q tests/contract tests/gpu", 1200,
+    "contract": Check(".venv/bin/python -m pytest -q -n 2 --dist worksteal tests/contract tests/gpu", 1200,
                       ["zink", "virgl"]),  # of llvmpipe, `make test` has run it
 }
 
