@@ -102,6 +102,11 @@ def reader_name(buffer: str) -> str:
     return f"{buffer}_at"
 
 
+def pair_reader_name(buffer: str) -> str:
+    """The function, or macro, by which a shader reads two adjacent elements of a buffer at once."""
+    return f"{buffer}_pair_at"
+
+
 def length_name(buffer: str) -> str:
     """The uniform with the number of elements of a buffer.
 

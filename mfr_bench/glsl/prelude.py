@@ -42,6 +42,7 @@ from .bindings import (
     buffer_bindings,
     colour_refs,
     length_name,
+    pair_reader_name,
     reader_name,
     split_ref,
     texel_bindings,
@@ -157,16 +158,19 @@ def _buffer_block(buffer: Buffer, bound: Binding, readonly: bool) -> str:
 def _readers(fitted: Fitted, step: Pass, words: frozenset[str], texels: bool) -> list[str]:
     """NAME_at(i) for each buffer that the shader reads so: through a texture of the same memory, or as it lies.
 
-    An element of 64 bits is read as (low word, high word).
+    An element of 64 bits is read as (low word, high word). In their place NAME_pair_at(i) reads two elements
+    at once, where the pass reads pairs.
     """
     variant = fitted.variant
     units = {b.ref: b for b in texel_bindings(variant, step)} if texels else {}
     declared = {b.name: b for b in variant.buffers}
     lines: list[str] = []
     for b in buffer_bindings(variant, step):
-        if reader_name(b.name) not in words:
+        if fitted.reads_pairs(step, b.ref):
+            lines += _pair_reader(b.name, units.get(b.ref))
+        elif reader_name(b.name) not in words:
             continue
-        if b.ref in units:
+        elif b.ref in units:
             lines += _texel_reader(fitted, declared[b.ref], units[b.ref])
         else:
             wide = declared[split_ref(b.ref)[0]].type in TYPES_OF_64_BITS
@@ -181,6 +185,15 @@ def _texel_reader(fitted: Fitted, buffer: Buffer, sampler: Binding) -> list[str]
     body = f"{{ uvec4 texel = texelFetch({sampler.name}, int(at)); return {read}({parts}); }}"
     return [f"layout(binding = {sampler.index}) uniform usamplerBuffer {sampler.name};",
             f"{read} {reader_name(buffer.name)}(uint at) {body}"]
+
+
+def _pair_reader(buffer: str, sampler: Binding | None) -> list[str]:
+    """NAME_pair_at(i), which reads two elements of two words each: as one texel, or one after the other."""
+    name = pair_reader_name(buffer)
+    if sampler is None:
+        return [f"#define {name}(at) uvec4({buffer}[2u * (at)], {buffer}[2u * (at) + 1u])"]
+    return [f"layout(binding = {sampler.index}) uniform usamplerBuffer {sampler.name};",
+            f"uvec4 {name}(uint at) {{ return texelFetch({sampler.name}, int(at)); }}"]
 
 
 def _said(declaration: str, resource: Buffer | Target | None) -> str:

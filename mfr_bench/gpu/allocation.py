@@ -26,7 +26,7 @@ class Allocation:
         self._targets = {t.name: t for t in fitted.variant.targets}
         self._textures = {name: self._copies(t) for name, t in self._targets.items() if not t.on_demand}
         self._buffers: dict[str, list] = {}
-        self._texels: dict[str, BufferTexture | None] = {}
+        self._texels: dict[str, dict[bool, BufferTexture | None]] = {}  # of a buffer; by whether texels are pairs
         self._allocate()
 
     def _copies(self, target: Target) -> list[Texture]:
@@ -51,22 +51,25 @@ class Allocation:
             self.version += 1
 
     def _texels_of(self, name: str) -> list[BufferTexture]:
-        """The texture of a buffer's memory, which goes with the buffer."""
-        texture = self._texels.pop(name, None)
-        return [texture] if texture else []
+        """The textures of a buffer's memory, which go with the buffer."""
+        return [texture for texture in self._texels.pop(name, {}).values() if texture]
 
-    def texels(self, name: str) -> BufferTexture | None:
-        """A texture of the memory of a buffer of one copy; None where the device has none so large."""
-        if name not in self._texels:
-            self._texels[name] = self._made_texels(name)
-        return self._texels[name]
+    def texels(self, name: str, pairs: bool = False) -> BufferTexture | None:
+        """A texture of the memory of a buffer of one copy; None where the device has none so large.
 
-    def _made_texels(self, name: str) -> BufferTexture | None:
+        A texel is an element, or with `pairs` two.
+        """
+        made = self._texels.setdefault(name, {})
+        if pairs not in made:
+            made[pairs] = self._made_texels(name, pairs)
+        return made[pairs]
+
+    def _made_texels(self, name: str, pairs: bool) -> BufferTexture | None:
         declared, = (b for b in self._fitted.variant.buffers if b.name == name)
-        buffer, element_bytes = self.named(name), self._fitted.element_bytes(declared)
-        if buffer.size // element_bytes > self._device.max_texels:
+        buffer, words = self.named(name), self._fitted.element_bytes(declared) // 4 * (2 if pairs else 1)
+        if buffer.size // (4 * words) > self._device.max_texels:
             return None
-        return BufferTexture(self._device.gl, buffer.glo, element_bytes // 4)
+        return BufferTexture(self._device.gl, buffer.glo, words)
 
     def hold(self, elements: int) -> None:
         """Make room for at least so many elements."""

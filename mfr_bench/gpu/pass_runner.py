@@ -76,7 +76,8 @@ class PassRunner:
             self.program = frame.device.program(self._stages(), f"method {frame.variant.method.id}, pass {step.name}")
         if step.kind in ("geometry", "fullscreen"):
             self.vao = self._vertex_array()
-        self._texel_units = [(bound.ref, bound.index) for bound in texel_bindings(frame.variant, step)]
+        self._texel_units = [(bound.ref, frame.fitted.reads_pairs(step, bound.ref), bound.index)
+                             for bound in texel_bindings(frame.variant, step)]
         self._groups: dict[tuple[int, int], int] = {}  # work groups, by width and height of what they go over
         self.instances = frame.fitted.value(step.instances)
         self.samples = frame.stats.samples if step.kind == "geometry" else 1  # of a pixel, to rasterize into
@@ -136,7 +137,7 @@ class PassRunner:
         return self.framebuffers[parity]
 
     def run(self, iteration: int) -> None:
-        texels = [(self.frame.allocation.texels(ref), unit) for ref, unit in self._texel_units]
+        texels = [(self.frame.allocation.texels(ref, pairs), unit) for ref, pairs, unit in self._texel_units]
         if any(texture is None for texture, _ in texels):
             self._by_storage.run(iteration)
             return

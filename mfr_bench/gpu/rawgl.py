@@ -24,7 +24,7 @@ FORMATS = {"r8": 0x8229, "rg8": 0x822B, "rgba8": 0x8058, "r16": 0x822A, "rgba16f
            "rg32f": 0x8230, "rgba32f": 0x8814, "r32ui": 0x8236, "rg32ui": 0x823C, "depth16": 0x81A5, "depth32f": 0x8CAC,
            "depth24_stencil8": 0x88F0}
 # Of a texture of a buffer's memory, by the words of an element: R32UI, RG32UI, RGB32UI.
-TEXEL_FORMATS = {1: 0x8236, 2: 0x823C, 3: 0x8D71}
+TEXEL_FORMATS = {1: 0x8236, 2: 0x823C, 3: 0x8D71, 4: 0x8D70}
 TEXTURE_BUFFER, RGBA, FLOATS = 0x8C2A, 0x1908, 0x1406
 POINTS, TRIANGLES, TRIANGLE_STRIP = 0, 4, 5  # what a draw makes of its vertices
 EQUATIONS = {"add": 0x8006, "max": 0x8008}

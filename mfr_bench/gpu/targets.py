@@ -13,7 +13,7 @@ from .rawgl import RawGL
 
 
 class BufferTexture:
-    """A texture of a buffer's memory, through which shaders read its elements of two or three words."""
+    """A texture of a buffer's memory, through which shaders read its elements, one or two at a time."""
 
     def __init__(self, gl: RawGL, buffer: int, words: int):
         self.gl, self.name = gl, gl.generate("Textures")

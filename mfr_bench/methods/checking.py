@@ -48,6 +48,10 @@ def _wrong_resources(method: Method) -> Iterator[Mistake]:
             if name not in step.reads:
                 yield Mistake(name, f"pass {step.name} has {name!r} in texels, and does not read it; "
                                     f"{one_of(name, step.reads)}")
+        for name in step.pairs:
+            if name not in step.texels:
+                yield Mistake(name, f"pass {step.name} has {name!r} in pairs, and not in texels; "
+                                    f"{one_of(name, step.texels)}")
 
 
 def _wrong_formulas(method: Method) -> Iterator[Mistake]:

@@ -42,7 +42,7 @@ FAULTS = [
     ("kb-ps", "common/insert_sorted.glsl", "fragment.x < held.x", "fragment.x > held.x"),
     ("adaptive", "methods/adaptive/rank.comp", "other > depth", "other < depth"),
     ("adaptive", "methods/adaptive/classify.glsl", "draws[command + 1] = 1u", "draws[command + 1] = 0u"),
-    ("adaptive", "methods/adaptive/registers.glsl", "at < end_cell", "at + cell_step < end_cell"),
+    ("adaptive", "methods/adaptive/registers.glsl", "in_use = cell < end_cell", "in_use = cell + 2u < end_cell"),
     ("kb-ll", "methods/ll/store.frag", "<= fragment.x", ">= fragment.x"),
     ("kb", "methods/kb/store.frag", "incoming()", "incoming().yx"),
     ("kb-multi", "methods/kb/tidy.frag", "held.x != EMPTY", "held.x == EMPTY"),

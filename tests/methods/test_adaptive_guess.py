@@ -151,15 +151,40 @@ def test_cells_in_chunks_hold_every_fragment(device, layers, opaque):
         assert error(frame, quads, scene) <= EXACT_ERROR and frame.lost_fragments() == 0
 
 
-@pytest.mark.parametrize(("shader", "right", "wrong"), [
-    ("store.frag", "slot / uint(CHUNK) * PLACES + p", "slot / uint(CHUNK) * PLACES + p / 2u"),
-    ("cells.glsl", "slot % uint(CHUNK);", "0u;"), ("cells.glsl", "(PLACES - 1u)", "(PLACES - 2u)"),
-    ("cells.glsl", "first_cell = p * uint(CHUNK)", "first_cell = p")])
-def test_a_wrong_line_of_chunks_is_seen(device, plant, shader, right, wrong):
+@pytest.mark.parametrize("layers", [12, 21, 64])
+@pytest.mark.parametrize("payload", ["rgba8", "rgba16f"])
+def test_cells_read_two_at_a_time_hold_the_same_as_one_by_one(device, layers, payload):
+    """Odd and even numbers, in networks and halves; fragments of three words are read one by one."""
+    def image():
+        with animated(device, [scene], spare_memory=1000.0, payload=payload) as (frame, _):
+            frame.draw_fitting()
+            resolve = next(step for step in frame.running if step.name == "resolve" and step.resolver)
+            assert frame.fitted.reads_pairs(resolve, "nodes") == (payload != "rgba16f")
+            return frame.image()
+
+    scene = pile(layers)
+    pairs = image()
+    with animated(device, [scene], spare_memory=0.0, payload=payload) as (ranges, _):
+        ranges.draw_fitting()
+        assert ranges.plan.path == RANGES
+        np.testing.assert_allclose(pairs, ranges.image(), rtol=0, atol=EXACT_ERROR)
+
+
+@pytest.mark.parametrize(("shader", "right", "wrong", "payload"), [
+    ("store.frag", "slot / uint(CHUNK) * PLACES + p", "slot / uint(CHUNK) * PLACES + p / 2u", "rgba8"),
+    ("cells.glsl", "slot % uint(CHUNK);", "0u;", "rgba8"), ("cells.glsl", "(PLACES - 1u)", "(PLACES - 2u)", "rgba16f"),
+    ("cells.glsl", "first_cell = p * uint(CHUNK)", "first_cell = p", "rgba8"),
+    ("registers.glsl", "at += PLACES * uint(CHUNK)", "at += PLACES", "rgba8"),
+    ("registers.glsl", "(at + 6u)", "(at + 4u)", "rgba8"), ("registers.glsl", "pair.zw", "pair.xy", "rgba8"),
+    ("registers.glsl", "in_use ? pair.xy : NO_FRAGMENT", "pair.xy", "rgba8"),
+    ("registers.glsl", "cell + 1u < end_cell", "cell < end_cell", "rgba8")])
+def test_a_wrong_line_of_chunks_is_seen(device, plant, shader, right, wrong, payload):
     plant(f"methods/adaptive/{shader}", right, wrong)
-    scene = pile(20)
-    with animated(device, [scene], spare_memory=1000.0) as (frame, quads):
+    deeper, scene = pile(24), pile(21)  # which leaves fragments of the first in cells that the second does not use
+    with animated(device, [deeper, scene], spare_memory=1000.0, payload=payload) as (frame, quads):
         frame.draw_fitting()
+        show(frame, quads, scene)
+        frame.draw()
         assert error(frame, quads, scene) > EXACT_ERROR
 
 

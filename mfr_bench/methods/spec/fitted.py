@@ -16,6 +16,7 @@ from .passes import Pass
 from .resources import FORMAT_WORDS, FRAMEBUFFER_FETCH, Buffer, Target
 from .scene_stats import SceneStats
 
+PAIRED_WORDS = 2  # of an element, of which a texel holds two
 UNIT_ROUNDOFF = 2.0**-24  # of float32, to nearest
 ALPHA_STEPS = 255  # an 8-bit alpha is a multiple of 1/255
 LEAF_ROUNDINGS = 21  # unit roundoffs of a fragment's own colour and of the last terms (docs/accuracy.md)
@@ -203,6 +204,11 @@ class Fitted:
     def element_bytes(self, buffer: Buffer) -> int:
         """Bytes of one element of a buffer, with the payload that the variant has."""
         return 4 * (buffer.element_words + self._extra_words(buffer))
+
+    def reads_pairs(self, step: Pass, buffer: str) -> bool:
+        """Whether a pass reads the elements of a buffer two at a time: where it may, and they have two words each."""
+        return buffer in step.pairs and any(b.name == buffer and self.element_bytes(b) == 4 * PAIRED_WORDS
+                                            for b in self.variant.buffers)
 
     def _extra_words(self, buffer: Buffer) -> int:
         """Words of each element in addition to those that the buffer's formula counts."""

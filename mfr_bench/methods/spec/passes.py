@@ -81,6 +81,9 @@ class Pass:
     # Of the buffers that it reads, those that it reads through a texture of the same memory where the device has one so
     # large; of these it sees NAME_at(i) as NAME[i]. A resolve does so with whatever it reads for each fragment.
     texels: tuple[str, ...] = ()
+    # Of these, those that it reads two elements at a time, where they have two words: NAME_pair_at(i) in place of
+    # NAME_at(i) is a uvec4 of NAME[2i] and NAME[2i+1].
+    pairs: tuple[str, ...] = ()
     fetched: tuple[str, ...] = ()  # of `into`, the targets whose pixel the shader reads as the fragment before left it
     keeps: tuple[str, ...] = ()  # of `into`, the targets that are attached and not drawn into, once they are cleared
     totals: str | None = None  # a buffer whose words, as the pass leaves them, add up to the capacity

@@ -10,11 +10,11 @@
 vec4 resolve_pixel() {
     vec4 colour = NOTHING;
     uint at = first_cell;
-    EACH32(LOAD, 0)
+    LOAD16(0) LOAD16(16)
     SORT32(0)
     bool more = at < end_cell;
     if (more) {
-        EACH32(LOAD, 32)
+        LOAD16(32) LOAD16(48)
         SORT32(32)
         EACH32(PART, 0)
         CLEAN32(0)

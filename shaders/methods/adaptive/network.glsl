@@ -6,7 +6,7 @@
 vec4 resolve_pixel() {
     vec4 colour = NOTHING;
     uint at = first_cell;
-    EACH(LOAD)
+    LOAD_BLOCK
     SORT_BLOCK
     EACH(COMPOSITE)
     return colour;
