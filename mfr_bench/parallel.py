@@ -9,6 +9,7 @@ import os
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TypeVar
 
 from .environment import usable_cores
@@ -34,12 +35,25 @@ def in_processes(work: Callable[[Item], Outcome], items: Sequence[Item], process
         return
     context = multiprocessing.get_context("fork" if copies else "forkserver")
     if copies:
-        for name in imports:
-            importlib.import_module(name)
+        with uncollected():
+            for name in imports:
+                importlib.import_module(name)
     else:
         context.set_forkserver_preload(list(imports))
     with context.Pool(count, _begin) as pool:
         yield from pool.imap(work, items)
+
+
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """Suspend garbage collection, which looks at all that is made again and again."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 def _copies() -> bool:

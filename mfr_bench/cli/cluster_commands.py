@@ -112,7 +112,7 @@ def status(store: str) -> int:
     Example: mfr-bench status /shared/mfr
     """
     from ..cluster import queue, state
-    from ..plan.forecast import duration
+    from ..plan.forecast import rough_duration
 
     found = _submission(store)
     states = state.task_states(found, queue.states(found.engine, [t.job for t in found.tasks if t.job]))
@@ -121,7 +121,7 @@ def status(store: str) -> int:
     for each in states:
         failed = f", {each.failed} failed" if each.failed else ""
         told = each.left_s is not None and each.state == state.RUNNING
-        left = f", at this pace {duration(each.left_s)} left" if told else ""
+        left = f", at this pace {rough_duration(each.left_s)} left" if told else ""
         left += f" ({waits[each.task.job]})" if each.task.job in waits else ""
         say(f"{each.task.name:{longest}}  {each.cells:5} of {each.task.cells} cells{failed}  {each.state}{left}"
             + (f"  job {each.task.job}" if each.task.job and each.state not in (state.DONE, state.ENDED) else ""))

@@ -139,7 +139,7 @@ def _raced(question, scene, budget, out: str | None, device: str):
     from ..run.supervisor import Supervisor
     from ..store.files import write_file
     from .interruption import Interruption
-    from .progress import duration
+    from .progress import exact_duration
 
     with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor, \
             TemporaryDirectory() as folder:
@@ -148,7 +148,7 @@ def _raced(question, scene, budget, out: str | None, device: str):
         found, excluded = _candidates(question, scene, budget)
         supervisor.ready()
         found, excluded = within_time(found, excluded, budget.seconds)
-        note(f"{len(found)} candidates; the answer comes within {duration(budget.seconds)} of the start")
+        note(f"{len(found)} candidates; the answer comes within {exact_duration(budget.seconds)} of the start")
         path = Path(folder, "decide.yaml")
         made = config_of(question, scene, found, budget.seconds)
         path.write_text(yaml.safe_dump(made, sort_keys=False, allow_unicode=True), encoding="utf-8")

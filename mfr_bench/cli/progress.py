@@ -20,7 +20,8 @@ ENOUGH = 0.1  # of what was foretold at the start; while less is over, the time 
 STOPPING = "stopping; Ctrl-C again ends at once"
 
 
-def duration(seconds: float) -> str:
+def exact_duration(seconds: float) -> str:
+    """'40 s', '3 min 05 s', '2 h 30 min', for what passes while it is read; a forecast has fewer digits."""
     minutes, rest = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
     if hours:
@@ -93,13 +94,13 @@ class Progress:
 
     @property
     def _left(self) -> str:
-        left = f"{duration(self.ahead.left_s(self._elapsed_s))} left"
+        left = f"{exact_duration(self.ahead.left_s(self._elapsed_s))} left"
         return left if self.ahead.share >= ENOUGH else f"forecast: {left}"
 
     def _text(self):
         from rich.text import Text
 
-        return Text(f"{duration(self._elapsed_s)}  {self._line()}", overflow="ellipsis", no_wrap=True)
+        return Text(f"{exact_duration(self._elapsed_s)}  {self._line()}", overflow="ellipsis", no_wrap=True)
 
 
 def _live_line(text: Callable[[], Any]):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Collection, Mapping, Sequence
 from ctypes.util import find_library
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import moderngl
 
@@ -105,38 +105,65 @@ def open_device(want: str = "auto") -> Device:
     """
     entries = _entries()
     exact = _exact(entries, want)
-    given = visible()
-    tried: list[Listed] = []
-    unsure: list[Listed] = []  # GPUs of which nothing tells whether they are given
-    barred = False  # a GPU matches that is not given
-    spare: EglDevice | None = None  # a software driver, where a GPU is better
+    search = _Search(want, bool(exact), visible())
     for entry in exact or entries:
+        if device := search.device(entry):
+            return device
+    if second := search.second():
+        return _opened(second)
+    given = search.given
+    if given and (search.barred or want == "gpu"):
+        raise _none_given(given, search.tried)
+    raise _none_matches(want, list_devices() if exact else search.tried, {e.index for e in exact})
+
+
+@dataclass
+class _Search:
+    """The devices that were tried for `want`; exact: it is the index, UUID or PCI address of those that are tried.
+
+    unsure: GPUs that match, of which nothing tells whether they are given. barred: a GPU matches that is not known to
+    be given. spare: a software driver, where a GPU is better.
+    """
+
+    want: str
+    exact: bool
+    given: Visible | None
+    tried: list[Listed] = field(default_factory=list)
+    unsure: list[tuple[EglDevice, Listed]] = field(default_factory=list)
+    barred: bool = False
+    spare: EglDevice | None = None
+
+    def device(self, entry: EglDevice) -> Device | None:
+        """The device of an entry, where it is the one that is meant; else it is released."""
         try:
             device = _opened(entry)
         except Exception as error:  # noqa: BLE001 - the bindings raise bare Exception for every cause
-            tried.append(Listed(entry.index, {}, _why(entry, error)))
-            continue
+            self.tried.append(Listed(entry.index, {}, _why(entry, error)))
+            return None
         seen = Listed(entry.index, device.info)
-        tried.append(seen)
-        if exact or is_named(want, device.info["uuid"], device.info["pci"]):
+        self.tried.append(seen)
+        if self.exact or is_named(self.want, device.info["uuid"], device.info["pci"]) or self._meant(entry, seen):
             return device
-        if seen.matches(want) and (want != "auto" or device.kind == "gpu"):
-            free = given is None or device.kind != "gpu"
-            admitted = free or given.admits(device.info["uuid"], device.info["pci"], entry.cuda)
-            if admitted:
-                return device
-            unsure += [seen] if admitted is None else []
-            barred = True
-        elif want == "auto":
-            spare = spare or entry
         device.release()
-    if given and len(unsure) > 1:
-        raise _cannot_tell(given, unsure)
-    if unsure or spare:
-        return _opened(next(e for e in entries if e.index == unsure[0].index) if unsure else spare)
-    if given and (barred or want == "gpu"):
-        raise _none_given(given, tried)
-    raise _none_matches(want, list_devices() if exact else tried, {e.index for e in exact})
+        return None
+
+    def _meant(self, entry: EglDevice, seen: Listed) -> bool:
+        """Whether a device matches and is given to this process, as far as that is known."""
+        is_gpu = seen.info["kind"] == "gpu"
+        if not seen.matches(self.want) or (self.want == "auto" and not is_gpu):
+            self.spare = self.spare or (entry if self.want == "auto" else None)
+            return False
+        known = True if self.given is None or not is_gpu else self.given.admits(seen.info["uuid"], seen.info["pci"],
+                                                                               entry.cuda)
+        self.unsure += [(entry, seen)] if known is None else []
+        self.barred = self.barred or not known
+        return bool(known)
+
+    def second(self) -> EglDevice | None:
+        """What is taken where no device is surely the one. Raises UnknownDeviceError where several may be."""
+        if self.given and len(self.unsure) > 1:
+            raise _cannot_tell(self.given, [seen for _, seen in self.unsure])
+        return self.unsure[0][0] if self.unsure else self.spare
 
 
 def _exact(entries: Sequence[EglDevice], want: str) -> list[EglDevice]:

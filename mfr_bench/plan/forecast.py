@@ -140,11 +140,11 @@ class Prediction:
     @property
     def text(self) -> str:
         basis = ", ".join(f"{count} {source}" for source, count in self.sources.items())
-        checks = f" ({duration(self.checks_s)} of it to check images)" if self.checks_s > self.total_s / 5 else ""
-        return f"about {duration(self.total_s)}{checks}; frame times: {basis or 'none'}"
+        checks = f" ({rough_duration(self.checks_s)} of it to check images)" if self.checks_s > self.total_s / 5 else ""
+        return f"about {rough_duration(self.total_s)}{checks}; frame times: {basis or 'none'}"
 
 
-def duration(seconds: float) -> str:
+def rough_duration(seconds: float) -> str:
     """'40 s', '3 min', '2.5 h': two digits are more than a forecast is worth."""
     if seconds < 90:
         return f"{max(1, round(seconds, -1 if seconds >= 20 else 0)):.0f} s"

@@ -13,7 +13,7 @@ from ..config.model import Experiment
 from ..scene import Scene
 from .cells import Cell
 from .expected import expected_stats
-from .forecast import Forecast, Rates, duration, frames_s
+from .forecast import Forecast, Rates, frames_s, rough_duration
 
 MOST_SHARES = 10_000
 Plans = list[tuple[Experiment, list[Cell]]]
@@ -21,7 +21,7 @@ Unit = tuple[Scene, int]  # a scene, and the number of its group of methods
 
 
 @dataclass(frozen=True)
-class Split:
+class SplitScene:
     """A scene whose methods are measured in several tasks: the forecast of the whole, and the labels of each group."""
 
     scene: Scene
@@ -39,7 +39,7 @@ class Units:
 
     seconds: Mapping[Unit, float]
     group: Mapping[tuple, int]
-    splits: Sequence[Split]
+    splits: Sequence[SplitScene]
 
     def of(self, cell: Cell) -> Unit:
         """The unit that a cell belongs to."""
@@ -68,8 +68,8 @@ def units_of(plans: Plans, most_s: float | None = None) -> Units:
             seconds[scene, number] = sum(spent for _, spent in members.values())
             group |= dict.fromkeys(members, number) if number else {}
         if len(groups) > 1:
-            splits.append(Split(scene, total, [list(dict.fromkeys(cell.label for cell, _ in members.values()))
-                                               for members in groups]))
+            labels = [list(dict.fromkeys(cell.label for cell, _ in members.values())) for members in groups]
+            splits.append(SplitScene(scene, total, labels))
     return Units(seconds, group, splits)
 
 
@@ -133,10 +133,10 @@ def _shares(seconds: Mapping[Unit, float], count: int) -> Sequence[set[Unit]]:
     return shares
 
 
-def split_lines(splits: Iterable[Split]) -> list[str]:
+def split_lines(splits: Iterable[SplitScene]) -> list[str]:
     """A line for each scene that is split, as a plan says it."""
-    return [f"{_named(split.scene)}: by forecast {duration(split.seconds)}, split into {len(split.groups)} groups of "
-            "methods: " + " | ".join(", ".join(labels) for labels in split.groups) for split in splits]
+    return [f"{_named(split.scene)}: by forecast {rough_duration(split.seconds)}, split into {len(split.groups)} "
+            "groups of methods: " + " | ".join(", ".join(labels) for labels in split.groups) for split in splits]
 
 
 def _named(scene: Scene) -> str:

@@ -36,7 +36,7 @@ FILES = """
 | `tables/pass_times.csv` | a row per such cell, a column per pass: median times in ms |
 | `tables/cells.tex`, `cells.csv` | by `table --latex`: a row per measured cell, for booktabs and siunitx |
 | `comparison.json` | by `merge`: what comparing devices reads of cells; used while manifest and cells are the same |
-| `figures/<name>.png`, `.svg` | the figures that the config asks for, numbered where there are several |
+| `figures/<name>.png`, `.svg` | the config's figures, numbered where several; they bear a digest of their inputs |
 
 A cell whose scene moves, or whose method chooses k from the scene, has `frames` in its file. For each of them:
 `frame` (from 0), `fragments`, `covered_pixels`, `max_fragments`, `chosen_k` (null where nothing is chosen), `kept`

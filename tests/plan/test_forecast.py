@@ -20,9 +20,9 @@ from mfr_bench.plan.forecast import (
     Rates,
     Record,
     calibrated,
-    duration,
     frames_s,
     rates_of,
+    rough_duration,
 )
 
 from ..report import planted
@@ -144,7 +144,7 @@ def test_rates_are_those_of_earlier_runs_each_counted_once():
 @pytest.mark.parametrize(("seconds", "text"), [(0.2, "1 s"), (7.4, "7 s"), (44, "40 s"), (170, "3 min"),
                                                (9000, "2.5 h")])
 def test_a_forecast_has_no_more_digits_than_it_is_worth(seconds, text):
-    assert duration(seconds) == text
+    assert rough_duration(seconds) == text
 
 
 def test_the_nearest_record_is_found_among_many():

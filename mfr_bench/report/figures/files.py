@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import gc
 import importlib
 import json
 import os
 import re
 import warnings
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...environment import usable_cores
-from ...parallel import in_processes
+from ...parallel import in_processes, uncollected
 from ...store import ResultFolder, write_file
 from .. import data, style
 from ..data import Result
@@ -190,9 +188,9 @@ def _draw_all(result: Result, tasks: Sequence[Task], processes: int) -> None:
     if any(options.get("kind") == "maps" for _, options, _ in tasks):
         for point in result.points:  # read here, to report unreadable files; a forked child's warnings are lost
             _ = point.arrays
-    unmarked = result.folder.damaged or _boxes_told(result)
-    tasks = [(stem, options, "" if unmarked else mark) for stem, options, mark in tasks]
-    with _uncollected():
+    with uncollected():  # collecting takes a fifth of the time, and everything lives to the end anyway
+        unmarked = result.folder.damaged or _boxes_told(result)
+        tasks = [(stem, options, "" if unmarked else mark) for stem, options, mark in tasks]
         if processes > 1 and len(tasks) > 1:
             _write_shared(result, tasks)
         else:
@@ -228,18 +226,6 @@ def _boxes_told(result: Result) -> bool:
         warnings.warn(f"{result.name}: the font of the figures lacks {' '.join(lacking)}; boxes stand for them",
                       stacklevel=2)
     return bool(lacking)
-
-
-@contextmanager
-def _uncollected():
-    """Suspend garbage collection: it takes a fifth of the time, and everything lives to the end anyway."""
-    was_enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if was_enabled:
-            gc.enable()
 
 
 def render(figure: Figure, mark: str = "") -> dict[str, bytes]:
