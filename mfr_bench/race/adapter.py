@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ..errors import UsageError
 from ..glsl import StageSource, split_ref, stages
 from ..glsl.bindings import DIAGNOSTICS, Binding, buffer_bindings, colour_refs, texture_bindings
 from ..methods.spec import (
+    FRAMEBUFFER_FETCH,
     IMAGE,
     TILE_COMMAND,
     TILE_LIST,
@@ -28,6 +29,7 @@ from ..methods.spec import (
 )
 
 DIAGNOSTICS_BUFFER = "Diagnostics"
+FEATURES = frozenset({FRAMEBUFFER_FETCH})  # of the machine, as far as plans depend on them
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,7 @@ class FramePass:
     @property
     def concurrent(self) -> bool:
         """Whether its invocations could meet in memory."""
-        return bool(self.step.writes) or self.step.kind == "compute"
+        return bool(self.step.writes or self.step.fetched) or self.step.kind == "compute"
 
 
 @dataclass(frozen=True)
@@ -78,7 +80,7 @@ class Frame:
     @property
     def fitted(self) -> Fitted:
         """The variant in its scene."""
-        return Fitted(self.variant, self.stats)
+        return Fitted(self.variant, self.stats, FEATURES)
 
     @property
     def buffers(self) -> tuple[Buffer, ...]:
@@ -86,7 +88,9 @@ class Frame:
 
     @property
     def targets(self) -> tuple[Target, ...]:
-        return (*(t for t in self.variant.targets if not t.on_demand), Target(IMAGE, "rgba32f"))
+        drawn_into = {ref for p in self.passes for ref in p.step.into}
+        return (*(t for t in self.variant.targets if not t.on_demand or t.name in drawn_into),
+                Target(IMAGE, "rgba32f"))
 
     @property
     def grown_counter(self) -> str | None:
@@ -101,7 +105,7 @@ class Frame:
 
 def frame_of(fitted: Fitted, region: tuple[int, int, int, int] | None = None) -> Frame:
     """The frame of a variant in a scene. Raises UsageError for what no small scene can show."""
-    variant, stats = fitted.variant, fitted.stats
+    variant, stats, fitted = fitted.variant, fitted.stats, replace(fitted, features=FEATURES)
     if any(isinstance(step, Loop) and step.bands for step in variant.steps) and variant.budget_bytes:
         raise UsageError(f"{variant.method.id}: the race machine draws no frame in bands; leave memory_mb at 0")
     maker = _Maker(fitted)

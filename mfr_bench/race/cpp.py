@@ -15,6 +15,7 @@ from .syntax import (
     Evaluate,
     Expression,
     Function,
+    Global,
     If,
     Jump,
     Loop,
@@ -85,12 +86,21 @@ class _Translator(Values):
             elif "image" in kind.name or "shared" in g.qualifiers or g.qualifiers & {"in", "uniform"}:
                 if g.qualifiers & {"in", "uniform"} and not self._is_given(name) and "image" not in kind.name:
                     raise self.unknown(g.line, f"the input or uniform {name!r}")
+            elif "inout" in g.qualifiers:
+                yield f"{self.full(kind)} u_{name} = {self._fetched(g)};"
             elif "const" in g.qualifiers and kind.name == "int" and not kind.lengths:
                 yield f"static constexpr int u_{name} = {self.constant(g.variable.value)};"
             else:
                 yield self._global(g.variable)
         yield "float gl_FragDepth = inputs().z; bool wrote_depth = false;"
         yield "Array<int, 1> gl_SampleMask{{-1}}; Array<int, 1> gl_SampleMaskIn{{inputs().helper ? 0 : 1}};"
+
+    def _fetched(self, g: Global) -> str:
+        """The value of an output that starts as the fragment before has left the pixel."""
+        kind = {"vec4": "float", "uvec4": "uint"}.get(g.variable.type.name)
+        if kind is None or g.variable.type.lengths or g.variable.name not in self.stage.locations:
+            raise self.unknown(g.line, f"the fetched output {g.variable.name!r}, which is no vec4 or uvec4 of the pass")
+        return f"race::fetched_{kind}({self.stage.locations[g.variable.name]})"
 
     def _is_given(self, name: str) -> bool:
         """Whether the machine gives an input or uniform of this name."""
@@ -104,7 +114,7 @@ class _Translator(Values):
     def _results(self) -> Iterator[str]:
         for g in self.shader.globals:
             name = g.variable.name
-            if "out" not in g.qualifiers or name not in self.stage.locations:
+            if not g.qualifiers & {"out", "inout"} or name not in self.stage.locations:
                 continue
             location, kind = self.stage.locations[name], g.variable.type
             if kind.lengths:

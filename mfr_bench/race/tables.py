@@ -15,8 +15,9 @@ from .cpp import translate
 from .parser import parse
 from .values import Sites, Stage
 
-FORMATS = ("r8", "rg8", "rgba8", "r16", "rgba16f", "r32f", "rg32f", "rgba32f", "r32ui", "depth16", "depth32f",
-           "depth24_stencil8")
+FORMATS = ("r8", "rg8", "rgba8", "r16", "rgba16f", "r32f", "rg32f", "rgba32f", "r32ui", "rg32ui", "depth16",
+           "depth32f", "depth24_stencil8")
+INTEGERS = ("r32ui", "rg32ui")
 EQUATIONS = {"add": 1, "max": 2}
 FACTORS = ("zero", "one", "one_minus_src_alpha", "dst_alpha", "one_minus_dst_alpha", "src_alpha")
 DEPTH_TESTS = (None, "less", "lequal", "equal", "always")
@@ -55,7 +56,7 @@ def preprocessed(text: str, compiler: str) -> str:
 def generate(frame: Frame, compiler: str) -> tuple[str, Sites]:
     """The C++ file of a frame, and the sites that its numbers mean."""
     sites = Sites()
-    shaders = [_shader(number, p, compiler, sites) for number, p in enumerate(frame.passes) if p.sources]
+    shaders = [_shader(frame, number, p, compiler, sites) for number, p in enumerate(frame.passes) if p.sources]
     lines = ['#include "machine.hpp"', "using namespace race;", *shaders, "namespace race {", *_resources(frame)]
     for number, p in enumerate(frame.passes):
         lines += _pass_tables(frame, number, p)
@@ -65,10 +66,10 @@ def generate(frame: Frame, compiler: str) -> tuple[str, Sites]:
     return "\n".join([*lines, _frame(frame), "}  // namespace race"]) + "\n", sites
 
 
-def _shader(number: int, p: FramePass, compiler: str, sites: Sites) -> str:
+def _shader(frame: Frame, number: int, p: FramePass, compiler: str, sites: Sites) -> str:
     locate = locator(p.own)
     shader = parse(preprocessed(p.own.text, compiler), locate)
-    stage = Stage(number, _slots(p), {b.name: b.index for b in p.textures}, _locations(p), p.concurrent)
+    stage = Stage(number, _slots(p), {b.name: b.index for b in p.textures}, _locations(frame, p), p.concurrent)
     return translate(shader, stage, sites, locate)
 
 
@@ -76,13 +77,14 @@ def _slots(p: FramePass) -> dict[str, int]:
     return {b.name: at for at, b in enumerate(p.buffers)} | dict.fromkeys(DIAGNOSTICS, len(p.buffers))
 
 
-def _locations(p: FramePass) -> dict[str, int]:
+def _locations(frame: Frame, p: FramePass) -> dict[str, int]:
     """The outputs by their names in the shader. A target of several layers takes as many locations."""
+    targets = {t.name: t for t in frame.targets}
     found, location = {}, 0
     for ref in p.outputs:
         name = base_of(ref)[0]
         found[f"out_{name}"] = location
-        location += 8 if p.step.kind != "compute" else 1
+        location += frame.fitted.layer_count(targets[name])
     return found
 
 
@@ -94,7 +96,7 @@ def _resources(frame: Frame) -> Iterator[str]:
     for t in frame.targets:
         samples, layers = frame.fitted.samples(t), frame.fitted.layer_count(t)
         yield (f'{{"{t.name}", {FORMATS.index(t.format)}, {t.copies}, {samples}, {layers}, '
-               f'{_bool(t.attaches == "depth")}, {_bool(t.format == "r32ui")}}},')
+               f'{_bool(t.attaches == "depth")}, {_bool(t.format in INTEGERS)}}},')
     yield "};"
 
 
@@ -128,7 +130,7 @@ def _pass_tables(frame: Frame, number: int, p: FramePass) -> Iterator[str]:
     yield "{0, 0}};"
     yield f"static const OutputDesc outputs{number}[] = {{"
     yield from (_output(frame, p, ref) for ref in dict.fromkeys((*p.outputs, *p.step.into, *p.step.clears)))
-    yield "{0, 0, 0, 0, false, {}}};"
+    yield "{0, 0, 0, 0, false, {}, false}};"
 
 
 def _output(frame: Frame, p: FramePass, ref: str) -> str:
@@ -137,9 +139,10 @@ def _output(frame: Frame, p: FramePass, ref: str) -> str:
     layers = frame.fitted.layer_count(target)
     clear = p.step.clears.get(ref)
     values = ", ".join(f"{float(v)}f" for v in (*(clear or ()), 0, 0, 0, 0)[:4])
-    location = _locations(p).get(f"out_{name}", 0)
+    location = _locations(frame, p).get(f"out_{name}", 0)
     drawn = layers if ref in p.step.into else 0
-    return f"{{{_target_names(frame).index(name)}, {role}, {drawn}, {location}, {_bool(clear)}, {{{values}}}}},"
+    return (f"{{{_target_names(frame).index(name)}, {role}, {drawn}, {location}, {_bool(clear)}, {{{values}}}, "
+            f"{_bool(ref in p.step.keeps)}}},")
 
 
 def _outputs_count(p: FramePass) -> int:
@@ -179,7 +182,7 @@ def _pass(frame: Frame, number: int, p: FramePass) -> str:
         _bool(p.concurrent),
         _bool(step.counts), _bool(step.counts and frame.capacity_is_counted),
         *((f"pass{number}::interlocked", f"pass{number}::ordered") if p.sources else ("false", "false")),
-        _bool(_uses_mask(p)), str(p.instances), str(p.groups), local[0], str(command),
+        _bool(_uses_mask(p)), _bool(step.fetched), str(p.instances), str(p.groups), local[0], str(command),
         str(step.defines.get("CLASS", -1)), "{" + ", ".join(map(str, written)) + "}", str(len(written)), local[1],
     ]
     return "{" + ", ".join(fields) + "},"

@@ -29,7 +29,8 @@ def test_a_method_keeps_its_promise(method):
 
 @pytest.mark.parametrize(("fragments", "settings", "passes"), [
     ((4,), (), ["order", "blend"]), ((4,), ("flat=stored",), ["store", "resolve"]),
-    ((3, 2), (), ["clear", "store", "resolve"]),
+    ((3, 2), (), ["store", "resolve"]), ((5, 4), (), ["clear", "store", "resolve"]),
+    ((3, 2), ("shallow=memory",), ["clear", "store", "resolve"]),
     ((3, 2), ("spare_memory=0",), ["count", "clear", "allocate", "store", "resolve"])])
 def test_each_plan_of_the_adaptive_method_keeps_its_promise(fragments, settings, passes):
     found = run(small_variant(catalog()["adaptive"], settings), fragments, How(schedules=SLOW), scenes=2)
@@ -74,3 +75,23 @@ def test_two_fragments_keep_the_promise_in_every_order(method_id):
     found = run(small_variant(catalog()[method_id], UNGROUPED.get(method_id, ())), (2,), how, scenes=1)
     assert found.complete or found.checker.promises_nothing
     assert not found.broken or found.checker.promises_nothing, show(found)
+
+
+FETCHED = ((5, 4), (4, 5, 3, 1), (2, 0, 3, 3))  # fragments of pixels, by a guess that no more than eight meet or surely
+
+
+@pytest.mark.parametrize("fragments", FETCHED, ids=str)
+@pytest.mark.parametrize("how", [How(), How(weak=True), How(warp=4), How(in_flight=2), How(helpers=True)],
+                         ids=["strong", "weak", "lockstep", "two in flight", "helpers"])
+def test_fragments_kept_in_the_framebuffer_come_in_order_of_submission(fragments, how):
+    """Those of a pixel one by one, of other pixels meanwhile: all are kept, sorted, on every machine."""
+    found = run(small_variant(catalog()["adaptive"], ()), fragments, how, scenes=2)
+    fetching = [p.step.name for p in found.checker.frame.passes if p.step.fetched]
+    assert fetching == ["store", "resolve"] and all(p.concurrent for p in found.checker.frame.passes if p.step.fetched)
+    assert found.schedules >= how.schedules and not found.broken, show(found)
+
+
+def test_equal_depths_in_the_framebuffer_stay_in_order_of_submission():
+    """Among equal depths the first submitted is the nearest, in every schedule; here nothing else is allowed."""
+    found = run(small_variant(catalog()["adaptive"], ()), (5, 4), How(), scenes=2, ties=True)
+    assert not found.broken and len(found.checker.images) == 1, show(found)

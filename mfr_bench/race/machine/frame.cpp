@@ -1,10 +1,11 @@
 // Draws a frame: the passes in order, and around the shaders what a rasterizer does with their outputs.
 #include "machine.hpp"
 #include <algorithm>
+#include <cstdlib>
 
 namespace race {
 namespace {
-enum Format { F_R8, F_RG8, F_RGBA8, F_R16, F_RGBA16F, F_R32F, F_RG32F, F_RGBA32F, F_R32UI, F_D16, F_D32F, F_D24S8 };
+enum Format { F_R8, F_RG8, F_RGBA8, F_R16, F_RGBA16F, F_R32F, F_RG32F, F_RGBA32F, F_R32UI, F_RG32UI, F_D16, F_D32F, F_D24S8 };
 enum Factor { ZERO, ONE, ONE_MINUS_SRC_ALPHA, DST_ALPHA, ONE_MINUS_DST_ALPHA, SRC_ALPHA };
 constexpr uint32_t TILE_PIXELS = 16;  // side of a listed tile
 constexpr uint32_t COMMAND_WORDS = 5;  // of an indirect draw
@@ -31,7 +32,7 @@ float stored(float v, int format) {
 
 int channels(int format) {
     switch (format) {
-        case F_RG8: case F_RG32F: return 2;
+        case F_RG8: case F_RG32F: case F_RG32UI: return 2;
         case F_RGBA8: case F_RGBA16F: case F_RGBA32F: return 4;
         default: return 1;
     }
@@ -113,7 +114,7 @@ void write_sample(const PassDesc& p, const Fiber& f, int sample) {
     for (int i = 0; i < p.output_count; ++i) {
         const OutputDesc& o = p.outputs[i];
         const TargetDesc& t = frame.targets[o.target];
-        if (t.depth) continue;
+        if (t.depth || o.keeps) continue;
         for (int layer = 0; layer < o.layers; ++layer) {
             int location = o.location + layer;
             uint32_t* to = texel(o.target, o.role, layer, sample < t.samples ? sample : 0, f.in.x, f.in.y);
@@ -250,7 +251,7 @@ void zero(const PassDesc& p) {
 }
 
 void set_order() {
-    bool keep = m.options.mode != SEQUENTIAL || m.pass->kind != GEOMETRY || m.pass->ordered;
+    bool keep = m.options.mode != SEQUENTIAL || m.pass->kind != GEOMETRY || m.pass->ordered || m.pass->fetches;
     m.order.resize(size_t(m.used));
     for (int i = 0; i < m.used; ++i) m.order[size_t(i)] = i;
     if (!keep)
@@ -259,7 +260,7 @@ void set_order() {
 
 void shade(const PassDesc& p) {
     m.solo = !p.concurrent || m.options.mode == SEQUENTIAL;
-    lockstep_on = m.options.warp > 0 && !m.solo && p.kind != COMPUTE && !p.interlocked;
+    lockstep_on = m.options.warp > 0 && !m.solo && p.kind != COMPUTE && !p.interlocked && !p.fetches;
     if (m.options.mode == PRIORITY)
         for (int i = 0; i < m.used; ++i) m.fibers[size_t(i)].priority = 1 + int(m.random.below(1u << 20));
     set_order();
@@ -267,7 +268,7 @@ void shade(const PassDesc& p) {
     m.current = nullptr;
     if (!m.failure) publish_all();
     lockstep_on = false;
-    if (p.kind == COMPUTE) return;
+    if (p.kind == COMPUTE || p.fetches) return;  // of the latter each was written when it ended
     for (int i = 0; i < m.used && !m.failure; ++i) raster(p, m.fibers[size_t(i)]);
 }
 
@@ -309,6 +310,27 @@ void start() {
     m.uniforms[CAPACITY] = frame.capacity;
 }
 }  // namespace
+
+void raster_now(const Fiber& f) { raster(*m.pass, f); }
+
+static const uint32_t* own_texel(int location) {
+    for (int i = 0; i < m.pass->output_count; ++i) {
+        const OutputDesc& o = m.pass->outputs[i];
+        if (o.layers && o.location == location && !frame.targets[o.target].depth)
+            return texel(o.target, o.role, 0, 0, inputs().x, inputs().y);
+    }
+    std::abort();  // the translator gives each output that is fetched a location
+}
+
+glsl::V4<float> fetched_float(int location) {
+    const uint32_t* at = own_texel(location);
+    return {glsl::from_bits(at[0]), glsl::from_bits(at[1]), glsl::from_bits(at[2]), glsl::from_bits(at[3])};
+}
+
+glsl::V4<Uint> fetched_uint(int location) {
+    const uint32_t* at = own_texel(location);
+    return {Uint(at[0]), Uint(at[1]), Uint(at[2]), Uint(at[3])};
+}
 
 bool draw_frame() {
     start();

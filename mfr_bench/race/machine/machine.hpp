@@ -11,7 +11,7 @@ using glsl::U64;
 struct BufferDesc { const char* name; uint32_t words; int copies; };
 struct BindingDesc { const char* name; int buffer; int role; bool coherent; };  // role 0: as it is, 1: current, 2: previous
 struct TextureDesc { int target; int role; };
-struct OutputDesc { int target; int role; int layers; int location; bool clears; float clear[4]; };
+struct OutputDesc { int target; int role; int layers; int location; bool clears; float clear[4]; bool keeps; };
 struct TargetDesc { const char* name; int format; int copies, samples, layers; bool depth, integer; };
 struct BlendDesc { int equation, source, destination, source_alpha, destination_alpha; };  // equation 0: none
 enum Kind { GEOMETRY, FULLSCREEN, COMPUTE, CLEAR };
@@ -26,7 +26,7 @@ struct PassDesc {
     int depth_test;  // 0 none, 1 less, 2 lequal, 3 equal, 4 always
     bool depth_write, early, writes_depth, samples_all;
     int stencil_test, stencil_update, stencil_reference;  // test 0 none, 1 always, 2 equal; update 1 up, 2 down
-    bool region, corner, by_tile, concurrent, counts, sets_capacity, interlocked, ordered, uses_mask;
+    bool region, corner, by_tile, concurrent, counts, sets_capacity, interlocked, ordered, uses_mask, fetches;
     int instances, groups, local_x, local_y, command, command_class;  // command: buffer of indirect draws, -1 none
     int written[16]; int written_count;  // slots that a clear by the driver zeroes
     uint32_t shared_words;
@@ -80,6 +80,8 @@ void interlock_end(int site);
 glsl::V4<float> fetch_float(int unit, int x, int y, int layer, int sample);
 glsl::V4<Uint> fetch_uint(int unit, int x, int y, int layer, int sample);
 void store_image(int location, int x, int y, glsl::V4<float> colour);
+glsl::V4<float> fetched_float(int location);      // of the running invocation's pixel, as the one before has left it
+glsl::V4<Uint> fetched_uint(int location);
 
 template <class P> void put_output(int location, const glsl::V4<P>& value) {
     const P parts[4] = {value.x, value.y, value.z, value.w};
@@ -265,6 +267,7 @@ void drain(Fiber& f, size_t entry);
 void start_fiber(Fiber& f);
 void switch_to(Fiber* next);                      // nullptr: the machine itself
 void run_fibers();
+void raster_now(const Fiber& f);                  // what follows its shader, before another of its pixel starts
 void run_lockstep();
 bool draw_frame();                                // false where something failed
 void exhaust_begin();

@@ -14,12 +14,18 @@ constexpr int MOST_WITH_PRIORITY = 64;       // invocations; with more, who goes
 constexpr uint32_t WAITS = 2;               // repeats of one access after which an invocation is known to wait
 
 static void join_ready(Fiber& f);
+static void start_next_of_pixel(const Fiber& f);
 
 static void body() {
     m.pass->run();
     m.current->state = DONE;
     --m.live;
-    if (m.held < m.used) join_ready(m.fibers[size_t(m.held++)]);
+    if (m.pass->fetches) {
+        raster_now(*m.current);
+        start_next_of_pixel(*m.current);
+    } else if (m.held < m.used) {
+        join_ready(m.fibers[size_t(m.held++)]);
+    }
     pause_current();
     std::abort();
 }
@@ -364,8 +370,32 @@ static void run_in_order() {
     if (m.live > 0 && !m.failure) m.failure = "barrier";
 }
 
+static bool of_one_pixel(const Fiber& a, const Fiber& b) { return a.in.x == b.in.x && a.in.y == b.in.y; }
+
+static void start_next_of_pixel(const Fiber& f) {
+    for (int id = f.id + 1; id < m.used && !m.solo; ++id)
+        if (of_one_pixel(f, m.fibers[size_t(id)])) return join_ready(m.fibers[size_t(id)]);
+}
+
+// Where a shader reads what the fragment before has left, the fragments of a pixel come one by one, in order of
+// submission, and those of others meanwhile. Nobody else has the words of a pixel, so that a switch between a fragment's
+// accesses to them would show nothing.
+static void hold_pixels() {
+    for (int id = 0; id < m.used; ++id)
+        for (int before = 0; before < id; ++before)
+            if (of_one_pixel(m.fibers[size_t(before)], m.fibers[size_t(id)])) {
+                leave_ready(m.fibers[size_t(id)]);
+                break;
+            }
+}
+
 // Only so many fragments start; with each that ends the next one does, in order of submission.
 static void hold_back() {
+    if (m.pass->fetches) {
+        m.held = m.used;
+        if (!m.solo) hold_pixels();
+        return;
+    }
     bool limited = m.options.in_flight && m.pass->kind == GEOMETRY && !m.solo && !lockstep_on;
     m.held = limited && m.options.in_flight < m.used ? m.options.in_flight : m.used;
     for (int id = m.held; id < m.used; ++id) leave_ready(m.fibers[size_t(id)]);
