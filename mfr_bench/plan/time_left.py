@@ -25,6 +25,9 @@ from .in_hand import InHand, parts_s
 PROGRAMS, CHECKS, FRAMES = "programs", "checks", "frames"  # kinds of work
 Seconds = dict[str, float]  # by kind
 Code = Mapping[int, int]  # characters of programs, by their digests
+# Chosen by recorded runs, see docs/measurement.md: of 164, replayed by scripts/time_left.py, 154 are foretold within a
+# factor of 1.5 after a fifth of them. With half or twice of one of these numbers 145 to 155 are; with half or twice of
+# what is usual of frames, the one that matters, 106 and 92.
 USUAL = {PROGRAMS: 0.3, CHECKS: 0.05, FRAMES: 1.15}  # what each takes over what is foretold, before a run has shown it
 TRUST = {PROGRAMS: 0.04, CHECKS: 0.04, FRAMES: 0.4}  # share of all that is foretold for which each counts as usual
 COUPLED = 0.4  # power to which the factor of all work raises what is usual of frames
@@ -33,6 +36,7 @@ GUESS, GUESSES = 0.8, 1  # what a frame takes over its guess by calibration, as 
 USUAL_CODE = 12000  # characters of the programs that a cell compiles
 COUNTERS = 2.5  # times as much code counts the work of a frame
 CELL_S = 0.01  # to begin and end a cell, beside its frames
+
 PREPARING = ("scene", "compile", "first frame")  # phases of events.Begun before the first sample
 COMPILE, SAMPLING, CHECK, WAIT = "compile", "sampling", "check", "wait"
 REFRESH_S, REFRESH = 1.0, 0.05  # a forecast stands for so long, or for this share of what it says, if that is less

@@ -1,0 +1,64 @@
+"""Work over several processes: the same outcomes in turn, whatever the processes are copies of."""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+import threading
+from types import ModuleType
+
+import pytest
+
+from mfr_bench import parallel
+from mfr_bench.parallel import in_processes, uncollected
+
+
+def whose(number: int) -> tuple[int, int, bool]:
+    """The number, the process that has it, and whether that has imported a module which nothing else needs."""
+    return number, os.getpid(), "this" in sys.modules
+
+
+def with_a_thread(found):
+    end = threading.Event()
+    thread = threading.Thread(target=end.wait)
+    thread.start()
+    try:
+        return found()
+    finally:
+        end.set()
+        thread.join()
+
+
+def test_a_process_that_may_be_copied_is_one_without_threads_and_without_gl(monkeypatch):
+    monkeypatch.setattr(sys, "modules", {name: module for name, module in sys.modules.items()
+                                         if name not in parallel.GL})
+    assert parallel._copies() is (threading.active_count() == 1)
+    assert with_a_thread(parallel._copies) is False
+    monkeypatch.setitem(sys.modules, "moderngl", ModuleType("moderngl"))
+    assert parallel._copies() is False
+
+
+@pytest.mark.parametrize("copies", [True, False])
+def test_outcomes_come_in_turn_from_processes_that_have_the_imports(monkeypatch, copies):
+    monkeypatch.setattr(parallel, "_copies", lambda: copies)
+    monkeypatch.setattr(parallel.importlib, "import_module", lambda name: sys.modules.setdefault(name, sys))
+    found = list(in_processes(whose, range(6), 2, ["this"] if copies else []))
+    assert [number for number, _, _ in found] == list(range(6))
+    assert os.getpid() not in {process for _, process, _ in found}
+    assert {imported for *_, imported in found} == {copies}
+    sys.modules.pop("this", None)
+
+
+def test_few_items_stay_here(monkeypatch):
+    monkeypatch.setattr(parallel, "_copies", lambda: False)
+    assert {process for _, process, _ in in_processes(whose, range(5), 2)} == {os.getpid()}
+
+
+def test_collecting_goes_on_afterwards_only_where_it_went_on_before():
+    with uncollected():
+        assert not gc.isenabled()
+        with uncollected():
+            pass
+        assert not gc.isenabled()
+    assert gc.isenabled()
