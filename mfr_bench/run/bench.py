@@ -17,7 +17,7 @@ from ..scene.kinds import kind_of
 from .ahead import Ahead
 from .answers import Answers
 from .aside import Aside, AtOnce
-from .events import Begun
+from .events import BETWEEN, Begun
 from .precompile import Precompiler
 
 Emit = Callable[[Any], None]
@@ -81,6 +81,13 @@ class Phases:
     def begin(self, phase: str) -> None:
         self._now = phase
         self._bench.emit(Begun(self._key, phase))
+
+    @contextmanager
+    def within(self, phase: str) -> Iterator[None]:
+        """A phase that ends between two steps; where something goes wrong in it, it goes on."""
+        self.begin(phase)
+        yield
+        self.begin(BETWEEN)
 
     @contextmanager
     def apart(self, phase: str) -> Iterator[None]:

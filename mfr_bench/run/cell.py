@@ -19,7 +19,7 @@ from ..plan.forecast import PASS_SHARE, pass_frames
 from ..stats import interleaved_ratio
 from ..store.journal import Partial
 from .bench import Bench, Phases
-from .events import WAIT, Finished, Sampled
+from .events import BETWEEN, WAIT, Finished, Sampled
 from .images import Images
 from .jobs import Job
 from .outcome import fragment_shares, frame_values, scene_values, verdict
@@ -64,6 +64,7 @@ class CellWork:
         except BaseException:
             self.frame.release()
             raise
+        self._phases.begin(BETWEEN)
 
     @property
     def samplers(self) -> list[Sampler]:
@@ -115,22 +116,27 @@ class CellWork:
 
     def batch(self, sampler: Sampler) -> None:
         """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed."""
-        self._phases.begin("sampling")
+        self._phases.begin(BETWEEN)
         first, watch = len(sampler.samples_ms), self._watch
         with self.bench.paused():
-            with self.bench.split.work("reference"), watch.turn() as turn:
-                for _ in sampler.turn():
-                    self.bench.stop_if_asked()
-                    self.frame.show(self.scene.show(len(sampler.samples_ms)))
-                    with self.bench.split.work("measure" if sampler.warm else "warm-up"):
-                        sampler.add(self._sample(sampler.warm))
+            with self.bench.split.work("reference"), watch.turn() as turn, self._phases.within("sampling"):
+                self._take(sampler)
             self.postponed = turn.slower and watch.again(turn.took_s, sampler.measure.wait_s)
             if self.postponed:
                 sampler.set_aside(range(first, len(sampler.samples_ms)))
             elif sampler is self.sampler and turn.reference_ms is not None:
                 self.references_ms += [round(turn.reference_ms, 4)] * (len(sampler.samples_ms) - first)
-            passes = self._time_passes(1) if sampler.warm and not self.postponed else {}
+            with self._phases.within("sampling"):
+                passes = self._time_passes(1) if sampler.warm and not self.postponed else {}
         self._emit_new(passes)
+
+    def _take(self, sampler: Sampler) -> None:
+        """Draw the frames of one turn."""
+        for _ in sampler.turn():
+            self.bench.stop_if_asked()
+            self.frame.show(self.scene.show(len(sampler.samples_ms)))
+            with self.bench.split.work("measure" if sampler.warm else "warm-up"):
+                sampler.add(self._sample(sampler.warm))
 
     def wait(self) -> None:
         """Wait until the device is as fast as usual, which counts as no time of the method."""
@@ -207,8 +213,9 @@ class CellWork:
 
     def end(self) -> None:
         """Time the passes and draw the last images; nothing is drawn for the cell afterwards."""
-        self._phases.begin("passes")
+        self._phases.begin(BETWEEN)
         with self.bench.paused():
+            self._phases.begin("passes")
             self._time_passes(self.pass_frames)
         self._phases.begin("last frames")
         with self.bench.split.work("last frames"):
@@ -218,6 +225,7 @@ class CellWork:
             if self.fitted.stats.effect.msaa > 1:
                 self.images.count_edges()
             self._measured, self._also = self._values(), self._details()
+        self._phases.begin(BETWEEN)
         self._count_as_frames(self._first_s, self._first_frames, "compile", "first frames")
         self._count_as_frames(self._counting_s, self._counting_frames, "count", "counting frames")
 

@@ -46,8 +46,9 @@ class Go:
     """Everything that was sent until `Synced` is kept."""
 
 
-# Phases in which the harness compares images, and in which it waits for a quiet machine: no time of the method.
-CHECK, WAIT = "check", "wait"
+# Phases in which the harness compares images, waits for a quiet machine, and does what comes between two steps of a
+# cell: keeps samples, looks at the reference frame, stops other processes. None is time of the method.
+CHECK, WAIT, BETWEEN = "check", "wait", "between two steps"
 
 # --- worker to parent ----------------------------------------------------------------------------
 

@@ -6,12 +6,13 @@ import time
 from collections.abc import Mapping
 
 from ..environment import MIB
-from .events import CHECK, WAIT
+from .events import BETWEEN, CHECK, WAIT
 from .jobs import Job
 from .memory import FREE_SHARE
 
-START_S = 120.0  # for a worker to open the device, to choose its timer, or to make a scene without cells
-APART = (CHECK, WAIT)  # phases within none of a cell's limits
+START_S = 120.0  # for a worker to open the device, to choose its timer, to make a scene, or between two steps
+UNLIMITED = (CHECK, WAIT)  # phases that may take any time
+APART = (*UNLIMITED, BETWEEN)  # phases within none of a cell's limits
 SUSPENDED_S = 5.0  # between two looks: it was not the worker that took it
 
 
@@ -57,17 +58,26 @@ class Hand:
     def overdue_s(self) -> float | None:
         """The limit that the cell in hand, or the scene, has passed, or None.
 
-        Time during which nobody looked does not count, nor does that in which the harness compares images or waits.
+        Time during which nobody looked does not count, nor for a cell that in which the harness compares images, waits,
+        or is between two steps. Making a scene is no cell's time: a cell's limit shortens it no more than START_S.
         """
         now = time.monotonic()
-        if self.phase in APART:
-            self._looked = now
-            return None
         if now - self._looked > SUSPENDED_S:
             self._since += now - self._looked
         self._looked = now
-        limit_s = max((job.cell.measure.longest_s for job in self._concerned), default=START_S)
-        return limit_s if self._spent_s.get(self.key, 0.0) + now - self._since > limit_s else None
+        if self.phase in UNLIMITED:
+            return None
+        taken_s = now - self._since
+        if self.phase == BETWEEN:
+            return START_S if taken_s > START_S else None
+        limits_s = [job.cell.measure.longest_s for job in self._concerned]
+        limit_s = max(limits_s if self.key else [START_S, *limits_s], default=START_S)
+        return limit_s if self._spent_s.get(self.key, 0.0) + taken_s > limit_s else None
+
+    @property
+    def limited_by(self) -> str:
+        """The setting that the limit of `overdue_s` comes from, in brackets; nothing where it is no cell's."""
+        return " (measure.hard_limit_s)" if self.key and self.phase not in APART else ""
 
     def limit_bytes(self, free_bytes: float) -> float:
         """The memory that the worker may take: measure.hard_limit_mb, else a share of what was free at the start."""

@@ -15,10 +15,10 @@ from ..methods.spec import Fitted, Method, SceneStats
 from ..plan import judge
 from ..scene.kinds import kind_of
 from ..store.journal import Partial
-from .bench import Bench
+from .bench import Bench, Phases
 from .cell import CellWork
 from .eliminating import Rounds
-from .events import Begun, Finished, Group, Synced
+from .events import BETWEEN, Begun, Finished, Group, Synced
 from .jobs import Job
 from .outcome import failure, scene_values
 from .precompile import drawable
@@ -165,7 +165,8 @@ class Measuring:
     def _look(self, job: Job) -> None:
         """Look at the reference frame, so that its best is known before the first turn that it is compared with."""
         if not (job.cell.measure.eliminate or job.cell.measure.single):
-            with self.bench.split.work("reference"), self.bench.paused():
+            Phases(self.bench, job.key).begin(BETWEEN)
+            with self.bench.split.work("reference"):
                 self.bench.watch.look()
 
     def _sample(self, running: list[CellWork]) -> None:

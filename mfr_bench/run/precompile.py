@@ -28,7 +28,7 @@ ASKED = 3  # cells at once: so few that writing to the process never waits for i
 FRAGMENTS = 2**21  # of a frame, above which drawing it takes longer than compiling
 CELL_BYTES = 256 * MIB  # of a method's memory, which this process needs as well
 FREE_BYTES = 2048 * MIB  # of memory that must be free before one more process takes some
-STOP_S = 2.0  # until it stands still, or is killed
+STOP_S = 1.0  # until it stands still, or is killed
 TRIED, SHARE = 3, 0.5  # cells drawn ahead, of whose compiling this one may be left with so much
 LOCKS = Path("/proc/locks")  # Linux: the locks of files, by process
 

@@ -12,7 +12,7 @@ from itertools import zip_longest
 from ..environment import MIB
 from ..scene import Scene
 from .device_process import DeviceProcess
-from .events import Begun, Ended, Finished, Go, Group, Ready, Sampled, Stop, Synced
+from .events import BETWEEN, Begun, Ended, Finished, Go, Group, Ready, Sampled, Stop, Synced
 from .hand import Hand
 from .jobs import Job
 from .ledger import Ledger
@@ -118,7 +118,8 @@ class Supervisor:
         match event := self._process.receive():
             case Begun(key, phase):
                 hand.take(key, phase)
-                watch(event)
+                if phase != BETWEEN:
+                    watch(event)
             case Sampled():
                 ledger.sampled(event)
                 watch(event)
@@ -142,7 +143,7 @@ class Supervisor:
         if time.monotonic() >= self._last:
             self._end(hand, "timeout", "the time is up")
         elif limit_s := hand.overdue_s():
-            self._end(hand, "timeout", f"no end within {limit_s:g} s (measure.hard_limit_s)")
+            self._end(hand, "timeout", f"no end within {limit_s:g} s{hand.limited_by}")
         resident, limit = self._process.resident_bytes(), hand.limit_bytes(self.free_bytes)
         if resident > limit:
             what = f"the process that measures took {resident / MIB:,.0f} MiB, allowed: {limit / MIB:,.0f} MiB"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,7 +14,8 @@ from mfr_bench.gpu.frame import Frame
 from mfr_bench.methods import catalog
 from mfr_bench.oracle import truth
 from mfr_bench.run import answers, measuring
-from mfr_bench.run.events import CHECK, Begun, Finished, Sampled
+from mfr_bench.run.bench import Bench, Phases
+from mfr_bench.run.events import BETWEEN, CHECK, Begun, Finished, Sampled, Synced
 from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger
 from mfr_bench.run.sheet import Sheet
@@ -223,7 +225,21 @@ def test_phases_and_samples_come_as_they_happen(run):
         order = [kind for kind, of in seen if of == key]
         assert order[0] is Begun and order[-1] is Finished and order.count(Sampled) > 1
     phases = [event.phase for event in made.events if isinstance(event, Begun) and event.key == seen[-1][1]]
-    assert phases[:2] == ["compile", "first frame"] and phases.index("sampling") < phases.index("passes")
+    assert phases[:3] == [BETWEEN, "compile", "first frame"]
+    assert phases.index("sampling") < phases.index("passes")
+
+
+def test_what_is_no_time_of_a_method_is_done_between_its_steps(run, monkeypatch):
+    """Other processes are stopped, and samples kept, within no limit of a cell."""
+    met = []
+    paused, begin = Bench.paused, Phases.begin
+    monkeypatch.setattr(Bench, "paused", lambda self: (met.append("paused"), paused(self))[1])
+    monkeypatch.setattr(Phases, "begin", lambda self, phase: (met.append(phase), begin(self, phase))[1])
+    _, made = run([cell(), cell("ab-ll")])
+    assert met.count("paused") > 2 * 3 and {before for before, now in pairwise(met) if now == "paused"} == {BETWEEN}
+    at = [event.phase if isinstance(event, Begun) else type(event) for event in made.events
+          if isinstance(event, (Begun, Finished, Synced))]
+    assert {before for before, now in pairwise(at) if now is Synced} == {"scene", BETWEEN, Finished}
 
 
 # --- what a cell stores with its numbers ----------------------------------------------------------
