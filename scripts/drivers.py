@@ -8,6 +8,8 @@
 Goes on where it stopped: a check that ended is not run again until a file of the work tree changes (--again). Roots,
 logs and outcomes are in --dir. The network is needed for Debian's or Ubuntu's packages and PyPI alone.
 docs/drivers.md says what is known of each driver.
+
+Exit status: 0 every check passed; 1 some failed; 2 an option is wrong; 3 none failed, but some were not run.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NoReturn
 
 SOURCES = Path(__file__).resolve().parent.parent
 DEBIAN, UBUNTU = "http://deb.debian.org/debian", "http://archive.ubuntu.com/ubuntu"
@@ -31,7 +34,7 @@ PACKAGES = ("ca-certificates", "python3", "python3-venv", "python3-dev", "g++", 
             "libgl1-mesa-dri", "mesa-vulkan-drivers", "glslang-tools")
 KEYRING = "usr/share/keyrings/ubuntu-archive-keyring.gpg"
 KEYS_FROM = "trixie"  # a root whose distribution has a package of Ubuntu's keys, as Debian 12 has not
-FAILED, NOT_RUN = 1, 3  # exit status: some check failed; none did, but some could not be run
+FAILED, MISUSED, NOT_RUN = 1, 2, 3  # exit status: some check failed; an option is wrong; none failed, some did not run
 SETUP_S = 900  # the longest that a setup may take: Python 3.14 compiles flip-evaluator
 NO_SETUP = 75  # status of a check whose root could not be entered or set up
 MADE = {".venv", ".drivers", ".hypothesis", ".pytest_cache", ".ruff_cache", "__pycache__", "dist"}  # no sources
@@ -267,12 +270,24 @@ def say(text: str) -> None:
     print(f"drivers: {text}", file=sys.stderr, flush=True)
 
 
+def misused(text: str) -> NoReturn:
+    say(text)
+    sys.exit(MISUSED)
+
+
+def factor(text: str) -> float:
+    """A number above 0, by which times are multiplied. Raises ValueError."""
+    if not 0 < float(text) < float("inf"):
+        raise ValueError(text)
+    return float(text)
+
+
 def chosen(text: str | None, known: Mapping[str, object], option: str) -> list[str]:
     """The names that an option lists, or all."""
     names = list(known) if text is None else text.split(",")
     for name in names:
         if name not in known:
-            sys.exit(f"drivers: {option} {name}: no such name; allowed: {', '.join(known)}")
+            misused(f"{option} {name}: no such name; allowed: {', '.join(known)}")
     return names
 
 
@@ -292,13 +307,17 @@ def main() -> None:
     parser.add_argument("--check", help=f"of {', '.join(CHECKS)}; all but features, a part of "
                         "contract, by default")
     parser.add_argument("--dir", type=Path, default=SOURCES / ".drivers", help="default: %(default)s")
-    parser.add_argument("--patience", type=float, default=1.0, metavar="FACTOR", help="multiplies every check's time "
+    parser.add_argument("--patience", type=factor, default=1.0, metavar="FACTOR", help="multiplies every check's time "
                         "limit, for a machine that has other work (default: %(default)s)")
     parser.add_argument("--again", action="store_true", help="run checks that ended before, too")
     parser.add_argument("--table", action="store_true", help="print the table and run nothing")
     given = parser.parse_args()
     roots, drivers = chosen(given.root, ROOTS, "--root"), chosen(given.driver, DRIVERS, "--driver")
     checks = chosen(given.check or ",".join(c for c in CHECKS if c != "features"), CHECKS, "--check")
+    if not any(of(driver, checks) for driver in drivers):
+        misused(f"--check {given.check}: does not run with {', '.join(drivers)}; docs/drivers.md says what runs where")
+    if given.dir.exists() and not given.dir.is_dir():
+        misused(f"--dir {given.dir}: no folder; allowed: a folder, or a path where one can be made")
     matrix = Matrix(given.dir.resolve(), given.patience)
     if not given.table:
         if lacking := missing():

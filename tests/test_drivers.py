@@ -99,6 +99,23 @@ def test_sources_without_gits_folder_are_those_that_git_lists(drivers, monkeypat
     assert sorted(drivers._sources()) == sorted([*listed, ".gitignore"])
 
 
+@pytest.mark.parametrize(("options", "said"), [
+    (["--root", "sidd"], "--root sidd: no such name; allowed: bookworm, "),
+    (["--driver", "zinc"], "--driver zinc: no such name; allowed: llvmpipe, "),
+    (["--check", "smok"], "--check smok: no such name; allowed: bench, "),
+    (["--check", "bench,tests", "--driver", "zink,virgl"], "--check bench,tests: does not run with zink, virgl; "),
+    (["--patience", "0"], "argument --patience: invalid factor value: '0'"),
+    (["--patience", "nan"], "argument --patience: invalid factor value: 'nan'"),
+    (["--dir", "/dev/null"], "--dir /dev/null: no folder; "),
+])
+def test_a_wrong_option_is_told_from_a_check_that_fails(drivers, monkeypatch, capsys, options, said):
+    monkeypatch.setattr(sys, "argv", ["drivers.py", "--table", *options])
+    with pytest.raises(SystemExit) as ended:
+        drivers.main()
+    assert ended.value.code == drivers.MISUSED
+    assert said in capsys.readouterr().err
+
+
 PARENT = """
 import subprocess, sys
 child = subprocess.Popen(sys.argv[1:])

@@ -21,8 +21,9 @@ from .rawgl import RawGL
 from .samplers import Samplers
 
 SOFTWARE_LOCAL_ARRAY = 1024  # fragments: llvmpipe takes seconds to compile it, and minutes for twice as many
-# Drivers that translate to another one, as they write it: zink Vulkan 1.4(NAME), D3D12 (NAME), virgl (NAME).
-LAYERED = re.compile(r"(?P<layer>zink|d3d12|virgl)\b[^(]*\((?P<under>.+)\)\s*$")
+# Drivers that translate to another one, as they write it: zink Vulkan 1.4(NAME), D3D12 (NAME), virgl (NAME), and
+# Vulkan's below zink, which say so in NAME: Virtio-GPU Venus (NAME), Microsoft Direct3D12 (NAME).
+LAYERED = re.compile(r"(?P<layer>zink|d3d12|virgl|virtio-gpu venus|microsoft direct3d12)\b[^(]*\((?P<under>.+)\)\s*$")
 MOST_ERRORS = 16  # that GL remembers; a lost context has one without end
 
 
@@ -216,5 +217,5 @@ def slug(renderer: str) -> str:
     """
     bare = re.sub(r"\((r|tm)\)", "", renderer.lower())
     if layered := LAYERED.match(bare):
-        return f"{layered['layer']}-{slug(layered['under'])}"
+        return f"{layered['layer'].replace(' ', '-')}-{slug(layered['under'])}"
     return re.sub(r"[^a-z0-9]+", "-", re.split(r"[(/]", bare)[0]).strip("-") or "unknown"

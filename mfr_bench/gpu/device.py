@@ -51,8 +51,9 @@ class Listed:
         """Whether `want` is its kind, or a part of its renderer's name.
 
         A number of one or two digits is an index alone: names hold such numbers, of versions and of processor cores.
+        Blanks, as of a variable that is not set, name nothing.
         """
-        if want.isdecimal() and len(want) <= 2:
+        if not want.strip() or (want.isdecimal() and len(want) <= 2):
             return False
         return want in ("auto", self.info.get("kind")) or want.lower() in str(self.info.get("renderer", "")).lower()
 
@@ -199,7 +200,10 @@ def _none_matches(want: str, found: Sequence[Listed], named: Collection[int] = (
     """The error where no device can be opened that matches. `named`: the indices of those that `want` names."""
     usable = [f"{t.index} {t.info['renderer']}" for t in found if not t.trouble]
     if usable:
-        why = "; ".join(f"it cannot be used: {t.trouble}" for t in found if t.trouble and t.index in named)
+        which = {t.index: "it" for t in found if t.index in named} or {
+            t.index: f"EGL device {t.index}" for t in found if want == "gpu"}
+        why = "; ".join(f"{which[t.index]} cannot be used: {t.trouble}" for t in found
+                        if t.trouble and t.index in which)
         return UnknownDeviceError(
             f"--device {want}: {why or 'no such device'}; allowed: auto, gpu, cpu, or an index, UUID, PCI address or "
             f"part of the name of one of: {'; '.join(usable)}; see mfr-bench doctor")

@@ -34,6 +34,10 @@ from mfr_bench.scene import generate
     ("D3D12 (NVIDIA GeForce RTX 3060)", "d3d12-nvidia-geforce-rtx-3060"),
     ("virgl (Mesa Intel(R) Graphics (ADL GT2))", "virgl-mesa-intel-graphics"),
     ("virgl", "virgl"),
+    ("zink Vulkan 1.3(Virtio-GPU Venus (NVIDIA GeForce RTX 4060) (MESA_VENUS))",
+     "zink-virtio-gpu-venus-nvidia-geforce-rtx-4060"),
+    ("zink Vulkan 1.2(Microsoft Direct3D12 (Qualcomm(R) Adreno(TM) X1-85 GPU) (MESA_DOZEN))",
+     "zink-microsoft-direct3d12-qualcomm-adreno-x1-85-gpu"),
     ("", "unknown"),
     ("../..", "unknown"),
 ])
@@ -109,11 +113,18 @@ def test_a_software_driver_is_taken_where_no_gpu_can_be_opened(machine, monkeypa
     ("1:02:00.0", "--device 1:02:00.0: no such device"), ("0001:02:00.0", "--device 0001:02:00.0: no such device"),
     ("gpu-0000000", f"--device gpu-0000000: is the beginning of several UUIDs; allowed: one of {UUIDS[0]}, {UUIDS[1]}"),
     ("20", "--device 20: no such device"),  # an index that no device has, and a part of two names
+    ("", "--device : no such device"), (" ", "--device  : no such device"),  # an unset variable, a part of every name
     ("0", r"--device 0: it cannot be used: eglInitialize failed \(0x3001\); allowed: .* 1 NVIDIA H200; .* 3 llvmpipe"),
 ])
 def test_a_device_that_is_not_there_is_told_with_those_that_are(machine, want, said):
     with pytest.raises(DeviceError, match=said):
         devices.open_device(want)
+
+
+def test_a_gpu_that_cannot_be_opened_is_told_with_its_reason(machine, monkeypatch):
+    monkeypatch.setattr(devices, "egl_devices", lambda: [EglDevice(0), EglDevice(3)])
+    with pytest.raises(DeviceError, match=r"gpu: EGL device 0 cannot be used: eglInitialize failed \(0x3001\)"):
+        devices.open_device("gpu")
 
 
 def test_where_no_device_can_be_used_the_error_says_what_to_install(machine, monkeypatch):

@@ -1,5 +1,8 @@
 """The findings of `doctor`: the tests pass here, fail on planted faults, and the timer is chosen by its agreement."""
 
+import re
+from pathlib import Path
+
 import pytest
 
 from mfr_bench import glsl
@@ -23,6 +26,15 @@ def test_this_device_does_what_the_methods_rely_on(device):
     for finding in findings.values():
         assert (finding.passed is None) == (finding.name in needs and needs[finding.name] not in device.offered)
         assert finding.passed is not False or finding.costs, finding
+
+
+def test_the_page_of_drivers_has_each_trial_and_no_other():
+    page = (Path(__file__).parents[2] / "docs" / "drivers.md").read_text()
+    rows = page.partition("| trial |")[2].partition("\n\n")[0].splitlines()[2:]
+    there = SELF_TESTS | {re.sub(r" of \d samples", "", trial.name) for trial in TRIALS}
+    told = [row.split("|")[1].partition("(")[0].strip() for row in rows]
+    named = {name for cell in told for name in cell.removesuffix(" of 2, 4 and 8 samples").split(", ")}
+    assert named == there
 
 
 @pytest.mark.parametrize(("path", "right", "wrong", "seen"), [
