@@ -17,7 +17,6 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
-import resource
 import shutil
 import subprocess
 import sys
@@ -188,13 +187,12 @@ class Matrix:
             shutil.copy2(SOURCES / source, target, follow_symlinks=False)
 
     def _check(self, root: str, driver: str, check: str) -> Mapping[str, object]:
-        begun, begun_cpu_s = time.monotonic(), processor_s()
+        begun = time.monotonic()
         lines = ["set -e; cd /mfr-bench",
                  f"NAME={driver}-{check}; DEVICE={DRIVERS[driver].renderer}; mkdir -p /tmp/drivers",
                  DRIVERS[driver].choose, CHECKS[check].command]
         status = self._logged(root, driver, check, self._inside(root, "\n".join(lines)), CHECKS[check].limit_s)
-        return {"status": status, "seconds": round(time.monotonic() - begun),
-                "cpu_seconds": round(processor_s() - begun_cpu_s), "last": self._last(root, driver, check)}
+        return {"status": status, "seconds": round(time.monotonic() - begun), "last": self._last(root, driver, check)}
 
     def _logged(self, root: str, driver: str, check: str, command: Sequence[str], limit_s: int) -> int:
         """The exit status; 124 where the time limit was reached, 127 where the command is not installed."""
@@ -243,19 +241,12 @@ def _stamp(sources: Sequence[str]) -> str:
     return digest.hexdigest()[:16]
 
 
-def processor_s() -> float:
-    """Seconds of processor time of all processes that this one has started and seen end, and of theirs."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
-
-
 def said(outcome: Mapping[str, object]) -> str:
-    """A cell of the table: how the check ended, its wall time, and its processor time where that is known."""
+    """A cell of the table."""
     if not outcome:
         return "not run"
     ended = {0: "pass", 124: "timeout", NO_SETUP: "not set up"}.get(outcome["status"], f"FAIL ({outcome['status']})")
-    processor = f" ({outcome['cpu_seconds']} of CPU)" if "cpu_seconds" in outcome else ""
-    return f"{ended}, {outcome['seconds']} s{processor}"
+    return f"{ended}, {outcome['seconds']} s"
 
 
 def table(matrix: Matrix, roots: Sequence[str], drivers: Sequence[str], checks: Sequence[str]) -> str:

@@ -65,13 +65,6 @@ def test_the_table_tells_how_each_check_ended(drivers, matrix, monkeypatch):
     assert cells == ["sid", "llvmpipe", "pass", "FAIL (4)", "timeout", "not run"]
 
 
-def test_the_table_tells_the_processor_time_of_a_check(drivers, matrix, monkeypatch):
-    monkeypatch.setitem(drivers.CHECKS, "doctor", drivers.Check("true", 20))
-    monkeypatch.setattr(drivers, "processor_s", iter((3.0, 5.4)).__next__)
-    matrix.run("sid", "llvmpipe", ["doctor"], again=False)
-    assert drivers.said(matrix.outcome("sid", "llvmpipe", "doctor")).endswith(" s (2 of CPU)")
-
-
 def test_a_root_that_cannot_be_set_up_fails_no_check(drivers, matrix):
     (matrix.folder / "Makefile").write_text("setup:\n\t@false\n")
     matrix.run("sid", "llvmpipe", ["doctor", "conformance"], again=False)
