@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from .shader_cache import avoid_full_cache
 from .vectors import avoid_high_registers
 
 MOST_DEVICES = 64
@@ -50,6 +51,7 @@ def egl_devices() -> list[EglDevice]:
     """
     os.environ.setdefault("EGL_LOG_LEVEL", "fatal")  # Mesa 26 warns of LIBGL_ALWAYS_SOFTWARE on stderr
     avoid_high_registers()
+    avoid_full_cache()
     egl = ctypes.CDLL(library())
     query = _function(egl, "eglQueryDevicesEXT", ctypes.c_int, ctypes.POINTER(ctypes.c_void_p),
                       ctypes.POINTER(ctypes.c_int))
