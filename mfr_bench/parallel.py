@@ -42,6 +42,8 @@ def in_processes(work: Callable[[Item], Outcome], items: Sequence[Item], process
         context.set_forkserver_preload(list(imports))
     with context.Pool(count, _begin) as pool:
         yield from pool.imap(work, items)
+        pool.close()  # they end by themselves: a copy has this process's handler of SIGTERM, which may go on
+        pool.join()
 
 
 @contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 import threading
 from types import ModuleType
@@ -62,3 +63,16 @@ def test_collecting_goes_on_afterwards_only_where_it_went_on_before():
             pass
         assert not gc.isenabled()
     assert gc.isenabled()
+
+
+def test_processes_end_by_themselves(monkeypatch, tmp_path):
+    """A copy has this process's handler of SIGTERM: one that goes on would keep the pool waiting for ever."""
+    monkeypatch.setattr(parallel, "_copies", lambda: True)
+    told = tmp_path / "told to end"
+    before = signal.signal(signal.SIGTERM, lambda *_: (told.touch(), os._exit(1)))
+    try:
+        for _ in range(3):
+            assert [number for number, *_ in in_processes(whose, range(4), 2)] == list(range(4))
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert not told.exists()
