@@ -82,8 +82,9 @@ def _slanted(device: Device) -> tuple[bool, str]:
     with shown(device, generate(SLANTED_SCENE)) as on:
         fragments = capture(device, on.scene_buffer, on.canvas)
         held = on.render(NEAREST.variant({}))[..., 0].view(np.uint32)
-    first = np.cumsum(fragments.counts.ravel()) - fragments.counts.ravel()
-    alike = int(np.count_nonzero(held.ravel() == fragments.depth[first]))
+    counts = fragments.counts.ravel()
+    first, drawn = np.cumsum(counts) - counts, counts > 0
+    alike = int(np.count_nonzero(held.ravel()[drawn] == fragments.depth[first[drawn]]))
     return alike == held.size, f"{alike} of {held.size} pixels whose depth buffer holds a depth that shaders see"
 
 

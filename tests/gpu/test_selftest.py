@@ -1,8 +1,10 @@
 """The findings of `doctor`: the tests pass here, fail on planted faults, and the timer is chosen by its agreement."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from mfr_bench import glsl
@@ -52,6 +54,18 @@ def test_a_device_that_does_wrong_is_found_out(device, monkeypatch, path, right,
     findings = by_name(device)
     also = {"interlock"} if seen == "spin lock" and "fragment_shader_interlock" in device.offered else set()
     assert {name for name, f in findings.items() if f.passed is False} - before == {seen} | also
+
+
+def test_a_device_that_draws_nothing_holds_no_depth_that_shaders_see(device, monkeypatch):
+    """The self-test fails; it does not end in an error."""
+    real = selftest.capture
+
+    def nothing(*given):
+        found = real(*given)
+        return replace(found, counts=np.zeros_like(found.counts), depth=found.depth[:0])
+    monkeypatch.setattr(selftest, "capture", nothing)
+    passed, told = selftest._slanted(device)
+    assert not passed and told.startswith("0 of ")
 
 
 @pytest.mark.parametrize(("wall_ms", "gpu_ms", "timer", "reason"), [
