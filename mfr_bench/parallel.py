@@ -6,6 +6,7 @@ import gc
 import importlib
 import multiprocessing
 import os
+import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -64,7 +65,14 @@ def _copies() -> bool:
 
 
 def _begin() -> None:
-    """Let a process of the pool end with the one that wants its outcomes; what it was given is never collected."""
+    """Let a process of the pool end with the one that wants its outcomes, and when that says so.
+
+    A copy has that process's handlers of signals, which may go on; Ctrl-C reaches both, and the other one tells it.
+    What it was given is never collected.
+    """
+    signal.set_wakeup_fd(-1)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     gc.freeze()
     threading.Thread(target=_end_with_parent, daemon=True).start()
 

@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import threading
+import time
 from types import ModuleType
 
 import pytest
@@ -73,6 +74,25 @@ def test_processes_end_by_themselves(monkeypatch, tmp_path):
     try:
         for _ in range(3):
             assert [number for number, *_ in in_processes(whose, range(4), 2)] == list(range(4))
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    assert not told.exists()
+
+
+def failing(number: int) -> int:
+    if number == 0:
+        raise ValueError("nought")
+    time.sleep(3)
+    return number
+
+
+def test_a_mistake_ends_processes_whatever_their_parent_does_at_sigterm(monkeypatch, tmp_path):
+    monkeypatch.setattr(parallel, "_copies", lambda: True)
+    told = tmp_path / "told to end"
+    before = signal.signal(signal.SIGTERM, lambda *_: told.touch())
+    try:
+        with pytest.raises(ValueError, match="nought"):
+            list(in_processes(failing, range(4), 2))
     finally:
         signal.signal(signal.SIGTERM, before)
     assert not told.exists()
