@@ -10,10 +10,13 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import TypeVar
 
 from .environment import usable_cores
+from .errors import MfrError
 
 GL = {"moderngl", "glcontext"}  # modules of a process that may hold a context
 FEWEST = 3  # items for which a process that is no copy is worth its start
@@ -26,8 +29,9 @@ def in_processes(work: Callable[[Item], Outcome], items: Sequence[Item], process
                  imports: Sequence[str] = ()) -> Iterator[Outcome]:
     """The outcome of each item in turn, by other processes; in this one where a process would have too few items.
 
-    What an item raises is raised here. The processes are copies of this one where it has nothing that a copy must not
-    share, and else of one that has imported the modules `imports`, once for all. `work`, its items and outcomes pickle.
+    What an item raises is raised here, and MfrError where a process was killed. The processes are copies of this one
+    where it has nothing that a copy must not share, and else of one that has imported the modules `imports`, once for
+    all. `work`, its items and outcomes pickle.
     """
     copies = _copies()
     count = min(processes or usable_cores() or 1, len(items) // (1 if copies else FEWEST))
@@ -41,10 +45,12 @@ def in_processes(work: Callable[[Item], Outcome], items: Sequence[Item], process
                 importlib.import_module(name)
     else:
         context.set_forkserver_preload(list(imports))
-    with context.Pool(count, _begin) as pool:
-        yield from pool.imap(work, items)
-        pool.close()  # they end by themselves: a copy has this process's handler of SIGTERM, which may go on
-        pool.join()
+    # Not a Pool, which ends its processes by SIGTERM: a copy has this process's handler of it, which may go on.
+    with ProcessPoolExecutor(count, context, _begin) as pool:
+        try:
+            yield from pool.map(work, items)
+        except BrokenProcessPool:
+            raise MfrError("a process ended before its work was done; for lack of memory?") from None
 
 
 @contextmanager

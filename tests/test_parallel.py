@@ -13,6 +13,7 @@ from types import ModuleType
 import pytest
 
 from mfr_bench import parallel
+from mfr_bench.errors import MfrError
 from mfr_bench.parallel import in_processes, uncollected
 
 
@@ -96,3 +97,15 @@ def test_a_mistake_ends_processes_whatever_their_parent_does_at_sigterm(monkeypa
     finally:
         signal.signal(signal.SIGTERM, before)
     assert not told.exists()
+
+
+def dies(number: int) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.mark.parametrize("copies", [True, False])
+def test_a_process_that_is_killed_is_told(monkeypatch, copies):
+    """As the kernel does for lack of memory; a pool would wait for its item for ever."""
+    monkeypatch.setattr(parallel, "_copies", lambda: copies)
+    with pytest.raises(MfrError, match="ended before its work was done"):
+        list(in_processes(dies, range(6), 2))
