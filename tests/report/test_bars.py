@@ -134,3 +134,11 @@ def test_bytes_are_drawn_as_mib(tmp_path):
     cells = [cell("kb", "KB", 4.0, params={"k": 4}, point={"k": 4}, values={"memory_bytes": 3 * 2**20})]
     axes, = built(tmp_path, cells, {"kind": "bars", "x": "k", "y": "memory_bytes"}).axes
     assert [p.get_height() for p in axes.patches if p.get_label() == "KB"] == [3] and "MiB" in axes.get_ylabel()
+
+
+@pytest.mark.parametrize("panels", [{}, {"panels": "scene.depth_range"}])
+@pytest.mark.parametrize("kind", ["bars", "stacked_passes"])
+def test_a_chart_without_cells_is_drawn(tmp_path, kind, panels):
+    """As of a run whose time budget ended before any cell of a figure was measured."""
+    axes = built(tmp_path, [], {"kind": kind, "x": "k", "y": "time_ms"} | panels).axes
+    assert [patch for each in axes for patch in each.patches if patch.get_width()] == []

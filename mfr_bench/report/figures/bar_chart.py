@@ -181,7 +181,7 @@ def _extent(groups: Sequence[BarGroup]) -> float:
 
 def bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
     rows = _rows(chart.points, chart.options)
-    slots = max(_extent(groups) for _, groups in rows)
+    slots = max((_extent(groups) for _, groups in rows), default=_extent([]))
     width = min(style.WIDTH_IN, max(style.NARROW_IN, LEFT + RIGHT + 0.3 * slots))
     slot_width = (width - LEFT - RIGHT) / slots
     legend = [*chart.legend, *(["floor"] if chart.floors_ms(chart.points) else []),
