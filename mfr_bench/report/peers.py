@@ -39,16 +39,22 @@ HEAD = """# Fair to every method
 The public code of others and the methods here drew the same quads in one process, frame by frame in turns, in random
 order. Times are CPU times of a frame in all threads of the process, medians of 9 rounds; a ratio is ours over theirs,
 paired within rounds, with the 95 % interval of its median by the bootstrap. A row whose interval was wider than 0.2 was
-measured once more, and the second stands. The images were compared first: they differ by at most 0.0034, the rounding
-of premultiplied 8-bit colours; those of weighted blending, whose weights differ, were compared with theirs in the place
-of ours (0 and 0.0006), and PixelSyncOIT's hybrid transparency, which divides by zero elsewhere, where something covers
-a pixel. The others' shaders were used unchanged, except for what connects them: rectangle textures became plain ones,
-colours and depths come from the quads, what the driver's compiler refuses was written in another way, the tiles of the
-authors' S-buffer follow the viewport, and their LL-Paged counts no further than its local array of 32. Of nvpro-samples
-colours are not converted to sRGB and back, and fragments beyond the last slot are dropped; moments have the paper's
-overestimation of 0.25; of what the authors peel the shaders of the geometry are public, the passes between are ours.
-None of that code is part of this project. The device is llvmpipe, where the fragments of a pixel come one by one: what
-contention costs on a GPU is not in these numbers, and nothing was measured on a GPU.
+measured once more, and the second stands. None of that code is part of this project. The device is llvmpipe, where the
+fragments of a pixel come one by one: what contention costs on a GPU is not in these numbers, and nothing was measured
+on a GPU.
+
+The images were compared first, and differ by at most 0.0034, the rounding of premultiplied 8-bit colours. The weights
+of weighted blending differ, so that its images were compared with theirs in the place of ours (0 and 0.0006). HT of
+PixelSyncOIT divides by zero where nothing covers a pixel, and was compared elsewhere.
+
+The others' shaders were used unchanged but for these:
+
+- rectangle textures became plain ones, colours and depths come from the quads, and what the driver's compiler refuses
+  was written in another way;
+- of the authors' renderer the tiles of the S-buffer follow the viewport, LL-Paged counts no further than its local
+  array of 32, and of what it peels the shaders of the geometry are public, while the passes between are ours;
+- of nvpro-samples colours are not converted to sRGB and back, and fragments beyond the last slot are dropped;
+- moments have the paper's overestimation of 0.25.
 """
 REASONS = """Why a ratio lies outside 0.85 to 1.15:
 """
