@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from statistics import fmean, median
 
@@ -26,6 +26,7 @@ from .scene_work import SceneWork
 
 LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
 PREPARING_SHARE = 0.6  # of the pooled time of an elimination, at most, to prepare cells
+SAMPLING_SHARE = 0.5  # of a cell's time limit, for its sampling: 0.58 in the mean of configs/smoke.yaml, where it is short
 LIVE_SHARE = 0.5  # of the memory that the process may take, at most, for the same
 
 
@@ -86,7 +87,8 @@ class Measuring:
             scene.prepare(self._fitted(job, scene.stats).variant for job in allowed)
             self.bench.precompiler.begin([job for job in allowed if drawable(job, self._fitted(job, scene.stats))])
             for chunk in self._chunks(allowed, scene.stats):
-                self._chunk(chunk, scene)
+                while chunk:
+                    chunk = self._chunk(chunk, scene)
         finally:
             scene.release()
 
@@ -119,11 +121,14 @@ class Measuring:
         if chunk:
             yield chunk
 
-    def _chunk(self, chunk: Iterable[Job], scene: SceneWork) -> None:
+    def _chunk(self, chunk: Sequence[Job], scene: SceneWork) -> Sequence[Job]:
+        """Measure the first of these cells, as many as can be sampled before the run must end. Returns the others."""
         running: list[CellWork] = []
+        left = list(chunk)
         try:
             took_s: list[float] = []
-            for job in chunk:
+            while left and not self._has_enough(running):
+                job = left.pop(0)
                 begun = time.monotonic()
                 self._prepare(job, scene, running, begun + (fmean(took_s) if took_s else 0.0))
                 took_s.append(time.monotonic() - begun)
@@ -142,6 +147,13 @@ class Measuring:
             finally:
                 for cell in running:
                     cell.frame.release()
+        return left
+
+    def _has_enough(self, running: Sequence[CellWork]) -> bool:
+        """Whether sampling what is prepared may take all the time that is left. One cell is always prepared."""
+        needed_s = SAMPLING_SHARE * sum(cell.job.cell.measure.time_limit_s for cell in running)
+        eliminates = any(cell.job.cell.measure.eliminate for cell in running)  # which has a time of its own to prepare
+        return bool(running) and not eliminates and time.monotonic() + needed_s >= self._until
 
     def _prepare(self, job: Job, scene: SceneWork, running: list[CellWork], expected: float) -> None:
         """Compile, allocate, draw once and check the image; a cell that fails ends as its row.

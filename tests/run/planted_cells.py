@@ -60,11 +60,12 @@ class Run:
         if isinstance(event, Finished):
             self.ledger.write(self.sheet.jobs[event.key], event)
 
-    def all(self, force=False):
+    def all(self, force=False, until=float("inf")):
         self.ledger.settle(force)
         try:
             for group in self.ledger.groups():
                 replicates = self.ledger.without_floor([job.key for job in group])
-                self.measuring.group(Group(tuple(group), self.ledger.partials(group), replicates, most_bytes=2**40))
+                self.measuring.group(
+                    Group(tuple(group), self.ledger.partials(group), replicates, most_bytes=2**40, until=until))
         finally:
             self.ledger.close()
