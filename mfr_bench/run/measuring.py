@@ -26,7 +26,7 @@ from .scene_work import SceneWork
 
 LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
 PREPARING_SHARE = 0.6  # of the pooled time of an elimination, at most, to prepare cells
-SAMPLING_SHARE = 0.5  # of a cell's time limit, for its sampling: 0.58 in the mean of configs/smoke.yaml, where it is short
+SAMPLING_SHARE = 0.5  # of a cell's time limit, for its sampling: configs/smoke.yaml takes 0.58, whose limit is short
 LIVE_SHARE = 0.5  # of the memory that the process may take, at most, for the same
 
 
@@ -87,8 +87,9 @@ class Measuring:
             scene.prepare(self._fitted(job, scene.stats).variant for job in allowed)
             self.bench.precompiler.begin([job for job in allowed if drawable(job, self._fitted(job, scene.stats))])
             for chunk in self._chunks(allowed, scene.stats):
-                while chunk:
-                    chunk = self._chunk(chunk, scene)
+                left: Sequence[Job] = chunk
+                while left:
+                    left = self._chunk(left, scene)
         finally:
             scene.release()
 
