@@ -25,7 +25,8 @@ LAYERS = (
 )
 WITHOUT_GL = ("errors", "resources", "hashing", "stats", "environment", "methods", "config", "plan", "scene", "oracle",
               "glsl", "race", "outside", "store", "report", "claims", "compare", "merge", "bundle", "page")
-PARENT = ("run.supervisor", "run.device_process", "run.ledger", "run.process")  # another process has the device
+PARENT = ("run.supervisor", "run.device_process", "run.ledger", "run.process",  # another process has the device
+          "run.trust")
 OF_THE_DEVICE = ("gpu", "run.bench", "run.cell", "run.images", "run.measuring", "run.outcome", "run.scene_work",
                  "run.worker")
 GL_PACKAGES = {"moderngl", "glcontext", "OpenGL"}

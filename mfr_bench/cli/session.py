@@ -155,7 +155,7 @@ class Session:
             with Progress(sum(map(len, groups)), name, self.asked, self.choices.quiet,
                           self._time_left(groups, parts)) as progress:
                 ledger.report = progress.row
-                self.supervisor.measure(groups, ledger, progress.saw, self.choices.try_hopeless, *deadlines)
+                self.supervisor.measure(groups, ledger, progress.saw, self.choices.try_hopeless, *deadlines, note)
             self._at_the_end(measuring)
             self._draw(parts)
             for part in parts:

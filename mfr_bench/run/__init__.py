@@ -2,6 +2,7 @@
 
     supervisor, hand                  the parent's loop over scenes, and what it knows of the cell in hand
     device_process, process           the worker that has the device, replaced where it dies; its link and its end
+    trust                             has the device tested where a cell is wrong, and refuses one that fails
     ledger, settling, sheet           what is kept, shared, written: rows, and samples of unfinished cells
     jobs, events, memory              what both sides know, and what they say to each other
     parent, aside, shared             ties a process to its parent; work of the host in one more process; memory of both

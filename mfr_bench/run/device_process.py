@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping
+from typing import TypeVar
 
 from ..errors import DeviceError, UnknownDeviceError
-from .events import Calibrate, Calibrated, Failed, Ready
+from .events import Calibrate, Calibrated, Failed, Ready, SelfTest, SelfTested
 from .hand import START_S
 from .process import Died, Worker
 
+T = TypeVar("T")
 LOOK_S = 0.1  # that one look for an event waits at most
 STARTS = 3  # of a new worker, before the device counts as gone
 PAUSE_S = 1.0  # before the next of them
@@ -18,12 +20,12 @@ PAUSE_S = 1.0  # before the next of them
 class DeviceProcess:
     """The process that has the device of the kind `want`; it starts at once, and opens the device meanwhile.
 
-    `asked`: whether the user wants the run to stop.
+    `asked`: whether the user wants the run to stop. timer: None lets the process choose one.
     """
 
-    def __init__(self, want: str, asked: Callable[[], bool]):
+    def __init__(self, want: str, asked: Callable[[], bool], timer: str | None = None):
         self._want, self._asked = want, asked
-        self._worker: Worker | None = Worker(want)  # None once the device is gone
+        self._worker: Worker | None = Worker(want, timer)  # None once the device is gone
         self._ready: Ready | None = None
 
     def ready(self) -> Ready:
@@ -56,17 +58,26 @@ class DeviceProcess:
 
     def calibrate_again(self) -> Mapping[str, object] | None:
         """The worker's calibration now; None where it dies of it, does not answer, or the user asks to stop."""
+        answer = self._answer(Calibrate(), Calibrated)
+        return answer.calibration if answer else None
+
+    def self_tests(self) -> SelfTested | None:
+        """What the worker's self-tests find; None as of `calibrate_again`."""
+        return self._answer(SelfTest(), SelfTested)
+
+    def _answer(self, question: object, kind: type[T]) -> T | None:
+        """The worker's answer, of this kind; None where it dies of it, does not answer, or the user asks to stop."""
         if self._worker is None:
             return None
-        self.send(Calibrate())
+        self.send(question)
         start = time.monotonic()
         while time.monotonic() - start < START_S and not self._asked():
             try:
                 event = self.receive()
             except Died:
                 return None
-            if isinstance(event, Calibrated):
-                return event.calibration
+            if isinstance(event, kind):
+                return event
         return None
 
     def replace(self, deaths: int) -> None:

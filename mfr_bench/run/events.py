@@ -37,6 +37,11 @@ class Calibrate:
 
 
 @dataclass(frozen=True)
+class SelfTest:
+    """Run the self-tests of the device; the answer is `SelfTested`."""
+
+
+@dataclass(frozen=True)
 class Stop:
     """End between two frames; cells with samples enough are finished."""
 
@@ -75,6 +80,13 @@ class Calibrated:
     """`Ready.calibration` once more."""
 
     calibration: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class SelfTested:
+    """What each self-test has seen that fails and without which any result may be wrong, by its name."""
+
+    failed: Mapping[str, str]
 
 
 @dataclass(frozen=True)

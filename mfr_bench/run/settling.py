@@ -10,6 +10,7 @@ from ..plan import CellOutcome, Outcomes
 from ..store import ResultFolder
 from ..store.status import STATUSES
 from .sheet import Sheet
+from .trust import DOCTOR
 
 Row = dict[str, Any]
 
@@ -92,4 +93,9 @@ def _left_out(sheet: Sheet, mine: Mapping[str, Settled], outcomes: Outcomes) -> 
 def final(folder: ResultFolder, key: str, keep_failed: bool) -> Row | None:
     """The row of a cell that need not be measured again."""
     row = folder.cell(key)
-    return None if row is None or (STATUSES[row["status"]].retried and not keep_failed) else row
+    return None if row is None or (_retried(row) and not keep_failed) else row
+
+
+def _retried(row: Row) -> bool:
+    """Whether the cause may have gone. A device may pass its self-tests under the same name and version later."""
+    return STATUSES[row["status"]].retried or str(row.get("reason") or "").endswith(DOCTOR)

@@ -18,6 +18,7 @@ from .jobs import Job
 from .ledger import Ledger
 from .memory import free_bytes
 from .process import Died
+from .trust import Trust
 
 Watch = Callable[[Begun | Sampled], None]  # receives the phases that begin and the samples
 
@@ -26,12 +27,15 @@ class Supervisor:
     """Starts a worker at once, which opens the device while the run is still being planned.
 
     `want`: kind of device; `asked`: whether the user wants the run to stop. A context: leaving it ends the worker.
+    The first cell whose image is wrong, or which crashes, has the device tested: one that fails a self-test without
+    which any result may be wrong measures nothing any more.
     """
 
     def __init__(self, want: str, asked: Callable[[], bool] = lambda: False):
         self.asked = asked
         self.free_bytes = free_bytes()
         self._process = DeviceProcess(want, asked)
+        self._trust = Trust(want, lambda: asked() or self._over)
         self._deadline = self._last = float("inf")
         self._then: Scene | None = None  # of the group after the one that is measured
 
@@ -50,16 +54,17 @@ class Supervisor:
         return self._process.calibrate_again()
 
     def measure(self, groups: Iterable[Sequence[Job]], ledger: Ledger, watch: Watch = lambda _: None,
-                try_hopeless: bool = False, deadline: float = float("inf"), last: float = float("inf")) -> None:
+                try_hopeless: bool = False, deadline: float = float("inf"), last: float = float("inf"),
+                tell: Callable[[str], None] = lambda line: None) -> None:
         """Measure the cells of each group; every one ends as a row, but for those left at the `deadline`.
 
         The deadline is a time of `time.monotonic`: what is in hand then stops at its next frame, and its samples are
         kept. At `last` the worker is ended, whatever it is at; what it has in hand then has no row, like what was not
-        begun. Raises KeyboardInterrupt where the user asked for it, and DeviceError where the device does not come
-        back; what was measured is kept.
+        begun. tell: receives a line where the device fails its self-tests. Raises KeyboardInterrupt where the user
+        asked for it, and DeviceError where the device does not come back; what was measured is kept.
         """
         self.ready()
-        self._deadline, self._last = deadline, last
+        self._deadline, self._last, self._trust.tell = deadline, last, tell
         groups = list(groups)
         for group, following in zip_longest(groups, groups[1:]):
             if self._late:
@@ -73,6 +78,8 @@ class Supervisor:
         left = {job.key: job for job in group}
         deaths = 0  # of workers one after another, for which no cell is to blame
         while left:
+            if self._refused(left, ledger):
+                return
             if not try_hopeless:
                 _skip_predicted(left, ledger)
             if not left or self._follow(left, ledger, watch):
@@ -93,20 +100,27 @@ class Supervisor:
         self._stopping = self._progressed = False
         try:
             while not (ended := self._event(hand, ledger, watch)):
+                if self._refused(left, ledger):
+                    self._process.kill("crashed", "the device fails its self-tests")
+                    return True
                 self._look(hand)
         except Died as death:
-            if time.monotonic() >= self._last:
-                return True
-            status, reason = death.cause
-            for job in hand.blamed:
-                del left[job.key]
-                ledger.write(job, Finished(job.key, status, f"{hand.phase}: {reason}", {}))
-                self._progressed = True
-            return False
+            return self._over or self._blame(hand, death, ledger)
         ledger.add_split(ended.split_s, ended.beside_s)
-        if ended.interrupted and not self._late:
+        if (ended.interrupted or (left and self.asked())) and not self._late:
             raise KeyboardInterrupt
         return True
+
+    def _blame(self, hand: Hand, death: Died, ledger: Ledger) -> bool:
+        """Write the rows of the cells that a death costs. Whether the group is at its end by that."""
+        status, reason = death.cause
+        for job in hand.blamed:
+            row = self._held(Finished(job.key, status, f"{hand.phase}: {reason}", {}))
+            if row is None:
+                return self._over
+            ledger.write(hand.jobs.pop(job.key), row)
+            self._progressed = True
+        return self._refused(hand.jobs, ledger)
 
     @property
     def _late(self) -> bool:
@@ -126,8 +140,9 @@ class Supervisor:
                 self._progressed = True
             case Finished(key):
                 hand.drop()
-                ledger.write(hand.jobs.pop(key), event)
-                self._progressed = True
+                if row := self._held(event):
+                    ledger.write(hand.jobs.pop(key), row)
+                    self._progressed = True
             case Synced():
                 ledger.sync()
                 self._process.send(Go())
@@ -135,12 +150,30 @@ class Supervisor:
                 return event
         return None
 
+    @property
+    def _over(self) -> bool:
+        """Whether the time is up for the worker, too."""
+        return time.monotonic() >= self._last
+
+    def _held(self, finished: Finished) -> Finished | None:
+        """The row of a cell, unsupported where the fault is the device's; None where the run ends before that is known.
+        """
+        return self._trust.held(finished, self.ready())
+
+    def _refused(self, left: dict[str, Job], ledger: Ledger) -> bool:
+        """Whether the device fails its self-tests; the rows of the cells that are left are then written."""
+        if not self._trust.lacks:
+            return False
+        for key in list(left):
+            ledger.write(left.pop(key), self._trust.refused(key))
+        return True
+
     def _look(self, hand: Hand) -> None:
         """Tell the worker to stop where the user asked; end it where it takes more time or memory than it may."""
         if (self.asked() or self._late) and not self._stopping:
             self._stopping = True
             self._process.send(Stop())
-        if time.monotonic() >= self._last:
+        if self._over:
             self._end(hand, "timeout", "the time is up")
         elif limit_s := hand.overdue_s():
             self._end(hand, "timeout", f"no end within {limit_s:g} s{hand.limited_by}")

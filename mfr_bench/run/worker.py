@@ -14,14 +14,14 @@ from ..errors import DeviceError, UnknownDeviceError
 from ..gpu.context import Device
 from ..gpu.device import open_device
 from ..gpu.reference import ReferenceFrame
-from ..gpu.selftest import calibrate
+from ..gpu.selftest import calibrate, self_tests
 from ..gpu.timers import GpuTimer, WallTimer
 from ..measure.watch import Watch
 from ..methods import catalog
 from .answers import Answers
 from .aside import OtherProcess
 from .bench import Bench
-from .events import Calibrate, Calibrated, Ended, Failed, Go, Ready, Synced
+from .events import Calibrate, Calibrated, Ended, Failed, Go, Ready, SelfTest, SelfTested, Synced
 from .first_frames import serve as draw_ahead
 from .measuring import DeviceLost, Measuring
 from .parent import live_for
@@ -75,13 +75,16 @@ def precompiler_for(device: Device) -> Precompiler:
 
 
 def answer(link: Connection, bench: Bench) -> NoReturn:
-    """Measure the groups that come, and calibrate where that is asked for, until the parent closes the link."""
+    """Measure the groups that come, calibrate or run self-tests where asked to, until the parent closes the link."""
     measuring = Measuring(bench, catalog())
     while True:
         group = link.recv()
         if isinstance(group, Calibrate):
             with bench.paused():
                 link.send(Calibrated(asdict(calibrate(bench.device))))
+            continue
+        if isinstance(group, SelfTest):
+            link.send(SelfTested({found.name: found.detail for found in self_tests(bench.device) if found.harmful}))
             continue
         interrupted = False
         try:

@@ -55,9 +55,10 @@ STATUSES_HEAD = """
 ## Statuses
 
 `image` says whether the cell was measured to its end, and with which image. A `refused` cell says nothing against its
-method. A `retried` one is measured again by the next run. A `failed` one counts as worse in `compare`. `over memory`
-means that there was not enough of it: line charts draw a cross. A run ends with the highest `exit status` of its cells.
-`breaks` is the fault that `mfr-bench stress` shows; where it is empty, image and counts decide.
+method. A `retried` one is measured again by the next run, as is one that a device cannot have because it fails its
+self-tests ([drivers.md](drivers.md)). A `failed` one counts as worse in `compare`. `over memory` means that there was
+not enough of it: line charts draw a cross. A run ends with the highest `exit status` of its cells. `breaks` is the
+fault that `mfr-bench stress` shows; where it is empty, image and counts decide.
 """
 
 

@@ -1,10 +1,17 @@
-"""A run of small cells on the session's device."""
+"""Runs of small cells: on the session's device, and with workers that are actors."""
 
 from __future__ import annotations
 
 import pytest
 
+from .acting import Stage
 from .planted_cells import Clock, Run
+
+
+@pytest.fixture
+def play(tmp_path, monkeypatch):
+    """play(cells, *actors, **more) -> the stage after the run."""
+    return lambda *args, **more: Stage(tmp_path / "out", monkeypatch, *args, **more)
 
 
 @pytest.fixture

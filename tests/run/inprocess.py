@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import asdict
+from types import MappingProxyType
 
 from mfr_bench.gpu import device as devices
 from mfr_bench.gpu.selftest import calibrate
 from mfr_bench.methods import catalog
 from mfr_bench.run.bench import Bench
-from mfr_bench.run.events import Calibrate, Calibrated, Ended, Group, Ready
+from mfr_bench.run.events import Calibrate, Calibrated, Ended, Group, Ready, SelfTest, SelfTested
 from mfr_bench.run.measuring import Measuring
 from mfr_bench.run.process import Died
 from mfr_bench.run.worker import TIMERS
@@ -25,7 +27,9 @@ def calibration_of(device) -> dict:
 
 
 class InProcess:
-    """Measures a group when it is sent; the events are received afterwards."""
+    """Measures a group when it is sent; the events are received afterwards. failing: what its self-tests find."""
+
+    failing: Mapping[str, str] = MappingProxyType({})
 
     def __init__(self, want: str, timer: str | None = None):
         self.device = devices.open_device(want)
@@ -40,6 +44,8 @@ class InProcess:
             self.events.append(Ended(bench.split.rounded()))
         elif isinstance(request, Calibrate):
             self.events.append(Calibrated(calibration_of(self.device)))
+        elif isinstance(request, SelfTest):
+            self.events.append(SelfTested(dict(self.failing)))
 
     def receive(self, timeout_s: float):
         if not self.events:

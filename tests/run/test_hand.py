@@ -8,10 +8,10 @@ from mfr_bench.config.model import Measure
 from mfr_bench.run import device_process as processes
 from mfr_bench.run.events import BETWEEN, Begun
 
-from .test_supervisor import Actor, cell, finished, play, well  # noqa: F401
+from .acting import Actor, cell, finished, well
 
 
-def test_what_comes_between_two_steps_is_no_time_of_the_method_and_has_a_limit_of_its_own(play, monkeypatch):  # noqa: F811
+def test_what_comes_between_two_steps_is_no_time_of_the_method_and_has_a_limit_of_its_own(play, monkeypatch):
     now = [0.0]
     monkeypatch.setattr(processes.time, "monotonic", lambda: now[0])
     measure = Measure(time_limit_s=2, hard_limit_s=30)
@@ -33,7 +33,7 @@ def test_what_comes_between_two_steps_is_no_time_of_the_method_and_has_a_limit_o
 
 
 @pytest.mark.parametrize(("steps", "expected"), [(25, "ok"), (40, "timeout")])
-def test_making_a_scene_is_no_time_of_its_cells(play, monkeypatch, steps, expected):  # noqa: F811
+def test_making_a_scene_is_no_time_of_its_cells(play, monkeypatch, steps, expected):
     """A scene of 2048x2048 takes longer, on a busy machine, than a cell of it may: no cell is to blame."""
     now = [0.0]
     monkeypatch.setattr(processes.time, "monotonic", lambda: now[0])
