@@ -15,7 +15,7 @@ import numpy as np
 from ..report.checkerboard import over_checkerboard
 
 COLOURS = 256  # of a figure's palette, at most
-APART = 60  # of two colours of a palette: no colour of a figure is further than that from the one that stands for it
+APART = 80  # of two colours of a palette: no colour of a figure is further than that from the one that stands for it
 AREA = 0.002  # share of the pixels from which a colour is in the palette, however near another one is
 CHECKER_PIXELS, CHECKER_GREYS = 8, (0.8, 1.0)  # of a square behind what is transparent
 LARGEST_PIXELS = 512  # side of a kept image; larger ones are shown at every n-th pixel

@@ -151,7 +151,7 @@ def ended(mfr, *command: str) -> None:
 def undrawn(monkeypatch):
     """Figures are laid out and not drawn, in this process; nothing waits for the disk."""
     monkeypatch.setattr(os, "fsync", lambda _: None)
-    monkeypatch.setattr(files, "render", lambda figure: (figure.draw_without_rendering(), PICTURES)[1])
+    monkeypatch.setattr(files, "render", lambda figure, mark: (figure.draw_without_rendering(), PICTURES)[1])
     monkeypatch.setattr(os, "fork", None)  # a child's error would be told twice
     monkeypatch.setattr(files, "_write_shared", files._write)
 
