@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from .endings import WRONG
+from .endings import WRONG, note_blame
 from .interruption import Interruption
 from .options import (
     DEVICE,
@@ -253,6 +253,7 @@ def render(config: str, method_id: str, out: str, profile: str | None, overrides
             if errors and errors["tied_pixels"] else "")
     say(f"{out}: {stats.W} x {stats.H}, {stats.F} fragments, {said}{tied}")
     if errors and verdict(Fitted(variant, stats), errors, lost=0)[0] == "wrong":
+        note_blame(device, "the image is wrong")
         click.get_current_context().exit(WRONG)
 
 

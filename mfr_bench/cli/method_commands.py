@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .endings import WRONG
+from .endings import WRONG, note_blame
 from .interruption import Interruption
 from .options import DEVICE, OUTSIDE, MethodName, OutPath
 from .output import note, say
@@ -139,6 +139,8 @@ def check(name: str, no_race: bool, device: str) -> int:
         for kind, declared in kinds.items():
             found, missing = CHECKS[kind](name, declared, device)
             failed, lacking = failed + found, lacking or missing
+    if failed:
+        note_blame(device, "a check failed")
     if "method" in kinds and no_race:
         say("left out  the race machine (--no-race)")
     elif "method" in kinds:

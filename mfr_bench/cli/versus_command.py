@@ -9,6 +9,7 @@ import click
 
 from ..errors import UsageError
 from .compare_command import handed_over, printed, status_of
+from .endings import note_blame
 from .interruption import Interruption
 from .options import (
     CSV,
@@ -72,6 +73,7 @@ def versus(names: tuple[str, ...], against: str | None, threshold: float, rounds
     """
     from tempfile import TemporaryDirectory
 
+    from ..run.trust import AGAINST
     from ..versus.judge import judged
     from ..versus.lockstep import Ask, measure
     from ..versus.tree import tree
@@ -92,6 +94,8 @@ def versus(names: tuple[str, ...], against: str | None, threshold: float, rounds
         raise UsageError(f"versus: {before} and {after} have no cell of {config} in common")
     printed(found, whole, as_json, as_csv, as_markdown)
     handed_over(found, junit, summary)
+    if against_device := {half.status for side in measured.halves for half in side.values()} & set(AGAINST):
+        note_blame(device, f"a cell is {max(against_device)}")
     return status_of(found, strict)
 
 

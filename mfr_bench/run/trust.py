@@ -1,4 +1,4 @@
-"""Whether a run's device passes the self-tests that every result rests on; asked where a cell speaks against it."""
+"""Whether a device passes the self-tests that every result rests on; asked where an image speaks against it."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from .events import Finished, Ready, SelfTested
 
 AGAINST = ("wrong", "crashed")  # statuses that a device which fails such a test gives methods that are right
 DOCTOR = "see mfr-bench doctor, and measure again once the device passes"  # ends the reason of every cell it refuses
-UNTOLD = ("a cell is {status}, and whether the device is to blame cannot be told: its self-tests did not end; see "
+UNTOLD = ("{what}, and whether the device is to blame cannot be told: its self-tests did not end; see "
           "mfr-bench doctor")
-FAILS = ("{device} fails self-tests without which any image may be wrong: {names}; what is not measured yet is "
-         "unsupported; see mfr-bench doctor")
+FAILS = "{device} fails self-tests without which any image may be wrong: {names}; {so}; see mfr-bench doctor"
+
+Tested = tuple[Ready, SelfTested]  # the device, and what its self-tests found
 
 
 class Trust:
@@ -47,23 +48,49 @@ class Trust:
         tested = None if self._stop() else self._tested(ready.timer)
         if tested is None and self._stop():
             return False
-        if tested is None:
-            self.tell(UNTOLD.format(status=status))
-        elif tested.failed:
-            self.lacks = _reason(tested.failed)
-            self.tell(FAILS.format(device=ready.device["renderer"], names=", ".join(tested.failed)))
+        if line := _told(tested, f"a cell is {status}", "what is not measured yet is unsupported"):
+            self.tell(line)
+        if tested and tested[1].failed:
+            self.lacks = _reason(tested[1].failed)
         return True
 
-    def _tested(self, timer: str) -> SelfTested | None:
-        """What a fresh process finds; None where it cannot open the device, dies, or is not to be waited for."""
-        fresh = DeviceProcess(self._want, self._stop, timer)
+    def _tested(self, timer: str) -> Tested | None:
         try:
-            fresh.ready()
-            return fresh.self_tests()
-        except (DeviceError, KeyboardInterrupt):  # the latter where it is to stop before the device is open
+            return _tested(self._want, self._stop, timer)
+        except KeyboardInterrupt:  # where it is to stop before the device is open
             return None
-        finally:
-            fresh.close(early=True)
+
+
+def blame(want: str, what: str) -> str | None:
+    """A line where the device is to blame for what is not right, or where that cannot be told; else None.
+
+    want: the kind of device. what: the words for what is not right. A process of its own runs the self-tests.
+    """
+    return _told(_tested(want, lambda: False, "wall"), what, "its images prove nothing")
+
+
+def _tested(want: str, stop: Callable[[], bool], timer: str) -> Tested | None:
+    """What a fresh process finds; None where it cannot open the device, dies, or is not to be waited for.
+
+    Raises KeyboardInterrupt where it is to stop before the device is open.
+    """
+    fresh = DeviceProcess(want, stop, timer)
+    try:
+        ready, found = fresh.ready(), fresh.self_tests()
+        return (ready, found) if found else None
+    except DeviceError:
+        return None
+    finally:
+        fresh.close(early=True)
+
+
+def _told(tested: Tested | None, what: str, so: str) -> str | None:
+    """The line on what the self-tests found; None where the device passes. so: what follows where it fails."""
+    if tested is None:
+        return UNTOLD.format(what=what)
+    ready, found = tested
+    failed = ", ".join(found.failed)
+    return FAILS.format(device=ready.device["renderer"], names=failed, so=so) if failed else None
 
 
 def _reason(failed: Mapping[str, str]) -> str:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from mfr_bench.run import device_process as processes
 from mfr_bench.run.events import Begun, Ended, Failed, Finished, Group, SelfTest, SelfTested, Synced
 from mfr_bench.run.settling import final
-from mfr_bench.run.trust import DOCTOR
+from mfr_bench.run.trust import DOCTOR, blame
 
 from ..cli.conftest import apart, cells, sabotaged
 from .acting import CELLS, CRASH, Actor, cell, finished, well
@@ -96,6 +97,18 @@ def test_no_row_is_made_up_where_the_time_is_up_meanwhile(play, monkeypatch):
     assert stage.lines == []
 
 
+@pytest.mark.parametrize(("tester", "line"), [
+    (finds(FAILING), ("fake fails self-tests without which any image may be wrong: blending, queries; its images "
+                      "prove nothing; see mfr-bench doctor")),
+    (finds({}), None),
+    (Actor(lambda request: [CRASH]), ("the image is wrong, and whether the device is to blame cannot be told: its "
+                                      "self-tests did not end; see mfr-bench doctor"))])
+def test_outside_runs_a_line_says_whether_the_device_is_to_blame(monkeypatch, tester, line):
+    monkeypatch.setattr(processes, "Worker", lambda want, timer: tester)
+    assert blame("auto", "the image is wrong") == line
+    assert tester.closed
+
+
 CONFIG = """\
 name: distrust
 title: Distrust
@@ -128,3 +141,14 @@ def test_a_run_tests_its_device_in_a_process_of_its_own(tmp_path):
     assert ended.status == 0
     line, = ended.err.splitlines()
     assert " fails self-tests without which any image may be wrong: queries; " in line
+
+
+def test_a_rendered_image_that_is_wrong_names_the_device_that_fails(tmp_path):
+    path = tmp_path / "distrust.yaml"
+    path.write_text(CONFIG)
+    ended = apart("render", path, "--method", "ab-array", "--out", tmp_path / "image.npy",
+                  env=sabotaged(tmp_path / "planted", FAULTS))
+    assert ended.status == 3
+    line, = ended.err.splitlines()
+    assert line.endswith(" fails self-tests without which any image may be wrong: queries; its images prove nothing; "
+                         "see mfr-bench doctor")
