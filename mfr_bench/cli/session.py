@@ -310,8 +310,9 @@ def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
     lines = [f"{total} {'cell' if total == 1 else 'cells'}: {statuses or 'none'}{kept}{copied}"]
     if left := left_out(sheet):
         by_label = ", ".join(f"{label} {count}" for label, count in left.items())
-        lines.append(f"left out for the time budget: {sum(left.values())} cells ({by_label}); "
-                     "the same command measures them")
+        more = "the same command measures them" if total > sheet.kept + sheet.copied else (
+            "none was finished in this time: with a larger --time-budget the same command measures them")
+        lines.append(f"left out for the time budget: {sum(left.values())} cells ({by_label}); {more}")
     if noise is not None:
         lines.append(f"noise floor {percent(noise)}: the same method measured twice differs by that")
     for title, suffix in (("tables", ".md"), ("figures", ".png")):

@@ -33,6 +33,14 @@ def test_every_cell_becomes_a_row_with_a_checked_image(mfr, tiny, here):
     assert "| K+B-Array" in (here / "out" / "tables" / "results.md").read_text()
 
 
+def test_a_time_budget_too_short_for_any_cell_is_said_to_be(mfr, tiny):
+    """Repeated, it would measure nothing either."""
+    ended = mfr("run", tiny, "--out", "out", "--time-budget", "0.001s")
+    assert ended.status == 0
+    line, = (line for line in ended.out.splitlines() if line.startswith("left out for the time budget: "))
+    assert line.endswith("; none was finished in this time: with a larger --time-budget the same command measures them")
+
+
 def test_it_prints_the_tables_then_a_summary(mfr, tiny):
     tiny.write_text(TINY + FIGURE)
     ended = mfr("run", tiny, "--out", "out")
