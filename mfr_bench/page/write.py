@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -29,8 +30,9 @@ def write_page(folders: Sequence[ResultFolder], target: Path, draw: bool = True)
     write_file(target, content)
     if len(content) <= MOST_BYTES:
         return None
-    return (f"{target}: {len(content) / 2**20:.1f} MiB; a page of up to {MOST_BYTES // 2**20} MiB is easily sent and "
-            "opened: report fewer folders at a time")
+    size = math.ceil(100 * len(content) / 2**20) / 100  # rounded up: never what is allowed
+    return (f"{target}: {size:.2f} MiB; a page of up to {MOST_BYTES // 2**20} MiB is easily sent and opened: report "
+            "fewer folders at a time")
 
 
 def page_text(folders: Sequence[ResultFolder], draw: bool = True) -> str:

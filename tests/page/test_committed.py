@@ -30,3 +30,8 @@ def test_the_page_of_all_committed_sets_can_be_sent_and_opened(request, tmp_path
         assert opened.execute_script("return document.readyState") == "complete"
         assert opened.execute_script("return document.querySelectorAll('details.explore:not([hidden])').length") > 40
         assert opened.get_log("browser") == []
+
+
+def test_a_page_that_is_a_little_too_large_is_not_told_as_one_that_is_not(monkeypatch, tmp_path):
+    monkeypatch.setattr("mfr_bench.page.write.page_text", lambda *_: "x" * (MOST_BYTES + 1))
+    assert write_page([], tmp_path / "all.html").startswith(f"{tmp_path}/all.html: 5.01 MiB; a page of up to 5 MiB ")
