@@ -158,18 +158,22 @@ def _buffer_block(buffer: Buffer, bound: Binding, readonly: bool) -> str:
 def _readers(fitted: Fitted, step: Pass, words: frozenset[str], texels: bool) -> list[str]:
     """NAME_at(i) for each buffer that the shader reads so: through a texture of the same memory, or as it lies.
 
-    An element of 64 bits is read as (low word, high word). In their place NAME_pair_at(i) reads two elements
-    at once, where the pass reads pairs.
+    An element of 64 bits is read as (low word, high word). Where the pass reads pairs, NAME_pair_at(i) reads two
+    elements at once, and through a texture NAME_at(i) is a half of that: zink takes a texture of the same memory in
+    another format for the one before (docs/drivers.md), so that no frame may have both.
     """
     variant = fitted.variant
     units = {b.ref: b for b in texel_bindings(variant, step)} if texels else {}
     declared = {b.name: b for b in variant.buffers}
     lines: list[str] = []
     for b in buffer_bindings(variant, step):
-        if fitted.reads_pairs(step, b.ref):
+        pairs = fitted.reads_pairs(step, b.ref)
+        if pairs:
             lines += _pair_reader(b.name, units.get(b.ref))
-        elif reader_name(b.name) not in words:
+        if reader_name(b.name) not in words:
             continue
+        if pairs and b.ref in units:
+            lines += _half_reader(declared[b.ref])
         elif b.ref in units:
             lines += _texel_reader(fitted, declared[b.ref], units[b.ref])
         else:
@@ -194,6 +198,13 @@ def _pair_reader(buffer: str, sampler: Binding | None) -> list[str]:
         return [f"#define {name}(at) uvec4({buffer}[2u * (at)], {buffer}[2u * (at) + 1u])"]
     return [f"layout(binding = {sampler.index}) uniform usamplerBuffer {sampler.name};",
             f"uvec4 {name}(uint at) {{ return texelFetch({sampler.name}, int(at)); }}"]
+
+
+def _half_reader(buffer: Buffer) -> list[str]:
+    """NAME_at(i), where a texel has two elements."""
+    read, name = buffer.type, reader_name(buffer.name)
+    pair = f"uvec4 pair = {pair_reader_name(buffer.name)}(at >> 1)"
+    return [f"{read} {name}(uint at) {{ {pair}; return (at & 1u) == 0u ? pair.xy : pair.zw; }}"]
 
 
 def _said(declaration: str, resource: Buffer | Target | None) -> str:

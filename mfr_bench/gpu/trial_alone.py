@@ -9,7 +9,7 @@ import numpy as np
 from .. import glsl
 from . import rawgl
 from .context import Device
-from .targets import Framebuffer, Texture
+from .targets import BufferTexture, Framebuffer, Texture
 
 SIZE = (24, 20)  # pixels
 PIXELS = SIZE[0] * SIZE[1]
@@ -52,9 +52,24 @@ def behind_loop(device: Device) -> tuple[bool, str]:
                             f"{wrong[2]} another last element")
 
 
+def texture_formats(device: Device) -> tuple[bool, str]:
+    """Whether a draw reads a texture of a buffer in its own format, behind one that reads the buffer in another format.
+
+    Element 1 is word 5 of the first texture, with four words a texel, and word 3 of the second, with two.
+    """
+    words, counts = np.arange(1, 9, dtype=np.uint32), np.zeros(9, dtype=np.uint32)
+    _, seen = _drawn(device, "screen/triangle.vert", "probe/texture_format.frag", [words, counts], textures=(4, 2))
+    return bool(seen[3] == seen[5] == PIXELS), (
+        f"{seen[3]} of {PIXELS} pixels see its element, {seen[5]} that of the other; no frame reads one buffer in two")
+
+
 def _drawn(device: Device, vertex: str, fragment: str, blocks: Sequence[np.ndarray], vertices: int = 3,
-           **uniforms: int) -> list[np.ndarray]:
-    """The words of storage blocks after triangles are drawn, uint32; blocks: the words before, from binding 0 on."""
+           textures: Sequence[int] = (), **uniforms: int) -> list[np.ndarray]:
+    """The words of storage blocks after triangles are drawn, uint32; blocks: the words before, from binding 0 on.
+
+    textures: they are drawn once for each, with a texture of the first block's memory at unit 0, of so many words a
+    texel.
+    """
     ctx, array = device.ctx, None
     program = ctx.program(**{name: f"{glsl.prelude.VERSION}\n{glsl.includes.read(path)}" for name, path
                              in (("vertex_shader", vertex), ("fragment_shader", fragment))})
@@ -62,15 +77,19 @@ def _drawn(device: Device, vertex: str, fragment: str, blocks: Sequence[np.ndarr
         program[name] = value
     buffers, texture = [ctx.buffer(block.tobytes()) for block in blocks], Texture(device.gl, "rgba8", SIZE)
     framebuffer = Framebuffer(device.gl, [texture])
+    views = [BufferTexture(device.gl, buffers[0].glo, words) for words in textures]
     try:
         for binding, buffer in enumerate(buffers):
             buffer.bind_to_storage_buffer(binding)
         framebuffer.use(colour=True, depth=False)
         array = ctx.vertex_array(program, [])
-        array.render(mode=rawgl.TRIANGLES, vertices=vertices)
+        for view in views or [None]:
+            if view is not None:
+                view.bind(0)
+            array.render(mode=rawgl.TRIANGLES, vertices=vertices)
         device.gl.glMemoryBarrier(rawgl.BARRIERS["buffer_update"])
         return [np.frombuffer(buffer.read(), dtype=np.uint32) for buffer in buffers]
     finally:
-        for made in (array, framebuffer, texture, *buffers, program):
+        for made in (array, framebuffer, texture, *views, *buffers, program):
             if made is not None:
                 made.release()

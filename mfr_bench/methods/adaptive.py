@@ -255,7 +255,7 @@ def _resolve(index: int, layout: Layout) -> Pass:
                 reads=layout.reads,
                 writes=(*(("deepest",) if layout.may_be_guessed else ()), *(("nodes",) if high > HALVES else ())),
                 texels=() if high <= UNCHUNKED else ("nodes",),
-                pairs=("nodes",) if layout is IN_CHUNKS and UNCHUNKED < high <= HALVES else (),
+                pairs=("nodes",) if layout is IN_CHUNKS and high > UNCHUNKED else (),
                 resolver=f"methods/adaptive/{_resolver(high)}.glsl",
                 defines={**layout.defines, "NETWORK": min(high, HALVES), "ASKS": int(layout.may_be_guessed)})
 

@@ -51,6 +51,8 @@ def outcome(device, name):
     ("primitive numbers", "probe/numbered.vert", "place = vec2(", "place = vec2(0.1 + ", "0 of 1440 fragments"),
     ("elements behind a loop", "probe/behind_loop.frag", "sum += last", "sum += last + 1u",
      "480 have a wrong sum"),
+    ("textures of one buffer", "probe/texture_format.frag", "texelFetch(texels, 1)", "texelFetch(texels, 0)",
+     "0 of 480 pixels"),
     ("interlock", "probe/locked_count.frag", "+ 1u", "+ 2u", "plain increments"),
     ("framebuffer fetch", "probe/fetch.frag", "out_seen.y + 1u", "1u", "0 of 480"),
     ("framebuffer fetch", "probe/fetch.frag", "out_seen.x + quad", "out_seen.x - quad", "0 of 480"),

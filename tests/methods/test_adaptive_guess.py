@@ -200,3 +200,15 @@ def test_a_buffer_too_large_for_a_texture_is_read_as_it_lies(device, monkeypatch
     as_it_lies, some = image()
     np.testing.assert_array_equal(through, as_it_lies)
     assert not any(none) and any(some)
+
+
+@pytest.mark.parametrize("layers", [20, 60, 128])
+def test_a_frame_reads_cells_through_textures_of_one_format(device, layers):
+    """Another texture of the same memory would be taken for the first on zink (the trial 'textures of one buffer')."""
+    scene = SceneConfig(size=(31, 13), depth_complexity=layers, layout="random", quad_size=(9, 5), pixel_density=0.6)
+    with animated(device, [generate(scene)]) as (frame, _):
+        for pairs in (False, True):  # the second frame's layers are guessed
+            assert {(ref, frame.fitted.reads_pairs(step, ref)) for step in frame.running for ref in step.texels} <= {
+                ("nodes", pairs)}
+            frame.draw_fitting()
+        assert any(step.pairs for step in frame.running)
