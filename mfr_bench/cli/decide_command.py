@@ -190,7 +190,7 @@ def _candidates(question, scene, budget):
     from ..scene import generate
 
     enough = None
-    if not question.exact and scene["kind"] == "quads" and not scene.get("slant"):
+    if not question.exact and scene.get("kind", "quads") == "quads" and not scene.get("slant"):
         parsed = Scene(**{k: tuple(v) if isinstance(v, list) else v for k, v in scene.items()})
         until = time.monotonic() + MODEL_SHARE * budget.left_s()
         enough = enough_layers(generate(parsed), question.max_error, until)

@@ -45,6 +45,14 @@ def test_a_second_time_nothing_is_measured_again(mfr, on_device, few, here):  # 
     assert first["time_ms"] == second["time_ms"] and first["method"] == second["method"]
 
 
+def test_a_scene_of_quads_need_not_say_so(mfr, on_device, few, here):  # noqa: F811
+    """`kind` is left out: with an error allowed, the layers that keep it were looked for by that key."""
+    (here / "own.yaml").write_text("name: own\nscene: {size: [8, 8], depth_complexity: 6}\nmethods: [ab-array]\n")
+    ended = mfr("decide", "--config", "own.yaml", "--max-error", "0.5", "--time-budget", "6s")
+    assert ended.status in (0, 1), ended.err
+    assert "layers keep the error" in ended.err
+
+
 def test_nothing_keeps_a_memory_of_nothing(mfr, on_device, few):  # noqa: F811
     ended = mfr(*QUESTION, "--memory-mb", "0.0001", "--json")
     assert ended.status == 6 and json.loads(ended.out)["method"] is None
