@@ -77,10 +77,15 @@ def test_a_device_that_draws_nothing_holds_no_depth_that_shaders_see(device, mon
     ([], [], "wall", "nothing to compare"),
 ])
 def test_gpu_timers_count_where_they_agree_with_the_wall_clock(wall_ms, gpu_ms, timer, reason):
-    found = selftest.Calibration(*selftest._verdict(wall_ms, gpu_ms))
+    found = selftest.Calibration(*selftest._verdict("gpu", wall_ms, gpu_ms))
     assert found.timer == timer
     assert reason in found.reason
     assert (found.wall_ms, found.gpu_ms) == (tuple(wall_ms), tuple(gpu_ms))
+
+
+def test_a_software_device_has_one_timer_however_its_gpu_timers_look():
+    """A cell's key has the timer: another one by load would have every cell measured again."""
+    assert {selftest._verdict("cpu", [2.0, 4.0], gpu_ms)[0] for gpu_ms in ([2.0, 4.0], [0.1, 0.2])} == {"wall"}
 
 
 def test_calibration_measures_work_that_grows(device):
