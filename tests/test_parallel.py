@@ -105,7 +105,7 @@ def dies(number: int) -> None:
 
 @pytest.mark.parametrize("copies", [True, False])
 def test_a_process_that_is_killed_is_told(monkeypatch, copies):
-    """As the kernel does for lack of memory; a pool would wait for its item for ever."""
+    """The kernel kills one for lack of memory; a pool would wait for its item for ever."""
     monkeypatch.setattr(parallel, "_copies", lambda: copies)
     with pytest.raises(MfrError, match="ended before its work was done"):
         list(in_processes(dies, range(6), 2))

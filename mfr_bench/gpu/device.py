@@ -161,7 +161,7 @@ class _Search:
         return bool(known)
 
     def second(self) -> EglDevice | None:
-        """What is taken where no device is surely the one. Raises UnknownDeviceError where several may be."""
+        """Take the likeliest device where none is surely the one. Raises UnknownDeviceError where several may be."""
         if self.given and len(self.unsure) > 1:
             raise _cannot_tell(self.given, [seen for _, seen in self.unsure])
         return self.unsure[0][0] if self.unsure else self.spare

@@ -139,6 +139,6 @@ def test_bytes_are_drawn_as_mib(tmp_path):
 @pytest.mark.parametrize("panels", [{}, {"panels": "scene.depth_range"}])
 @pytest.mark.parametrize("kind", ["bars", "stacked_passes"])
 def test_a_chart_without_cells_is_drawn(tmp_path, kind, panels):
-    """As of a run whose time budget ended before any cell of a figure was measured."""
+    """A run whose time budget ended before any cell of a figure was measured leaves such a chart."""
     axes = built(tmp_path, [], {"kind": kind, "x": "k", "y": "time_ms"} | panels).axes
     assert [patch for each in axes for patch in each.patches if patch.get_width()] == []

@@ -68,7 +68,7 @@ def test_the_fastest_is_marked_where_the_next_may_be_as_fast(tmp_path, time_ms, 
 
 
 def drawn(axes):
-    """Where the points of a figure stand: those on no frontier together, those on one each by itself."""
+    """The places of a figure's points: those on no frontier together, those on one each by itself."""
     alone = [(line.get_xdata()[0], line.get_ydata()[0]) for line in axes.lines if line.get_marker() != "None"]
     return [*alone, *(tuple(place) for found in axes.collections for place in found.get_offsets() if found.get_paths()
                       and not hasattr(found, "get_segments"))]

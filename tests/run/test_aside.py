@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-import subprocess
-import sys
-import time
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +15,8 @@ from mfr_bench.run.answers import ALL, Answers, Compare, Keep, Make, Prepare, Su
 from mfr_bench.run.aside import AtOnce, OtherProcess
 from mfr_bench.run.shared import Shared, Unreachable
 from mfr_bench.scene import Scene
+
+from .children import ends_with_its_parent, state
 
 SCENE = Scene(size=(24, 20), depth_complexity=6)
 KEEPS_TIES = Ties(False, False)
@@ -74,10 +72,6 @@ def other():
     process.begin(Divide(5))()
     yield process
     process.close()
-
-
-def state(pid: int) -> str:
-    return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
 
 
 def handles() -> int:
@@ -252,12 +246,4 @@ with other.paused():
 
 
 def test_it_ends_with_a_process_that_is_killed_even_while_it_is_paused():
-    process = subprocess.Popen([sys.executable, "-c", KILLED], stdout=subprocess.PIPE, text=True)
-    pid = int(process.stdout.readline())
-    process.kill()
-    process.communicate()
-    for _ in range(100):
-        if not Path(f"/proc/{pid}").exists() or state(pid) == "Z":
-            return
-        time.sleep(0.05)
-    pytest.fail(f"process {pid} has outlived the one that it worked for")
+    ends_with_its_parent(KILLED)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import fcntl
 import os
 import signal
-import subprocess
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +21,7 @@ from mfr_bench.run.precompile import ASKED, CELL_BYTES, FEW, FRAGMENTS, SLOW_S, 
 from mfr_bench.scene import Scene
 
 from . import fake_first_frames as fake
+from .children import ends_with_its_parent, state
 from .fake_worker import DEVICE
 from .planted_cells import Clock, Run, cell
 
@@ -45,10 +44,6 @@ def made():
     yield make
     for each in every:
         each.close()
-
-
-def state(pid: int) -> str:
-    return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
 
 
 def answered(precompiler: Precompiler, wanted: set[str]) -> None:
@@ -97,7 +92,7 @@ def test_no_process_is_started(serve, cells, spent_s):
 
 
 def test_it_is_given_up_where_this_process_compiles_all_the_same(made):
-    """As without a cache on disk, or with one that cannot be written to."""
+    """There is no cache on disk then, or none that can be written to."""
     precompiler = made(fake.answers, COMPILED_S)
     answered(precompiler, {each.key for each in CELLS[1:]})
     for each in CELLS[1:1 + TRIED]:
@@ -237,13 +232,4 @@ with precompiler.paused():
 
 
 def test_it_ends_with_a_process_that_is_killed_even_while_it_is_paused():
-    process = subprocess.Popen([sys.executable, "-c", PARENT], stdout=subprocess.PIPE, text=True,
-                               cwd=Path(__file__).parents[2])
-    pid = int(process.stdout.readline())
-    process.kill()
-    process.communicate()
-    for _ in range(100):
-        if not Path(f"/proc/{pid}").exists() or state(pid) == "Z":
-            return
-        time.sleep(0.05)
-    pytest.fail(f"process {pid} has outlived the one that it worked for")
+    ends_with_its_parent(PARENT)
