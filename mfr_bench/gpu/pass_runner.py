@@ -32,6 +32,10 @@ from .scene_buffer import SceneBuffer
 from .targets import BareFramebuffer, Canvas, Framebuffer, Texture
 from .uniforms import Uniforms
 
+# Blending that leaves what is drawn as it is. A program drawn with any blending is compiled once by llvmpipe, one drawn
+# without twice, and its frames take as long (docs/measurement.md, "Compiling").
+REPLACING = ("add", "one", "zero")
+
 
 class FrameResources(Protocol):
     """The parts of a frame that a pass needs: the device, what is allocated, the scene, and the part of the screen.
@@ -293,10 +297,16 @@ class PassRunner:
         yield self._switch(rawgl.MULTISAMPLE, state.multisample)
 
     def _blending(self, state: State) -> Iterator[Callable[[], None]]:
-        """Set the blending, one for all output locations or one for each."""
-        yield self._switch(rawgl.BLEND, state.blend or state.blends)
-        if state.blend:
-            equation, source, destination = state.blend
+        """Set the blending, one for all output locations or one for each.
+
+        Where nothing is blended, a pass over the screen may blend so that what it draws stands alone: see `REPLACING`.
+        """
+        hides = self.step.kind == "fullscreen" and not (state.blends or state.depth_test or state.stencil)
+        replacing = REPLACING if hides and self.frame.device.compiles_opaque_twice else None
+        blend = state.blend or replacing
+        yield self._switch(rawgl.BLEND, blend or state.blends)
+        if blend:
+            equation, source, destination = blend
             factors = (source, destination, *(state.blend_alpha or (source, destination)))
             yield partial(self.gl.glBlendEquation, rawgl.EQUATIONS[equation])
             yield partial(self.gl.glBlendFuncSeparate, *(rawgl.FACTORS[factor] for factor in factors))

@@ -131,7 +131,8 @@ class CellWork:
         self._emit_new(passes)
 
     def _take(self, sampler: Sampler) -> None:
-        """Draw the frames of one turn."""
+        """Draw the frames of one turn, the first of which find the samplers as those of any turn do."""
+        self.bench.device.settle()
         for _ in sampler.turn():
             self.bench.stop_if_asked()
             self.frame.show(self.scene.show(len(sampler.samples_ms)))
@@ -171,6 +172,7 @@ class CellWork:
         self._phases.begin("sampling")
         self.bench.stop_if_asked()
         self.frame.show(self.scene.show(len(self.sampler.samples_ms)))
+        self.bench.device.settle()
         with self.bench.paused(), self.bench.split.work("measure"):
             time_ms = undisturbed_ms(self.bench.timer, self.frame.draw, self.repeats)
         self.sampler.take(time_ms)
@@ -216,6 +218,7 @@ class CellWork:
         self._phases.begin(BETWEEN)
         with self.bench.paused():
             self._phases.begin("passes")
+            self.bench.device.settle()
             self._time_passes(self.pass_frames)
         self._phases.begin("last frames")
         with self.bench.split.work("last frames"):
