@@ -33,7 +33,7 @@ from .targets import BareFramebuffer, Canvas, Framebuffer, Texture
 from .uniforms import Uniforms
 
 # Blending that leaves what is drawn as it is. A program drawn with any blending is compiled once by llvmpipe, one drawn
-# without twice, and its frames take as long (docs/measurement.md, "Compiling").
+# without twice, and its frames take as long (docs/measurement.md, "Compiling once").
 REPLACING = ("add", "one", "zero")
 
 

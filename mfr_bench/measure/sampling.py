@@ -20,14 +20,17 @@ CONFIRMED = 3  # samples, at least, where the first that reached the time limit 
 STALLED = 2.0  # times the fastest frame, from which on a sample may be a stall
 TURNS = 3  # that the first batch takes: a burst of load that hits one of them leaves the median of its samples alone
 SETTLED_MS = 10.0  # of a frame, from which on it hardly shows that other methods drew since the one before
-HALVES_AGREE = 0.05  # relative difference of the medians of two halves
+HALVES_AGREE = 0.05  # of the later half's fastest frame, by which that of the earlier may be slower
 
 
 def halves_agree(times_ms: list[float]) -> bool:
-    """Whether the later half of the times is as fast as the earlier, within 5 %."""
+    """Whether the later half of the times is no faster than the earlier, within 5 %.
+
+    The fastest frame of each half tells: other load makes frames slower, never faster, and is no sign of a warm-up.
+    """
     middle = len(times_ms) // 2
-    early, late = median(times_ms[:middle]), median(times_ms[middle:])
-    return abs(early - late) <= HALVES_AGREE * late
+    early, late = min(times_ms[:middle]), min(times_ms[middle:])
+    return early - late <= HALVES_AGREE * late
 
 
 @dataclass

@@ -37,7 +37,7 @@ def test_steady_frames_stop_as_soon_as_there_are_enough():
 
 def test_warm_up_goes_on_until_its_halves_agree():
     sampler = fed(Sampler(Measure()), [9, 5, 3, *[1.0] * 25])
-    assert len(sampler.warmup_ms) == 16 + TURNS - 1  # at 2, 4 and 8 frames the later half was still faster
+    assert len(sampler.warmup_ms) == 8 + TURNS - 1  # at 2 and 4 frames the later half was still faster
     assert set(sampler.samples_ms) == {1.0}
 
 
@@ -66,9 +66,9 @@ def test_one_stalled_frame_does_not_stand_for_a_cell():
     assert slow.samples_ms == [60.0] and slow.stop_reason == "time limit"
 
 
-@pytest.mark.parametrize(("times", "agree"), [([1, 1], True), ([1.04, 1], True), ([1.1, 1], False), ([1, 1.1], False),
-                                              ([1, 9, 1, 1, 9, 1], True), ([2, 2, 2, 1, 1, 1], False)])
-def test_halves_agree_within_5_percent_of_their_medians(times, agree):
+@pytest.mark.parametrize(("times", "agree"), [([1, 1], True), ([1.04, 1], True), ([1.1, 1], False), ([1, 1.1], True),
+                                              ([1, 9, 9, 1, 9, 1], True), ([2, 2, 2, 1, 2, 2], False)])
+def test_halves_agree_unless_the_later_has_a_frame_5_percent_faster(times, agree):
     assert halves_agree(times) == agree
 
 
