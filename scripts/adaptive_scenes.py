@@ -21,7 +21,8 @@ from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
-from in_turns import add_row, geometric_mean, in_turns, ratio, rows_of
+from ending import Misuse, at_least, run_script
+from in_turns import FEWEST_ROUNDS, add_row, geometric_mean, in_turns, ratio, rows_of
 
 from mfr_bench.config.model import Measure
 from mfr_bench.gpu.device import open_device
@@ -236,14 +237,19 @@ def summary(rows: Sequence[Mapping[str, str]]) -> list[str]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("file", type=Path)
-    parser.add_argument("--rounds", type=int, default=7)
+    parser.add_argument("--rounds", type=at_least(FEWEST_ROUNDS), default=7)
     parser.add_argument("--only", default="")
     parser.add_argument("--deep", action="store_true")
     parser.add_argument("--bound", action="store_true")
     parser.add_argument("--table", action="store_true")
     given = parser.parse_args()
-    scenes = {name: scene for name, scene in (DEEP if given.deep else SCENES).items()
-              if given.only in name and (not given.bound or name.startswith(MESH_LIKE))}
+    known = {name: scene for name, scene in (DEEP if given.deep else SCENES).items()
+             if not given.bound or name.startswith(MESH_LIKE)}
+    scenes = {name: scene for name, scene in known.items() if given.only in name}
+    if not scenes:
+        raise Misuse(f"--only {given.only}: no scene has this in its name; allowed: a part of {', '.join(known)}")
+    if given.table and not given.file.exists():
+        raise Misuse(f"{given.file}: no such file; without --table it is made")
     done = {row["scene"] for row in rows_of(given.file)}
     if not given.table and scenes.keys() - done:
         device = open_device("cpu")
@@ -255,4 +261,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

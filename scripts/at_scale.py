@@ -20,6 +20,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import yaml
+from ending import at_least, run_script
 
 SIMULATE = (sys.executable, str(Path(__file__).with_name("simulate_devices.py")))
 PROGRAM = (sys.executable, "-m", "mfr_bench")
@@ -94,11 +95,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=COUNTS)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--count", type=int)
+    parser.add_argument("--count", type=at_least(20))
     asked = parser.parse_args()
     asked.folder.mkdir(parents=True, exist_ok=True)
     {"devices": devices, "cells": cells, "plan": plan}[asked.what](asked.folder, asked.count or COUNTS[asked.what])
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

@@ -14,13 +14,13 @@ from __future__ import annotations
 import argparse
 import os
 import random
-import sys
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 
 import numpy as np
 import yaml
+from ending import Misuse, at_least, run_script
 
 from mfr_bench.config import load
 from mfr_bench.decide.candidates import candidates
@@ -152,6 +152,8 @@ def replay(cells: dict[str, list[float]], rng: random.Random) -> tuple[float, in
 def replays(folder: Path, number: int) -> None:
     """Replay the scenes in turn, and print what came of it."""
     scenes = recorded(folder)
+    if not scenes:
+        raise Misuse(f"{folder}: no recorded races; make them: scripts/decide_replays.py record {folder}")
     rng = random.Random(0)  # noqa: S311 - as above
     outcomes = [replay(cells, rng) for turn in range(-(-number // len(scenes))) for cells in scenes.values()][:number]
     good = sum(ratio <= GOOD for ratio, *_ in outcomes)
@@ -170,7 +172,7 @@ def main() -> int:
     parser.add_argument("what", choices=("record", "replay"))
     parser.add_argument("folder", type=Path)
     for name, default in (("scenes", 50), ("methods", 16), ("frames", 200), ("replays", 100)):
-        parser.add_argument(f"--{name}", type=int, default=default)
+        parser.add_argument(f"--{name}", type=at_least(1), default=default)
     given = parser.parse_args()
     if given.what == "record":
         record(given.folder, given.scenes, given.methods, given.frames)
@@ -180,4 +182,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_script(main)

@@ -21,9 +21,11 @@ from dataclasses import dataclass
 from itertools import product
 from statistics import median
 
-from in_turns import in_turns, ratio
+from ending import Misuse, at_least, run_script
+from in_turns import FEWEST_ROUNDS, in_turns, ratio
 
 from mfr_bench.config.model import Scene
+from mfr_bench.errors import one_of
 from mfr_bench.gpu.context import Device
 from mfr_bench.gpu.device import open_device
 from mfr_bench.gpu.frame import Frame
@@ -148,10 +150,14 @@ def main() -> None:
     parser.add_argument("methods", nargs="*", metavar="METHOD", help="only these; of rankings, where it is the faster")
     parser.add_argument("--device", default="auto")
     parser.add_argument("--name", default="llvmpipe-amd-epyc-2-cores", help="of the device, for the table")
-    parser.add_argument("--rounds", type=int, default=9, help="samples of each way, at least 6")
-    parser.add_argument("--layers", type=int, nargs="+", default=LAYERS, help="only so many fragments of a pixel")
+    parser.add_argument("--rounds", type=at_least(FEWEST_ROUNDS), default=9, help="samples of each way")
+    parser.add_argument("--layers", type=int, choices=LAYERS, nargs="+", default=LAYERS,
+                        help="only so many fragments of a pixel")
     parser.add_argument("--only", choices=("differences", "rankings"), help="measure one of the two tables")
     given = parser.parse_args()
+    for method in given.methods:
+        if method not in catalog():
+            raise Misuse(f"{method}: no such method; {one_of(method, catalog())}")
     device, only = open_device(given.device), set(given.methods or catalog())
     same = {"device": given.name, "date": dt.datetime.now(dt.UTC).date().isoformat()}
     for name, result, pairs_of in (("differences", "worth.csv", differences), ("rankings", "ranked.csv", rankings)):
@@ -163,4 +169,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

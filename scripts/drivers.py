@@ -24,7 +24,8 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NoReturn
+
+from ending import FAILED, Misuse, run_script
 
 SOURCES = Path(__file__).resolve().parent.parent
 DEBIAN, UBUNTU = "http://deb.debian.org/debian", "http://archive.ubuntu.com/ubuntu"
@@ -33,7 +34,7 @@ PACKAGES = ("ca-certificates", "python3", "python3-venv", "python3-dev", "g++", 
             "libgl1-mesa-dri", "mesa-vulkan-drivers", "glslang-tools")
 KEYRING = "usr/share/keyrings/ubuntu-archive-keyring.gpg"
 KEYS_FROM = "trixie"  # a root whose distribution has a package of Ubuntu's keys, as Debian 12 has not
-FAILED, MISUSED, NOT_RUN = 1, 2, 3  # exit status: some check failed; an option is wrong; none failed, some did not run
+NOT_RUN = 3  # exit status: no check failed, but some did not run
 SETUP_S = 900  # the longest that a setup may take: Python 3.14 compiles flip-evaluator
 NO_SETUP = 75  # status of a check whose root could not be entered or set up
 MADE = {".venv", ".drivers", ".hypothesis", ".pytest_cache", ".ruff_cache", "__pycache__", "dist"}  # no sources
@@ -261,11 +262,6 @@ def say(text: str) -> None:
     print(f"drivers: {text}", file=sys.stderr, flush=True)
 
 
-def misused(text: str) -> NoReturn:
-    say(text)
-    sys.exit(MISUSED)
-
-
 def factor(text: str) -> float:
     """A number above 0, by which times are multiplied. Raises ValueError."""
     if not 0 < float(text) < float("inf"):
@@ -278,7 +274,7 @@ def chosen(text: str | None, known: Mapping[str, object], option: str) -> list[s
     names = list(known) if text is None else text.split(",")
     for name in names:
         if name not in known:
-            misused(f"{option} {name}: no such name; allowed: {', '.join(known)}")
+            raise Misuse(f"{option} {name}: no such name; allowed: {', '.join(known)}")
     return names
 
 
@@ -291,7 +287,7 @@ def missing() -> str | None:
     return None
 
 
-def main() -> None:
+def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--root", help=f"of {', '.join(ROOTS)}; all by default")
     parser.add_argument("--driver", help=f"of {', '.join(DRIVERS)}; all by default")
@@ -306,14 +302,17 @@ def main() -> None:
     roots, drivers = chosen(given.root, ROOTS, "--root"), chosen(given.driver, DRIVERS, "--driver")
     checks = chosen(given.check or ",".join(c for c in CHECKS if c != "features"), CHECKS, "--check")
     if not any(of(driver, checks) for driver in drivers):
-        misused(f"--check {given.check}: does not run with {', '.join(drivers)}; docs/drivers.md says what runs where")
+        raise Misuse(f"--check {given.check}: does not run with {', '.join(drivers)}; docs/drivers.md says what runs "
+                     "where")
     if given.dir.exists() and not given.dir.is_dir():
-        misused(f"--dir {given.dir}: no folder; allowed: a folder, or a path where one can be made")
+        raise Misuse(f"--dir {given.dir}: no folder; allowed: a folder, or a path where one can be made")
+    if given.table and not given.dir.exists() and given.dir != parser.get_default("dir"):
+        raise Misuse(f"--dir {given.dir}: no such folder; allowed: the --dir of a run before")
     matrix = Matrix(given.dir.resolve(), given.patience)
     if not given.table:
         if lacking := missing():
             say(lacking)
-            sys.exit(NOT_RUN)
+            return NOT_RUN
         for root in roots:
             for driver in drivers:
                 matrix.run(root, driver, checks, given.again)
@@ -321,8 +320,8 @@ def main() -> None:
     found = [matrix.outcome(root, driver, check).get("status") for root in roots for driver in drivers
              for check in of(driver, checks)]
     not_run = None in found or NO_SETUP in found
-    sys.exit(FAILED if set(found) - {None, 0, NO_SETUP} else NOT_RUN if not_run else 0)
+    return FAILED if set(found) - {None, 0, NO_SETUP} else NOT_RUN if not_run else 0
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

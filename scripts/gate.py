@@ -26,6 +26,8 @@ from itertools import combinations
 from pathlib import Path
 from statistics import median
 
+from ending import Misuse, at_least, run_script
+
 from mfr_bench.compare import compare
 from mfr_bench.compare.judge import FASTER, SLOWER
 from mfr_bench.compare.sides import Side, load_side
@@ -164,6 +166,8 @@ def whole(out: Path) -> bool:
 def judge(folder: Path) -> int:
     """Print what the runs say, as a table in Markdown; the exit status."""
     runs = {path: side(path) for path in sorted((folder / "runs").glob("*/*")) if whole(path)}
+    if not runs:
+        raise Misuse(f"{folder}: no run is whole; measure some: scripts/gate.py measure {folder}")
     unslowed = [run for path, run in runs.items() if path.name in (PLAIN, AGAIN)]
     none = [gate(a, b) for a, b in combinations(unslowed, 2)]
     alarms = [g for g in none if g.found or g.others]
@@ -189,7 +193,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", choices=("measure", "judge"))
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--rounds", type=at_least(1), default=5)
     parser.add_argument("--device", default="cpu")
     given = parser.parse_args()
     folder = given.folder.resolve()
@@ -197,4 +201,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_script(main)

@@ -18,6 +18,7 @@ from mfr_bench.stats import Interval, median_interval
 
 TURN_MS = 10.0  # of processor time that a turn is to take, at least, unless it would be of more than MOST_FRAMES
 MOST_FRAMES = 20
+FEWEST_ROUNDS = 6  # below, the median of the rounds has no 95 % interval
 
 
 def turn_ms(device: Device, frame: Frame, frames: int) -> float:

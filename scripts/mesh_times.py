@@ -15,6 +15,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ending import run_script
+
 from mfr_bench.config.model import Scene
 from mfr_bench.gpu.device import open_device
 from mfr_bench.gpu.scene_buffer import SceneBuffer
@@ -66,4 +68,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

@@ -22,6 +22,8 @@ from collections.abc import Callable
 from contextlib import nullcontext
 
 import numpy as np
+from ending import at_least, run_script
+from in_turns import FEWEST_ROUNDS
 
 from mfr_bench.config.model import Measure
 from mfr_bench.gpu.context import Device
@@ -116,9 +118,9 @@ def rounds(count: int, draw: Callable[[], None], other: Comparing | Compiling) -
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rounds", type=int, default=60)  # 6 at least: below there is no interval
-    parser.add_argument("--frames", type=int, default=12)
-    parser.add_argument("--method", default="kplus-array")
+    parser.add_argument("--rounds", type=at_least(FEWEST_ROUNDS), default=60)
+    parser.add_argument("--frames", type=at_least(1), default=12)
+    parser.add_argument("--method", default="kplus-array", choices=catalog(), metavar="METHOD")
     parser.add_argument("--device", default="cpu")
     parser.add_argument("--compiling", action="store_true")
     asked = parser.parse_args()
@@ -141,4 +143,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

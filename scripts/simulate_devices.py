@@ -13,7 +13,6 @@ from __future__ import annotations
 import argparse
 import math
 import random
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -21,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from ending import at_least, run_script
 
 from mfr_bench.config import load
 from mfr_bench.methods import FLOOR, catalog
@@ -131,7 +131,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out", type=Path)
     for name, default in (("devices", 10), ("values", 37), ("methods", 19), ("seed", 1)):
-        parser.add_argument(f"--{name}", type=int, default=default)
+        parser.add_argument(f"--{name}", type=at_least(1), default=default)
     asked = parser.parse_args(arguments)
     model = Model.of(asked.out, asked.values, asked.methods, asked.seed)
     write = partial(write_device, model, asked.out, seed=asked.seed)
@@ -141,4 +141,4 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_script(main)

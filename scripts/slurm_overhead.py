@@ -28,6 +28,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ending import at_least, run_script
+
 from mfr_bench.merge.copies import REPEATED_VALUES
 from mfr_bench.store import ResultFolder
 
@@ -71,7 +73,7 @@ def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("dir", type=Path, metavar="DIR")
     parser.add_argument("configs", nargs="*", metavar="CONFIG", help="default: the papers' experiments")
-    parser.add_argument("--nodes", type=int, default=4)
+    parser.add_argument("--nodes", type=at_least(1), default=4)
     parser.add_argument("--profile", default="smoke")
     return parser.parse_args()
 
@@ -236,7 +238,4 @@ def _files(root: Path) -> dict[str, list[dict[str, str]]]:
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except subprocess.CalledProcessError as failed:
-        sys.exit(f"{' '.join(map(str, failed.cmd))}: ended with {failed.returncode}; what it said stands above")
+    run_script(main)

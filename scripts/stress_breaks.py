@@ -18,6 +18,8 @@ from collections.abc import Iterator
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
+from ending import run_script
+
 from mfr_bench.report import breaking, data
 from mfr_bench.store import ResultFolder
 
@@ -108,4 +110,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_script(main)

@@ -25,6 +25,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from ending import Misuse, run_script
+
 from mfr_bench.config.model import Measure
 from mfr_bench.plan import time_left
 from mfr_bench.plan.cells import Cell
@@ -213,6 +215,8 @@ def main() -> None:
     parser.add_argument("--profile", default="smoke")
     parser.add_argument("--device", default="cpu")
     given = parser.parse_args()
+    if given.what != "judge" and not given.configs:
+        raise Misuse(f"{given.what}: names no config; see mfr-bench configs")
     options = ["--profile", given.profile, "--device", given.device]
     if given.what == "judge":
         judge(given.file)
@@ -225,4 +229,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    run_script(main)

@@ -21,6 +21,8 @@ import sys
 from math import comb
 from pathlib import Path
 
+from ending import at_least, run_script
+
 ROOT = Path(__file__).resolve().parents[1]
 PARTS = ("mfr_bench", "configs", "shaders", "results/reference")
 FACTOR = 1.05
@@ -145,7 +147,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     for name, default in (("alike", 40), ("planted", 20), ("rounds", 6)):
-        parser.add_argument(f"--{name}", type=int, default=default)
+        parser.add_argument(f"--{name}", type=at_least(1), default=default)
     parser.add_argument("--seconds", type=float, default=1.0)
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
@@ -155,4 +157,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    run_script(main)

@@ -16,12 +16,10 @@ DEVICE = SimpleNamespace(features=frozenset())
 
 @pytest.fixture(scope="module")
 def script():
-    sys.path.insert(0, str(ROOT / "scripts"))
     spec = importlib.util.spec_from_file_location("differences", ROOT / "scripts" / "differences.py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
-    sys.path.remove(str(ROOT / "scripts"))
     return module
 
 

@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import ending
 import pytest
 import yaml
 
@@ -100,12 +101,13 @@ def test_sources_without_gits_folder_are_those_that_git_lists(drivers, monkeypat
     (["--patience", "0"], "argument --patience: invalid factor value: '0'"),
     (["--patience", "nan"], "argument --patience: invalid factor value: 'nan'"),
     (["--dir", "/dev/null"], "--dir /dev/null: no folder; "),
+    (["--dir", "/nowhere"], "--dir /nowhere: no such folder; "),
 ])
 def test_a_wrong_option_is_told_from_a_check_that_fails(drivers, monkeypatch, capsys, options, said):
     monkeypatch.setattr(sys, "argv", ["drivers.py", "--table", *options])
     with pytest.raises(SystemExit) as ended:
-        drivers.main()
-    assert ended.value.code == drivers.MISUSED
+        ending.run_script(drivers.main)
+    assert ended.value.code == ending.MISUSED
     assert said in capsys.readouterr().err
 
 

@@ -21,9 +21,8 @@ RATES = Rates(compile_s=0.1, pixel_s=0, store_s=0)
 
 
 @pytest.fixture
-def script(monkeypatch):
+def script():
     """The script that recorded the runs, as a module."""
-    monkeypatch.syspath_prepend(ROOT / "scripts")
     import time_left
 
     yield time_left
