@@ -6,17 +6,18 @@ void array_fill(uint p, uint slot, FRAGMENT fragment) {
     NODE(p, slot) = fragment;
 }
 
-// Replaces the fragment of slot 0, then moves the worst remaining fragment to slot 0, in O(room).
+// Replaces the fragment of slot 0, then moves the worst remaining fragment to slot 0, in O(room). The loop walks over
+// places instead of slots, which saves a tenth of it on llvmpipe.
 void array_replace(uint p, uint room, FRAGMENT fragment) {
     FRAGMENT worst = fragment;
-    uint at = 0u;
-    for (uint slot = 1u; slot < room; ++slot) {
-        FRAGMENT node = NODE(p, slot);
+    uint first = PLACE(p, 0u), found = first, end = PLACE(p, room);
+    for (uint place = first + STRIDE; place < end; place += STRIDE) {
+        FRAGMENT node = nodes[place];
         if (worse(node, worst)) {
             worst = node;
-            at = slot;
+            found = place;
         }
     }
-    if (at > 0u) NODE(p, at) = fragment;
-    NODE(p, 0u) = worst;
+    if (found != first) nodes[found] = fragment;
+    nodes[first] = worst;
 }

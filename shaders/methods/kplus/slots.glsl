@@ -17,9 +17,11 @@ uint first_cell;
 #else
 #define FIND_CELLS(p) first_cell = address[p];
 #endif
+#define STRIDE 1u
 #define PLACE(p, slot) (first_cell + (slot))
 #else
 #define FIND_CELLS(p)
+#define STRIDE pixels
 #define PLACE(p, slot) ((slot) * pixels + (p))
 #define ROOM(p) BOUND
 #endif
