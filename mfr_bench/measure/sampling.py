@@ -17,6 +17,7 @@ from ..stats import Interval, goals, sampled_interval
 WARMUP_FRAMES = (2, 4, 8, 16, 32)  # looked at after so many
 WARMUP_SHARE = 0.2  # of the time limit, at most
 CONFIRMED = 3  # samples, at least, where the first that reached the time limit is not like the fastest frame
+LONE_FRAMES = 3  # to warm up, at most, where one sample follows: slow ones may be stalls, or compile
 STALLED = 2.0  # times the fastest frame, from which on a sample may be a stall
 TURNS = 3  # that the first batch takes: a burst of load that hits one of them leaves the median of its samples alone
 SETTLED_MS = 10.0  # of a frame, from which on it hardly shows that other methods drew since the one before
@@ -152,7 +153,7 @@ class Sampler:
     def _warmed_up(self) -> bool:
         count = len(self.warmup_ms)
         if self.measure.single:
-            return True
+            return self.warmup_ms[-1] / 1e3 <= self.measure.time_limit_s or count >= LONE_FRAMES
         if sum(self.warmup_ms) / 1e3 >= WARMUP_SHARE * self.measure.time_limit_s or count >= WARMUP_FRAMES[-1]:
             return True
         return count in WARMUP_FRAMES and halves_agree(self.warmup_ms)

@@ -58,6 +58,16 @@ def test_a_single_sample_follows_one_frame_of_warm_up():
     assert (sampler.warmup_ms, sampler.samples_ms, sampler.stop_reason) == ([9.0], [5.0], "most samples")
 
 
+@pytest.mark.parametrize(("frames_ms", "warm_up"), [
+    ([202.0, 4.0, 354.0], 2),  # two stalls, as on a machine with other work
+    ([300.0, 280.0, 290.0, 295.0], 3),  # a method that is slower than the limit
+])
+def test_a_lone_sample_over_the_time_limit_has_more_frames_beside_it(frames_ms, warm_up):
+    """The fastest frame shows whether a cell is slow: larger ones are not tried then. Two stalls must not show that."""
+    sampler = fed(Sampler(Measure(max_samples=1, min_samples=1, time_limit_s=0.2)), frames_ms)
+    assert (sampler.warmup_ms, sampler.samples_ms) == (frames_ms[:warm_up], frames_ms[warm_up:])
+
+
 def test_one_stalled_frame_does_not_stand_for_a_cell():
     """Frames of 0.2 ms, the first sample stalled beyond the time limit: two more outvote it."""
     sampler = fed(Sampler(Measure(time_limit_s=0.05)), [0.2, 0.2, 50.6, *[0.2] * 9])
