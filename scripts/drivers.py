@@ -31,10 +31,11 @@ SOURCES = Path(__file__).resolve().parent.parent
 DEBIAN, UBUNTU = "http://deb.debian.org/debian", "http://archive.ubuntu.com/ubuntu"
 ROOTS = {"bookworm": DEBIAN, "trixie": DEBIAN, "forky": DEBIAN, "sid": DEBIAN, "noble": UBUNTU, "resolute": UBUNTU}
 PACKAGES = ("ca-certificates", "python3", "python3-venv", "python3-dev", "g++", "make", "git", "libegl1", "libgl1",
-            "libgl1-mesa-dri", "mesa-vulkan-drivers", "glslang-tools")
+            "libgl1-mesa-dri", "mesa-vulkan-drivers", "glslang-tools", "virgl-server")
 KEYRING = "usr/share/keyrings/ubuntu-archive-keyring.gpg"
 KEYS_FROM = "trixie"  # a root whose distribution has a package of Ubuntu's keys, as Debian 12 has not
 NOT_RUN = 3  # exit status: no check failed, but some did not run
+ROOT_S = 600  # the longest that making a root may take
 SETUP_S = 900  # the longest that a setup may take: Python 3.14 compiles flip-evaluator
 NO_SETUP = 75  # status of a check whose root could not be entered or set up
 MADE = {".venv", ".drivers", ".hypothesis", ".pytest_cache", ".ruff_cache", "__pycache__", "dist"}  # no sources
@@ -45,7 +46,7 @@ INSIDE = """
 exec chroot "$0" env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin DEBIAN_FRONTEND=noninteractive bash -c "$1"
 """
 VIRGL = """
-command -v virgl_test_server >/dev/null || { apt-get -qq update && apt-get -qq install -y virgl-server; } >&2
+command -v virgl_test_server >/dev/null || { echo "no virgl_test_server: delete the root to make it anew"; exit 75; }
 virgl_test_server --use-egl-surfaceless >/tmp/virgl.log 2>&1 & server=$!; trap 'kill $server' EXIT; sleep 1
 export GALLIUM_DRIVER=virpipe LIBGL_ALWAYS_SOFTWARE=1
 """
@@ -152,7 +153,7 @@ class Matrix:
         of_ubuntu = [f"--keyring={self._keyring()}", "--components=main,universe"] if ROOTS[root] == UBUNTU else []
         made = self._logged(root, "none", "root", ["debootstrap", "--variant=minbase", "--force-check-gpg", *of_ubuntu,
                                                    f"--include={','.join(PACKAGES)}", root, str(place), ROOTS[root],
-                                                   *script], 600)
+                                                   *script], ROOT_S)
         self._keep(root, "none", "root", {"status": made, "seconds": round(time.monotonic() - begun)})
         if made != 0:
             return False

@@ -36,7 +36,7 @@ Mark = Callable[[str], None]
 class Frame:
     """One variant on one scene, ready to draw.
 
-    `draw` runs all passes; it returns False where a growing buffer was too small, and has then doubled it.
+    `draw` runs all passes, and where a growing buffer was too small doubles it and runs them again.
     Raises ShaderError for GLSL that does not compile, MemoryError where the device has no room.
     """
 
@@ -134,7 +134,9 @@ class Frame:
     def draw(self, mark: Mark | None = None) -> bool:
         """Run every pass in order; `mark` is called with the pass's name after each.
 
-        A frame whose plan guessed too little room is drawn again at once, as a part of the same frame.
+        A frame that had too little room is drawn again at once with more, as a part of the same frame: one that fitted
+        does not show that the next does, where chance or another scene decides it. Returns whether the plan is that of
+        the next frame. Raises CapacityError where a buffer cannot grow further.
         """
         self.geometry_passes = 0
         self.drawn += 1
@@ -153,16 +155,14 @@ class Frame:
             else:
                 self._run(step, iteration, mark)
         self._drawn = self.scene_buffer.scene, self.allocation.version
-        if self.plan and not self._schedule.had_room(self._shown, self.plan):
-            return self._draw_again(mark)
-        return self._fits()
+        return self._settled() if self._had_room() else self._draw_again(mark)
 
     def _draw_again(self, mark: Mark | None) -> bool:
-        """Draw the frame by its next plan; the passes of both are its own."""
+        """Draw the frame by its next plan or with more room; the passes of both are its own."""
         passes = self.geometry_passes
-        fits = self.draw(mark)
+        settled = self.draw(mark)
         self.geometry_passes += passes
-        return fits
+        return settled
 
     def _loop(self, planned: LoopPlan, mark: Mark | None) -> int:
         """Run a loop. Returns its iterations, or those that the frame before began for this one.
@@ -251,12 +251,11 @@ class Frame:
             self._capacity = elements
             self._write_uniforms()
 
-    def _fits(self) -> bool:
-        """Whether the frame that was drawn had room for everything; else the room is doubled, or planned anew."""
+    def _had_room(self) -> bool:
+        """Whether the frame that was drawn had room for everything; else the next has more."""
         grown = self.variant.method.capacity
-        if self.plan and self.plan.capacity is None:
-            after = self._schedule.next_plan(self._shown)
-            return (after.path, after.capacity) == (self.plan.path, self.plan.capacity)
+        if self.plan:
+            return self._schedule.had_room(self._shown, self.plan)
         if not isinstance(grown, Grown):
             return True
         wanted = int(self.words(grown.counter)[0])
@@ -264,7 +263,15 @@ class Frame:
             return True
         self.allocation.check_room(2 * self._capacity, wanted)
         self._set_capacity(2 * self._capacity)
+        self.device.check(f"{self.variant.method.id}: growing to {self._capacity} elements")
         return False
+
+    def _settled(self) -> bool:
+        """Whether the next frame has the plan of the one that was drawn."""
+        if self.plan is None or self.plan.capacity is not None:
+            return True
+        after = self._schedule.next_plan(self._shown)
+        return (after.path, after.capacity) == (self.plan.path, self.plan.capacity)
 
     def _deepest(self) -> int:
         """Fragments of the deepest pixel, as a frame of a planned method has left them; 0 takes their place."""
@@ -274,12 +281,12 @@ class Frame:
         return deepest
 
     def draw_fitting(self) -> None:
-        """Draw until every growing buffer has room for the frame, and its plan is that of the next.
+        """Draw until the plan of a frame is that of the next, with room for everything.
 
         Raises CapacityError where a buffer cannot grow further.
         """
         while not self.draw():
-            self.device.check(f"{self.variant.method.id}: growing to {self._capacity} elements")
+            self.device.check(f"{self.variant.method.id}: planning")
 
     # --- what a frame left ---
 
