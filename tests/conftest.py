@@ -36,7 +36,9 @@ def device():
     """The device that `--device auto` takes. Without a driver the tests that need it fail, and say what to install."""
     from mfr_bench.gpu.device import open_device
 
-    return open_device()
+    opened = open_device()
+    opened.times_frames = False  # which spares compilations
+    return opened
 
 
 @pytest.fixture

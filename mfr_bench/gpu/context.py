@@ -45,6 +45,7 @@ class Device:
 
     bound_threads: threads of a software driver that have processors of their own. instructions: the newest instruction
     set that a software driver of Mesa may use; None: the processor's. samplers: those at the texture units.
+    times_frames: whether the time of frames that are made from now on counts, or their images alone.
     """
 
     ctx: moderngl.Context
@@ -56,6 +57,7 @@ class Device:
     bound_threads: int = 0
     instructions: str | None = None
     samplers: Samplers | None = None
+    times_frames: bool = True
 
     def __post_init__(self) -> None:
         layered = LAYERED.match(str(self.ctx.info["GL_RENDERER"]).lower())

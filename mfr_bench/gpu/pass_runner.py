@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cached_property, partial
@@ -32,9 +33,11 @@ from .scene_buffer import SceneBuffer
 from .targets import BareFramebuffer, Canvas, Framebuffer, Texture
 from .uniforms import Uniforms
 
-# Blending that leaves what is drawn as it is. A program drawn with any blending is compiled once by llvmpipe, one drawn
-# without twice, and its frames take as long (docs/measurement.md, "Compiling once").
+# Blending that leaves what is drawn as it is. llvmpipe compiles a program once that is drawn with any blending, and twice
+# one that is drawn without; a pass over the screen takes 1 to 2 ns a pixel more (docs/measurement.md, "Compiling once").
 REPLACING = ("add", "one", "zero")
+NETWORK = re.compile(r"^#define NETWORK (?P<fragments>\d+)", re.MULTILINE)  # a sort in registers: takes LLVM longest
+MANY = 16  # layers of a scene and fragments of a network, from which on that is no more than 1 % of a frame
 
 
 class FrameResources(Protocol):
@@ -76,6 +79,7 @@ class PassRunner:
         self.planned = PassPlan.of(frame.variant, step)
         self.framebuffers: dict[int, Framebuffer] = {}
         self.program = self.vao = None
+        self._times_frames = frame.device.times_frames
         if step.kind != "clear":
             self.program = frame.device.program(self._stages(), f"method {frame.variant.method.id}, pass {step.name}")
         if step.kind in ("geometry", "fullscreen"):
@@ -302,8 +306,7 @@ class PassRunner:
         Where nothing is blended, a pass over the screen may blend so that what it draws stands alone: see `REPLACING`.
         """
         hides = self.step.kind == "fullscreen" and not (state.blends or state.depth_test or state.stencil)
-        replacing = REPLACING if hides and self.frame.device.compiles_opaque_twice else None
-        blend = state.blend or replacing
+        blend = state.blend or (REPLACING if hides and self._compiles_once else None)
         yield self._switch(rawgl.BLEND, blend or state.blends)
         if blend:
             equation, source, destination = blend
@@ -313,6 +316,16 @@ class PassRunner:
         for location, (equation, source, destination) in enumerate(state.blends):
             yield partial(self.gl.glBlendEquationi, location, rawgl.EQUATIONS[equation])
             yield partial(self.gl.glBlendFunci, location, rawgl.FACTORS[source], rawgl.FACTORS[destination])
+
+    @property
+    def _compiles_once(self) -> bool:
+        """Whether to blend where it spares a compilation, and costs the time of no frame more than it may."""
+        if not self.frame.device.compiles_opaque_twice:
+            return False
+        if not self._times_frames:
+            return True
+        network = NETWORK.search(self._stages()[-1].text)
+        return network is not None and min(self.frame.stats.n, int(network["fragments"])) >= MANY
 
     def _switch(self, capability: int, on: object) -> Callable[[], None]:
         return partial(self.gl.glEnable if on else self.gl.glDisable, capability)

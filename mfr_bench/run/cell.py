@@ -88,6 +88,7 @@ class CellWork:
         """Compile, allocate, and draw until everything fits."""
         scene, device = self.scene, self.bench.device
         scene.show(0)
+        device.times_frames = not self.job.cell.measure.single
         self._phases.begin("compile")
         begun, begun_cpu_s = time.perf_counter(), time.process_time()
         with self.bench.split.work("compile"):

@@ -68,6 +68,7 @@ class _Scenes:
         """Draw the first frame of a cell as the process that measures will."""
         scene, device = self._of(job), self._bench.device
         scene.show(0)
+        device.times_frames = not job.cell.measure.single
         variant = self._catalog[job.cell.method].variant(job.cell.params)
         frame = Frame(device, Fitted(variant, scene.stats, device.limits.features), scene.scene_buffer, scene.canvas)
         try:

@@ -1,4 +1,4 @@
-"""Full-screen passes blend so that a driver compiles them once, and their images are the same with and without."""
+"""Passes over the screen blend where that spares a driver a compilation; images are the same with and without."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ SCENE = Scene(size=(24, 16), depth_complexity=5, alpha=(0.1, 0.9))
 def image(device, monkeypatch, method: str, twice: bool) -> bytes:
     """The image where the driver is said to compile twice, or not."""
     monkeypatch.setattr(Device, "compiles_opaque_twice", twice)
+    monkeypatch.setattr(device, "times_frames", False)
     return Drawn(device, catalog()[method].variant({}), SCENE).image.tobytes()
 
 
@@ -26,15 +27,19 @@ def test_images_are_the_same_to_the_bit(device, monkeypatch, method):
     assert image(device, monkeypatch, method, True) == image(device, monkeypatch, method, False)
 
 
-@pytest.mark.parametrize("twice", [True, False])
-def test_a_pass_over_the_screen_blends_only_where_that_saves_compiling(device, monkeypatch, twice):
+@pytest.mark.parametrize(("twice", "timed", "layers", "blends"), [
+    (False, False, 20, False), (True, False, 5, True), (True, True, 5, False), (True, True, 20, True)])
+def test_where_passes_over_the_screen_blend(device, monkeypatch, twice, timed, layers, blends):
+    """Where times count, only those that sort many fragments in registers: the compiler takes longest for them."""
     switched, begin = {}, PassRunner._begin
 
     def note(runner, framebuffer, iteration):
         begin(runner, framebuffer, iteration)
         calls = [call for call in runner._state_calls if call.args == (rawgl.BLEND,)]
-        switched.setdefault(runner.step.kind, set()).update(call.func == device.gl.glEnable for call in calls)
+        switched.setdefault(runner.step.name, set()).update(call.func == device.gl.glEnable for call in calls)
 
     monkeypatch.setattr(PassRunner, "_begin", note)
-    image(device, monkeypatch, "ab-ll", twice)
-    assert switched == {"fullscreen": {twice}, "geometry": {False}}
+    monkeypatch.setattr(device, "times_frames", timed)
+    monkeypatch.setattr(Device, "compiles_opaque_twice", twice)
+    Drawn(device, catalog()["ab-ll"].variant({"sort": "register"}), Scene(size=(24, 16), depth_complexity=layers))
+    assert switched == {"clear": {blends and not timed}, "store": {False}, "resolve": {blends}}
