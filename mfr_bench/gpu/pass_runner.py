@@ -33,8 +33,8 @@ from .scene_buffer import SceneBuffer
 from .targets import BareFramebuffer, Canvas, Framebuffer, Texture
 from .uniforms import Uniforms
 
-# Blending that leaves what is drawn as it is. llvmpipe compiles a program once that is drawn with any blending, and twice
-# one that is drawn without; a pass over the screen takes 1 to 2 ns a pixel more (docs/measurement.md, "Compiling once").
+# Blending that leaves what is drawn as it is. A program drawn with any blending is compiled once by llvmpipe, one drawn
+# without twice; a pass over the screen takes 1 to 2 ns a pixel more (docs/measurement.md, "Compiling once").
 REPLACING = ("add", "one", "zero")
 NETWORK = re.compile(r"^#define NETWORK (?P<fragments>\d+)", re.MULTILINE)  # a sort in registers: takes LLVM longest
 MANY = 16  # layers of a scene and fragments of a network, from which on that is no more than 1 % of a frame
