@@ -152,8 +152,7 @@ def undrawn(monkeypatch):
     """Figures are laid out and not drawn, in this process; nothing waits for the disk."""
     monkeypatch.setattr(os, "fsync", lambda _: None)
     monkeypatch.setattr(files, "render", lambda figure, mark: (figure.draw_without_rendering(), PICTURES)[1])
-    monkeypatch.setattr(os, "fork", None)  # a child's error would be told twice
-    monkeypatch.setattr(files, "_write_shared", files._write)
+    monkeypatch.setattr(files, "in_processes", lambda work, items, *_: map(work, items))
 
 
 def test_no_edit_makes_a_traceback(made, mfr):

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from mfr_bench import store
 from mfr_bench.cli.main import cli
 from mfr_bench.report import data, figures, style
-from mfr_bench.report.figures import inputs
+from mfr_bench.report.figures import files, inputs
 from mfr_bench.report.figures.files import write_all
 from mfr_bench.report.reference import Printed
 from mfr_bench.store.arrays import write_arrays
@@ -73,11 +73,52 @@ def test_other_printed_numbers_draw_anew(folder, monkeypatch):
     assert drawn(folder) == 2
 
 
-@pytest.mark.parametrize("spoil", [lambda path: path.unlink(), lambda path: path.write_bytes(path.read_bytes()[:-9]),
-                                   lambda path: path.write_bytes(b"")], ids=["gone", "cut off", "empty"])
+def middle_gone(content):
+    return content[:len(content) // 2] + content[len(content) // 2 + 999:]
+
+
+def one_bit_flipped(content):
+    return content[:-3000] + bytes([content[-3000] ^ 1]) + content[-2999:]
+
+
+def middle_zeros(content):
+    """What a loss of power may leave of a file."""
+    return content[:4096] + bytes(len(content) - 5120) + content[-1024:]
+
+
+@pytest.mark.parametrize("spoilt", [lambda content: content[:-9], lambda content: b"", lambda content: content + b"x",
+                                    lambda content: content[:2048], middle_gone, one_bit_flipped, middle_zeros],
+                         ids=["end gone", "empty", "more", "head only", "middle gone", "bit flipped", "zeros"])
 @pytest.mark.parametrize("suffix", ["png", "svg"])
-def test_a_file_that_is_not_whole_is_drawn_anew(folder, spoil, suffix):
-    spoil(folder.path / "figures" / f"planted-1.{suffix}")
+def test_a_damaged_file_is_drawn_anew(folder, spoilt, suffix):
+    path = folder.path / "figures" / f"planted-1.{suffix}"
+    whole = path.read_bytes()
+    path.write_bytes(spoilt(whole))
+    assert drawn(folder) == 1 and drawn(folder) == 0 and path.read_bytes() == whole
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg"])
+def test_a_file_that_is_gone_is_drawn_anew(folder, suffix):
+    (folder.path / "figures" / f"planted-1.{suffix}").unlink()
+    assert drawn(folder) == 1 and drawn(folder) == 0
+
+
+def test_what_an_interrupted_plot_has_not_drawn_is_drawn_by_the_next(folder, monkeypatch):
+    for path in (folder.path / "figures").iterdir():
+        path.unlink()
+    figures_drawn, render = [], files.render
+
+    def interrupted(*given):
+        figures_drawn.append(given)
+        if len(figures_drawn) == 2:
+            raise KeyboardInterrupt
+        return render(*given)
+
+    monkeypatch.setattr(files, "render", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        drawn(folder, processes=1)
+    monkeypatch.undo()
+    assert sorted(path.name for path in (folder.path / "figures").iterdir()) == ["planted-1.png", "planted-1.svg"]
     assert drawn(folder) == 1 and drawn(folder) == 0
 
 

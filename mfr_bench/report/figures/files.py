@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
 import json
-import os
 import re
 import warnings
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -44,17 +42,17 @@ class Drawn:
     damaged: list[str]
 
 
-def write_figures(folder: ResultFolder, processes: int = 1, force: bool = False) -> list[Path]:
+def write_figures(folder: ResultFolder, processes: int | None = 1, force: bool = False) -> list[Path]:
     """Write figures/<name>.png and .svg, numbered where there are several. Raises StoreError.
 
     A figure whose files bear the digest of all that it is drawn from is left as it is, unless `force` says otherwise;
-    see `inputs`. Files of this experiment's name that an earlier config left there are removed. With 2 `processes`
-    a forked child draws every other figure; not where the process holds a GL context.
+    see `inputs`. Files of this experiment's name that an earlier config left there are removed. With more
+    `processes` these share the figures, see `in_processes`.
     """
     return _drawn(folder, processes, force).paths
 
 
-def _drawn(folder: ResultFolder, processes: int = 1, force: bool = False) -> Drawn:
+def _drawn(folder: ResultFolder, processes: int | None = 1, force: bool = False) -> Drawn:
     planned = Result(folder, folder.manifest(), ())
     stems, target = _stems(planned), folder.path / "figures"
     marks = inputs.marks(folder, stems) if stems else []
@@ -93,7 +91,7 @@ def write_all(folders: Sequence[ResultFolder], processes: int | None = None, for
     known = [None if force or not _marked(folder) else _if_current(folder) for folder in folders]
     due = sorted((i for i, found in enumerate(known) if found is None), key=lambda i: -_size(folders[i]))
     if min(count, len(due)) < 2:
-        yield from (found or _drawn(folder, 2, force) for found, folder in zip(known, folders, strict=True))
+        yield from (found or _drawn(folder, processes, force) for found, folder in zip(known, folders, strict=True))
         return
     drawn = in_processes(partial(_drawn, force=force), [folders[i] for i in due], count, DRAWS)
     at = 0
@@ -182,40 +180,23 @@ def _by_device(result: Result) -> Result:
 Task = tuple[Path, Options, str]  # a figure's files without their endings, its entry in the config, and its mark
 
 
-def _draw_all(result: Result, tasks: Sequence[Task], processes: int) -> None:
+def _draw_all(result: Result, tasks: Sequence[Task], processes: int | None) -> None:
     if not tasks:
         return  # before matplotlib is imported
     if any(options.get("kind") == "maps" for _, options, _ in tasks):
-        for point in result.points:  # read here, to report unreadable files; a forked child's warnings are lost
+        for point in result.points:  # read here, to report unreadable files, which another process would not
             _ = point.arrays
     with uncollected():  # collecting takes a fifth of the time, and everything lives to the end anyway
         unmarked = result.folder.damaged or _boxes_told(result)
         tasks = [(stem, options, "" if unmarked else mark) for stem, options, mark in tasks]
-        if processes > 1 and len(tasks) > 1:
-            _write_shared(result, tasks)
-        else:
-            _write(result, tasks)
+        for _ in in_processes(partial(_write, result), tasks, processes, DRAWS):
+            pass
 
 
-def _write(result: Result, tasks: Iterable[Task]) -> None:
-    for stem, options, mark in tasks:
-        for suffix, content in render(build(result, options), mark).items():
-            write_file(stem.with_name(f"{stem.name}.{suffix}"), content)
-
-
-def _write_shared(result: Result, tasks: Sequence[Task]) -> None:
-    for name in DRAWS:
-        importlib.import_module(name)  # once, for both
-    child = os.fork()
-    if child == 0:
-        try:
-            _write(result, tasks[1::2])
-        except BaseException:  # noqa: BLE001 - a forked child must never return into its parent's code
-            os._exit(1)
-        os._exit(0)
-    _write(result, tasks[::2])
-    if os.waitpid(child, 0)[1]:
-        _write(result, tasks[1::2])  # raises the child's error here
+def _write(result: Result, task: Task) -> None:
+    stem, options, mark = task
+    for suffix, content in render(build(result, options), mark).items():
+        write_file(stem.with_name(f"{stem.name}.{suffix}"), content)
 
 
 def _boxes_told(result: Result) -> bool:

@@ -1,4 +1,4 @@
-"""What a figure is drawn from, as a digest that its files bear: where it is still the same, nothing is drawn again."""
+"""What a figure is drawn from, as a digest that its files bear: where it is the same, a whole file is left as it is."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from typing import Any
 from ...store import ResultFolder
 from .. import printed, style
 from ..data import Result
+from . import seal
 from .kinds import KINDS
 from .series import tie_losers
 
 MARK, LENGTH = "drawn from sha256:", 64
 HEAD_BYTES = 2048  # of a file, where its mark stands
-ENDS = {".png": b"IEND\xaeB`\x82", ".svg": b"</svg>\n"}
 LIBRARIES = ("matplotlib", "numpy", "pillow")
 UNSEEN = ("split_s", "beside_s", "environment", "calibration_end", "calibration_drift", "left_out")  # of a manifest
 CODE = (  # all that drawing loads, but for the declarations of methods, of which `_of_the_catalog` has what is drawn
@@ -56,13 +56,11 @@ def current(path: Path, mark: str) -> bool:
 def mark_of(path: Path) -> str:
     """The mark that a whole file of a figure bears; empty without."""
     try:
-        with open(path, "rb") as file:
-            found = re.search(rb"%b[0-9a-f]{%d}" % (MARK.encode(), LENGTH), file.read(HEAD_BYTES))
-            end = ENDS[path.suffix]
-            file.seek(-len(end), 2)
-            return found[0].decode() if found and file.read() == end else ""
+        content = path.read_bytes()
     except OSError:
         return ""
+    found = re.search(rb"%b[0-9a-f]{%d}" % (MARK.encode(), LENGTH), content[:HEAD_BYTES])
+    return found[0].decode() if found and seal.WHOLE[path.suffix](content) else ""
 
 
 def _mark(shared: Any, name: str, options: Any) -> str:
