@@ -173,7 +173,7 @@ class DeviceName(click.ParamType):
 
 DEVICE = click.option("--device", type=DeviceName(), default="auto", show_default=True, metavar="DEVICE",
                       help="The OpenGL device. auto: a GPU where there is one, else a software driver on the CPU; "
-                           "gpu; cpu; or an index, UUID, PCI address or part of a name as doctor lists them.")
+                           "gpu; cpu; or an index, UUID, PCI address or part of one name as doctor lists them.")
 SET = click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", type=SettingText(),
                    help="Change a key of the config, e.g. k=8 or scene.size=[64,64]; may be repeated.")
 PROFILE = click.option("--profile", metavar="NAME", type=ProfileName(),

@@ -20,6 +20,7 @@ from .vectors import instructions
 from .visible import Visible, visible
 
 GL_MINIMUM = 430
+KINDS = ("auto", "gpu", "cpu")  # of devices, of which the first is taken
 INSTALL = "sudo apt-get install -y libegl1 libgl1 libgl1-mesa-dri"
 
 
@@ -102,11 +103,11 @@ def open_device(want: str = "auto") -> Device:
     process, if they say anything.
 
     Raises DeviceError with what to install where there is no driver, and UnknownDeviceError with what there is where
-    none matches.
+    none matches, or where several have the part of a name.
     """
     entries = _entries()
     exact = _exact(entries, want)
-    search = _Search(want, bool(exact), visible())
+    search = _Search(want, bool(exact), visible(), alone=len(entries) == 1)
     for entry in exact or entries:
         if device := search.device(entry):
             return device
@@ -122,14 +123,17 @@ def open_device(want: str = "auto") -> Device:
 class _Search:
     """The devices that were tried for `want`; exact: it is the index, UUID or PCI address of those that are tried.
 
-    unsure: GPUs that match, of which nothing tells whether they are given. barred: a GPU matches that is not known to
-    be given. spare: a software driver, where a GPU is better.
+    alone: there is no other device. named: those whose names have `want` as a part. unsure: GPUs that match, of which
+    nothing tells whether they are given. barred: a GPU matches that is not known to be given. spare: a software driver,
+    where a GPU is better.
     """
 
     want: str
     exact: bool
     given: Visible | None
+    alone: bool = False
     tried: list[Listed] = field(default_factory=list)
+    named: list[tuple[EglDevice, Listed]] = field(default_factory=list)
     unsure: list[tuple[EglDevice, Listed]] = field(default_factory=list)
     barred: bool = False
     spare: EglDevice | None = None
@@ -143,8 +147,12 @@ class _Search:
             return None
         seen = Listed(entry.index, device.info)
         self.tried.append(seen)
-        if self.exact or is_named(self.want, device.info["uuid"], device.info["pci"]) or self._meant(entry, seen):
+        if self.exact or is_named(self.want, device.info["uuid"], device.info["pci"]):
             return device
+        if self._meant(entry, seen):
+            if self.alone or self.want in KINDS:
+                return device
+            self.named.append((entry, seen))
         device.release()
         return None
 
@@ -162,6 +170,10 @@ class _Search:
 
     def second(self) -> EglDevice | None:
         """Take the likeliest device where none is surely the one. Raises UnknownDeviceError where several may be."""
+        if len({_identity(seen) for _, seen in self.named}) > 1:
+            raise _several(self.want, [seen for _, seen in self.named])
+        if self.named:
+            return self.named[0][0]
         if self.given and len(self.unsure) > 1:
             raise _cannot_tell(self.given, [seen for _, seen in self.unsure])
         return self.unsure[0][0] if self.unsure else self.spare
@@ -178,6 +190,19 @@ def _exact(entries: Sequence[EglDevice], want: str) -> list[EglDevice]:
         raise UnknownDeviceError(f"--device {want}: is the beginning of several UUIDs; allowed: one of "
                                  f"{', '.join(uuids)}")
     return exact
+
+
+def _identity(seen: Listed) -> tuple[str | None, ...]:
+    """What differs between two devices: of software drivers of one name, which all use this machine's CPU, nothing."""
+    place = seen.info["pci"] or seen.info["uuid"] or str(seen.index)
+    return seen.info["renderer"], None if seen.info["kind"] == "cpu" else place
+
+
+def _several(want: str, named: Sequence[Listed]) -> DeviceError:
+    there = "; ".join(" ".join(filter(None, (str(each.index), each.info["renderer"], each.info["pci"])))
+                      for each in named)
+    return UnknownDeviceError(f"--device {want}: is a part of several names; allowed: more of the name, or an index, "
+                              f"UUID or PCI address of one of: {there}; see mfr-bench doctor")
 
 
 def _cannot_tell(given: Visible, unsure: Sequence[Listed]) -> DeviceError:

@@ -93,12 +93,45 @@ def machine(monkeypatch):
 
 @pytest.mark.parametrize(("want", "index"), [
     ("auto", 1), ("gpu", 1), ("cpu", 3), ("2", 2), (UUIDS[2], 2), (UUIDS[1].upper(), 1), ("0000:02:00.0", 2),
-    ("h200", 1), ("pipe", 3), ("GPU-" + UUIDS[2], 2), ("gpu-00000001", 1), ("00000000:02:00.0", 2), ("02:00.0", 2)])
+    ("pipe", 3), ("GPU-" + UUIDS[2], 2), ("gpu-00000001", 1), ("00000000:02:00.0", 2), ("02:00.0", 2)])
 def test_a_device_that_cannot_be_opened_hides_no_other(machine, want, index):
     found = devices.open_device(want)
     assert found.egl.index == index
     assert not found.released
     assert all(device.released for device in machine if device is not found)
+
+
+@pytest.mark.parametrize("want", ["h200", "NVIDIA"])
+def test_a_part_of_several_names_is_told_with_the_devices_that_have_it(machine, want):
+    with pytest.raises(DeviceError, match=f"--device {want}: is a part of several names; .*1 NVIDIA H200 0000:01:00.0; "
+                       "2 NVIDIA H200 0000:02:00.0;") as told:
+        devices.open_device(want)
+    assert told.value.exit_status == 2 and all(device.released for device in machine)
+
+
+@pytest.mark.parametrize(("renderers", "index"), [
+    (["NVIDIA H200", "NVIDIA L4", "llvmpipe"], 0), (["llvmpipe", "NVIDIA H200", "llvmpipe"], 1),
+    (["AMD Radeon", "NVIDIA H200 NVL", "NVIDIA L4"], 1)])
+def test_a_part_of_one_name_alone_finds_its_device(monkeypatch, renderers, index):
+    opened = []
+    monkeypatch.setattr(devices, "egl_devices", lambda: [EglDevice(i) for i in range(3)])
+    monkeypatch.setattr(devices, "_create", lambda i: opened.append(Opened(i, renderers[i])) or opened[-1])
+    found = devices.open_device("h200")
+    assert found.egl.index == index and not found.released
+    assert all(device.released for device in opened if device is not found)
+
+
+def test_software_drivers_of_one_name_are_one_device(monkeypatch):
+    """With LIBGL_ALWAYS_SOFTWARE EGL may list one behind each GPU."""
+    monkeypatch.setattr(devices, "egl_devices", lambda: [EglDevice(i) for i in range(3)])
+    monkeypatch.setattr(devices, "_create", lambda i: Opened(i, "llvmpipe"))
+    assert devices.open_device("llvm").egl.index == 0
+
+
+def test_a_gpu_that_two_drivers_list_by_one_name_is_one_device(monkeypatch):
+    monkeypatch.setattr(devices, "egl_devices", lambda: [EglDevice(i) for i in range(2)])
+    monkeypatch.setattr(devices, "_create", lambda i: Opened(0, "NVIDIA H200"))
+    assert devices.open_device("h200").info["uuid"] == UUIDS[0]
 
 
 def test_a_software_driver_is_taken_where_no_gpu_can_be_opened(machine, monkeypatch):
