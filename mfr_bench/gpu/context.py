@@ -31,7 +31,7 @@ MOST_ERRORS = 16  # that GL remembers; a lost context has one without end
 class Trials:
     """The way to find out what the driver gets wrong. Trials draw on it, so they are given by whoever opens it.
 
-    failed: of each offered feature that a trial finds wrong, the trial and what it found.
+    failed: of each offered feature that is wanted and that a trial finds wrong, the trial and what it found.
     dispatches_need_a_flush: whether draws are right after a dispatch only behind a flush.
     """
 
@@ -45,7 +45,8 @@ class Device:
 
     bound_threads: threads of a software driver that have processors of their own. instructions: the newest instruction
     set that a software driver of Mesa may use; None: the processor's. samplers: those at the texture units.
-    times_frames: whether the time of frames that are made from now on counts, or their images alone.
+    times_frames: whether the time of frames that are made from now on counts, or their images alone. wanted: the
+    features that are tried and may be used; None: all.
     """
 
     ctx: moderngl.Context
@@ -58,6 +59,7 @@ class Device:
     instructions: str | None = None
     samplers: Samplers | None = None
     times_frames: bool = True
+    wanted: frozenset[str] | None = None
 
     def __post_init__(self) -> None:
         layered = LAYERED.match(str(self.ctx.info["GL_RENDERER"]).lower())
@@ -106,8 +108,12 @@ class Device:
 
     @property
     def features(self) -> frozenset[str]:
-        """Features that this device offers, and that pass the trial which they have in `trials`."""
-        return self.offered - self.failed_trials.keys()
+        """Features that this device offers, that are wanted, and that pass the trial which they have in `trials`."""
+        return frozenset(filter(self.wants, self.offered - self.failed_trials.keys()))
+
+    def wants(self, feature: str) -> bool:
+        """Whether a feature is tried, and may be used where it passes."""
+        return self.wanted is None or feature in self.wanted
 
     @cached_property
     def flushes_dispatches(self) -> bool:

@@ -367,10 +367,10 @@ TRIALS = (
 
 
 def failed(device: Device) -> dict[str, str]:
-    """The trial that found an offered feature wrong, and what it found, by feature."""
+    """The trial that found an offered feature wrong that is wanted, and what it found, by feature."""
     found = {}
     for trial in TRIALS:
-        if trial.feature in device.offered:
+        if trial.feature in device.offered and device.wants(trial.feature):
             passed, detail = trial.outcome(device)
             if not passed:
                 found[trial.feature] = f"the trial {trial.name!r} ({detail})"

@@ -11,7 +11,7 @@
 
 from .cells import Cell, expand
 from .expected import expected_stats
-from .limits import Decision, Limits, judge, overview
+from .limits import Decision, Limits, features_for, judge, overview
 from .predicted import NOT_TRIED, CellOutcome, Outcomes, predicted_timeout
 
 __all__ = [
@@ -23,6 +23,7 @@ __all__ = [
     "Outcomes",
     "expand",
     "expected_stats",
+    "features_for",
     "judge",
     "overview",
     "predicted_timeout",

@@ -7,7 +7,18 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from ..environment import MIB
-from ..methods.spec import MSAA_FEATURES, SCENE_FACTS, Fitted, Method, Param, SceneStats, Variant, Variants
+from ..methods.spec import (
+    FRAMEBUFFER_FETCH,
+    MSAA_FEATURES,
+    SCENE_FACTS,
+    Fitted,
+    Method,
+    Param,
+    Planned,
+    SceneStats,
+    Variant,
+    Variants,
+)
 from ..scene.kinds import kind_of
 from .cells import Cell
 from .expected import expected_stats
@@ -28,6 +39,21 @@ class Limits:
     def lacks(self, feature: str) -> str:
         """The feature, with the trial that it fails where the driver claims it."""
         return f"{feature}, which fails {self.failed_trials[feature]}" if feature in self.failed_trials else feature
+
+
+def features_for(cells: Iterable[Cell], catalog: Mapping[str, Method]) -> frozenset[str]:
+    """The features on which it depends what becomes of these cells: a device need not be tried for others.
+
+    Those of a parameter's other values belong to them where the chosen one needs a feature: `_most` looks at them.
+    """
+    variants, found = Variants(catalog), set()
+    for cell in cells:
+        variant, stats = variants.of(cell.method, cell.params), expected_stats(cell.scene)
+        found.update(variant.method.needs, () if stats.one_sample else (MSAA_FEATURES[stats.samples],),
+                     (FRAMEBUFFER_FETCH,) if isinstance(variant.method.capacity, Planned) else ())
+        for param in variant.acting:
+            found.update(param.needs.values() if param.need(variant.params) else ())
+    return frozenset(found)
 
 
 def _missing(variant: Variant, stats: SceneStats, limits: Limits) -> list[str]:

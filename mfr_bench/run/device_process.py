@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import TypeVar
 
 from ..errors import DeviceError, UnknownDeviceError
-from .events import Calibrate, Calibrated, Failed, Ready, SelfTest, SelfTested
+from .events import Calibrate, Calibrated, Failed, Needs, Ready, SelfTest, SelfTested
 from .hand import START_S
 from .process import Died, Worker
 
@@ -26,10 +26,18 @@ class DeviceProcess:
     def __init__(self, want: str, asked: Callable[[], bool], timer: str | None = None):
         self._want, self._asked = want, asked
         self._worker: Worker | None = Worker(want, timer)  # None once the device is gone
+        self._needs: Needs | None = None
         self._ready: Ready | None = None
+
+    def expect(self, needs: Needs) -> None:
+        """Tell it what is needed of the device, before `ready` tells it that all is."""
+        self._needs = needs
+        self._worker.send(needs)
 
     def ready(self) -> Ready:
         """The device. Raises DeviceError where there is none."""
+        if self._needs is None:
+            self.expect(Needs())
         if self._ready is None:
             self._ready = self._opened(self._worker)
         return self._ready
@@ -90,6 +98,7 @@ class DeviceProcess:
         for start in range(STARTS if deaths < STARTS else 0):
             time.sleep(PAUSE_S * bool(start))
             self._worker = Worker(self._want, self._ready.timer)
+            self._worker.send(self._needs)
             try:
                 opened = self._opened(self._worker)
             except DeviceError as error:

@@ -7,11 +7,21 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..plan import Limits
-from ..scene import Scene
 from ..store.journal import Partial
 from .jobs import Job
 
 # --- parent to worker ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Needs:
+    """The first message: what the run needs of the device, which is then tried and answered for by `Ready`.
+
+    features: those that its cells depend on; None: all. cells: how many there are, as far as that is known.
+    """
+
+    features: frozenset[str] | None = None
+    cells: int = 0
 
 
 @dataclass(frozen=True)
@@ -20,7 +30,7 @@ class Group:
 
     One cell of each set of keys in `replicates` is sampled twice, for the noise floor. most_bytes: main memory that the
     process may take. until: when `Stop` will be sent, on the monotonic clock, which is the same in every process. then:
-    the scene of the group that is likely to follow.
+    the cells of the group that is likely to follow.
     """
 
     jobs: tuple[Job, ...]
@@ -28,7 +38,7 @@ class Group:
     replicates: tuple[frozenset[str], ...] = ()
     most_bytes: float = float("inf")
     until: float = float("inf")
-    then: Scene | None = None
+    then: tuple[Job, ...] = ()
 
 
 @dataclass(frozen=True)

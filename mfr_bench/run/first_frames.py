@@ -24,20 +24,23 @@ PROGRAMS = 16  # that it keeps
 LONGEST_S = 60.0  # of processor time for one cell, after which the kernel ends the process
 
 
-def serve(link: Connection, parent: int, index: int, failed_trials: Mapping[str, str], flushes: bool) -> None:
+def serve(link: Connection, parent: int, index: int, wanted: frozenset[str] | None, failed_trials: Mapping[str, str],
+          flushes: bool) -> None:
     """Draw the first frame of each cell that comes; the answer is its key with the processor time that it took.
 
-    index: of the device. failed_trials, flushes: what the process that measures has found out about it.
+    A key that comes says that the cell is not to be drawn any more; the answer then has None for the time. index: of
+    the device. wanted, failed_trials, flushes: what the process that measures was told of it, and has found out.
     """
     live_for(parent)
     _say_nothing()
     device = open_device(str(index))
     device.programs = Programs(PROGRAMS)
-    device.failed_trials, device.flushes_dispatches = dict(failed_trials), flushes
+    device.wanted, device.failed_trials, device.flushes_dispatches = wanted, dict(failed_trials), flushes
     scenes = _Scenes(Bench(device, WallTimer(device), lambda event: None))
+    asked: dict[str, Job] = {}
     with suppress(EOFError, ConnectionError):
         while True:
-            job = link.recv()
+            job = _next(link, asked)
             signal.setitimer(signal.ITIMER_PROF, LONGEST_S)  # without a handler it ends the process, in a driver too
             begun = time.process_time()
             with suppress(Exception):  # what is wrong with the cell, the process that measures will find
@@ -48,6 +51,18 @@ def serve(link: Connection, parent: int, index: int, failed_trials: Mapping[str,
                 break
             link.send((job.key, spent_s))
     os._exit(0)  # without the exit handlers of a driver, which may hang
+
+
+def _next(link: Connection, asked: dict[str, Job]) -> Job:
+    """The cell that was asked for first, of those that are still wanted. Waits for one."""
+    while not asked or link.poll(0):
+        message = link.recv()
+        if isinstance(message, str):
+            if asked.pop(message, None):
+                link.send((message, None))
+        else:
+            asked[message.key] = message
+    return asked.pop(next(iter(asked)))
 
 
 def _say_nothing() -> None:

@@ -12,7 +12,7 @@ from statistics import fmean, median
 from ..measure.elimination import LATE
 from ..measure.sampling import Sampler
 from ..methods.spec import Fitted, Method, SceneStats
-from ..plan import judge
+from ..plan import expected_stats, judge
 from ..scene.kinds import kind_of
 from ..store.journal import Partial
 from .bench import Bench, Phases
@@ -85,7 +85,8 @@ class Measuring:
             allowed = [job for job in group.jobs if not self._skipped(job, scene.stats)]
             self.bench.emit(Synced())
             scene.prepare(self._fitted(job, scene.stats).variant for job in allowed)
-            self.bench.precompiler.begin([job for job in allowed if drawable(job, self._fitted(job, scene.stats))])
+            self.bench.precompiler.begin([job for job in allowed if drawable(job, self._fitted(job, scene.stats))],
+                                         self._drawable_later())
             for chunk in self._chunks(allowed, scene.stats):
                 left: Sequence[Job] = chunk
                 while left:
@@ -96,6 +97,12 @@ class Measuring:
     def _fitted(self, job: Job, stats: SceneStats) -> Fitted:
         variant = self.catalog[job.cell.method].variant(job.cell.params)
         return Fitted(variant, stats, self.bench.device.limits.features)
+
+    def _drawable_later(self) -> list[Job]:
+        """The cells of the scene that follows which another process may draw, as far as its plan tells."""
+        stats = expected_stats(self._then[0].cell.scene) if self._then else None
+        return [job for job in self._then if drawable(job, self._fitted(job, stats)) and not judge(
+            job.cell, self.catalog, stats, self.bench.device.limits)]
 
     def _tell(self, finished: Finished) -> None:
         self.bench.emit(finished)
@@ -133,8 +140,8 @@ class Measuring:
                 begun = time.monotonic()
                 self._prepare(job, scene, running, begun + (fmean(took_s) if took_s else 0.0))
                 took_s.append(time.monotonic() - begun)
-            if self._then is not None:
-                self.bench.ahead.begin(self._then)
+            if self._then:
+                self.bench.ahead.begin(self._then[0].cell.scene)
             self._sample(running)
         except KeyboardInterrupt:
             for cell in sorted(running, key=_middle_ms):

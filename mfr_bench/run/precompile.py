@@ -24,7 +24,9 @@ from .memory import free_bytes
 DRIVERS = ("llvmpipe", "zink-llvmpipe")  # slugs of those that compile in the process that draws
 SLOW_S = 0.15  # processor time of a first frame for which something was compiled; others take 0.04 s
 FEW = 4  # cells, for which a process is not worth its start
-ASKED = 3  # cells at once: so few that writing to the process never waits for it
+COLD_S = 0.1  # processor time of trials that were compiled, which tells that the cache has no programs; else 0.03 s
+AT_ONCE = 12  # cells of a run, from which on it is then worth its start before any of them was drawn
+ASKED = 8  # cells at once: so few that writing to the process never waits for it
 FRAGMENTS = 2**21  # of a frame, above which drawing it takes longer than compiling
 CELL_BYTES = 256 * MIB  # of a method's memory, which this process needs as well
 FREE_BYTES = 2048 * MIB  # of memory that must be free before one more process takes some
@@ -47,7 +49,9 @@ def helps(slug: str) -> bool:
 
 
 class Precompiler:
-    """The other process. It starts once a cell has been compiled for, and is given up where its cache is of no use.
+    """The other process. It starts when it is told to, or once a cell has been compiled for.
+
+    It is given up where its cache is of no use.
 
     Nothing that becomes of it changes what is measured. serve: what it runs; None where it would not help. given: of
     its arguments those behind the link and the parent's id. asked: keys of the cells that it has not answered for.
@@ -57,6 +61,8 @@ class Precompiler:
     def __init__(self, serve: Serve | None, *given: object):
         self._serve, self._given = serve, given
         self._left: dict[str, Job] = {}  # whose turn has not come, in the order of their turns
+        self._later: dict[str, Job] = {}  # of the scene that follows
+        self._met: set[str] = set()  # cells whose turn came before they were drawn
         self.asked: dict[str, None] = {}
         self.drawn_s: dict[str, float] = {}
         self._tried: list[tuple[float, float]] = []  # of a cell that it compiled for: its time, that of this process
@@ -69,22 +75,32 @@ class Precompiler:
         """The process's number; None where there is none."""
         return self._process.pid if self._process else None
 
-    def begin(self, jobs: Sequence[Job]) -> None:
-        """The cells of a scene whose turns come next, in this order."""
-        self._left = {job.key: job for job in jobs}
+    def begin(self, jobs: Sequence[Job], later: Sequence[Job] = ()) -> None:
+        """The cells of a scene whose turns come next, in this order; later: those of the scene that follows."""
+        self._left, self._later = ({job.key: job for job in each} for each in (jobs, later))
         self._ask()
 
+    def start(self) -> None:
+        """Start the process, unless it is there, or would not help."""
+        if self._serve and self._link is None:
+            self._start()
+            self._ask()
+
     def reached(self, job: Job) -> None:
-        """The cell's turn has come: it is not drawn ahead any more."""
-        self._left.pop(job.key, None)
+        """The cell's turn has come: it is not drawn ahead any more, unless the process is at it."""
         self._ask()
+        self._left.pop(job.key, None)
+        if job.key not in self.drawn_s:
+            self._met.add(job.key)
+        if job.key in self.asked:
+            self._send(job.key)
 
     def drew(self, job: Job, spent_s: float) -> None:
         """Take in what the first frame took of this process's processor time."""
         if self._link is None:
-            if self._serve and spent_s > SLOW_S and len(self._left) >= FEW:
-                self._start()
-        elif job.key in self.drawn_s and self.drawn_s[job.key] > SLOW_S:
+            if spent_s > SLOW_S and len(self._left) >= FEW:
+                self.start()
+        elif job.key not in self._met and self.drawn_s.get(job.key, 0.0) > SLOW_S:
             self._tried.append((self.drawn_s[job.key], spent_s))
             there_s, here_s = map(sum, zip(*self._tried, strict=True))
             if len(self._tried) >= TRIED and here_s > SHARE * there_s:
@@ -135,25 +151,31 @@ class Precompiler:
         self._serve = None
 
     def _ask(self) -> None:
-        """Have it draw the last of the cells that are left, as far as it is not asked for enough."""
+        """Have it draw the last of the cells that are left, then those that follow, but not too many at once."""
         self._hear()
-        for key in reversed(self._left):
+        for job in (*reversed(self._left.values()), *reversed(self._later.values())):
             if self._link is None or len(self.asked) >= ASKED:
                 return
-            if key not in self.asked and key not in self.drawn_s:
-                self.asked[key] = None
-                try:
-                    self._link.send(self._left[key])
-                except OSError:
-                    self._give_up()
+            if job.key not in self.asked and job.key not in self.drawn_s:
+                self.asked[job.key] = None
+                self._send(job)
+
+    def _send(self, message: Job | str) -> None:
+        try:
+            if self._link:
+                self._link.send(message)
+        except OSError:
+            self._give_up()
 
     def _hear(self) -> None:
         """Take in what it has answered."""
         try:
             while self._link and self._link.poll(0):
-                key, self.drawn_s[key] = (answer := self._link.recv())
-                self._spent_s += answer[1]
+                key, spent_s = self._link.recv()
                 self.asked.pop(key, None)
+                if spent_s is not None:
+                    self.drawn_s[key] = spent_s
+                    self._spent_s += spent_s
         except (OSError, EOFError):
             self._give_up()
 

@@ -10,9 +10,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from itertools import zip_longest
 
 from ..environment import MIB
-from ..scene import Scene
 from .device_process import DeviceProcess
-from .events import BETWEEN, Begun, Ended, Finished, Go, Group, Ready, Sampled, Stop, Synced
+from .events import BETWEEN, Begun, Ended, Finished, Go, Group, Needs, Ready, Sampled, Stop, Synced
 from .hand import Hand
 from .jobs import Job
 from .ledger import Ledger
@@ -37,13 +36,17 @@ class Supervisor:
         self._process = DeviceProcess(want, asked)
         self._trust = Trust(want, lambda: asked() or self._over)
         self._deadline = self._last = float("inf")
-        self._then: Scene | None = None  # of the group after the one that is measured
+        self._then: tuple[Job, ...] = ()  # the group after the one that is measured
 
     def __enter__(self):
         return self
 
     def __exit__(self, kind, *_: object) -> None:
         self._process.close(early=kind is not None)
+
+    def expect(self, needs: Needs) -> None:
+        """Tell the worker what the run needs of the device; `ready` tells one that has not been told to try all."""
+        self._process.expect(needs)
 
     def ready(self) -> Ready:
         """The device. Raises DeviceError where there is none."""
@@ -69,7 +72,7 @@ class Supervisor:
         for group, following in zip_longest(groups, groups[1:]):
             if self._late:
                 return
-            self._then = following[0].cell.scene if following else None
+            self._then = tuple(following or ())
             self._measure_group(group, ledger, watch, try_hopeless)
 
     def _measure_group(self, group: Sequence[Job], ledger: Ledger, watch: Watch,

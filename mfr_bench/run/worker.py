@@ -21,11 +21,11 @@ from ..methods import catalog
 from .answers import Answers
 from .aside import OtherProcess
 from .bench import Bench
-from .events import Calibrate, Calibrated, Ended, Failed, Go, Ready, SelfTest, SelfTested, Synced
+from .events import Calibrate, Calibrated, Ended, Failed, Go, Needs, Ready, SelfTest, SelfTested, Synced
 from .first_frames import serve as draw_ahead
 from .measuring import DeviceLost, Measuring
 from .parent import live_for
-from .precompile import Precompiler, helps
+from .precompile import AT_ONCE, COLD_S, Precompiler, helps
 
 TIMERS = {timer.name: timer for timer in (GpuTimer, WallTimer)}
 LOST = 3  # exit status
@@ -53,6 +53,8 @@ def serve(link: Connection, want: str, timer: str) -> int:
     calibration = {} if timer else asdict(calibrate(device))
     calibrated_s = time.monotonic() - begun
     timer = timer or calibration["timer"]
+    needs: Needs = link.recv()
+    tried_s = try_out(device, needs)
     channel = Channel(link)
     answers = Answers()
     beside = OtherProcess(device.kind == "cpu", answers)
@@ -62,16 +64,28 @@ def serve(link: Connection, want: str, timer: str) -> int:
     link.send(Ready(device.info, device.limits, timer, calibration, device.bound_threads, calibrated_s,
                     device.instructions))
     try:
+        if tried_s > COLD_S and needs.cells >= AT_ONCE:
+            bench.precompiler.start()
+        watch.look()  # compiles the reference frame while the run is still being planned
         answer(link, bench)
     finally:
         bench.precompiler.close()
+
+
+def try_out(device: Device, needs: Needs) -> float:
+    """Run the trials of what is needed. Returns this thread's processor time for it: most compile the programs."""
+    device.wanted = needs.features
+    begun_s = time.thread_time()
+    for found in ("limits", "flushes_dispatches"):
+        getattr(device, found)
+    return time.thread_time() - begun_s
 
 
 def precompiler_for(device: Device) -> Precompiler:
     """The process that compiles ahead on the same device; one that is never started where it would not help."""
     if not helps(device.info["slug"]):
         return Precompiler(None)
-    return Precompiler(draw_ahead, device.egl.index, device.failed_trials, device.flushes_dispatches)
+    return Precompiler(draw_ahead, device.egl.index, device.wanted, device.failed_trials, device.flushes_dispatches)
 
 
 def answer(link: Connection, bench: Bench) -> NoReturn:

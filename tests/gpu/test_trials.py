@@ -1,9 +1,11 @@
 """Trials of drivers: each sees the fault that it is there for, and a feature that fails its own counts as missing."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
+from mfr_bench.config import load
 from mfr_bench.config.model import Measure
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu import trials
@@ -13,7 +15,7 @@ from mfr_bench.gpu.single import shown
 from mfr_bench.gpu.trials import TRIALS, Trial, failed
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import NEAREST_33, TILE_POINTS, Fitted
-from mfr_bench.plan import Cell, Limits, expected_stats, judge
+from mfr_bench.plan import Cell, Limits, expand, expected_stats, features_for, judge
 from mfr_bench.scene import generate
 
 BY_NAME = {trial.name: trial for trial in TRIALS}
@@ -121,7 +123,7 @@ def test_a_dispatch_of_any_method_is_flushed_where_the_driver_needs_it(untried, 
 def test_a_feature_that_fails_its_trial_is_missing_with_the_trials_name(monkeypatch):
     wrong = Trial("points after a dispatch", lambda device: (False, "3 of 9 pixels right"), TILE_POINTS)
     monkeypatch.setattr(trials, "TRIALS", (wrong, Trial("other", lambda device: (False, ""), "not offered")))
-    found = failed(SimpleNamespace(offered=frozenset({TILE_POINTS})))
+    found = failed(SimpleNamespace(offered=frozenset({TILE_POINTS}), wants=lambda feature: True))
     assert found == {TILE_POINTS: "the trial 'points after a dispatch' (3 of 9 pixels right)"}
     cell = Cell("test", "ab-array", "ab-array", catalog()["ab-array"].complete({"touched": "tiles"}),
                 SceneConfig(size=(8, 8), depth_complexity=3), Measure(), {})
@@ -141,6 +143,36 @@ def test_where_33_in_registers_fail_their_trial_no_other_k_and_no_other_sort_is_
                 SceneConfig(size=(8, 8), depth_complexity=3), Measure(), {})
     said = ("unsupported", f"needs nearest_33, which fails {found}") if refused else None
     assert judge(cell, catalog(), expected_stats(cell.scene), limits) == said
+
+
+def test_a_feature_that_nothing_needs_is_neither_tried_nor_used(device, monkeypatch):
+    tried = []
+    every = [Trial(each.name, lambda device, name=each.name: (bool(tried.append(name)), ""), each.feature)
+             for each in TRIALS]
+    monkeypatch.setattr(trials, "TRIALS", every)
+    fresh = replace(device, wanted=frozenset({TILE_POINTS, "not offered"}))
+    assert fresh.limits.failed_trials.keys() == {TILE_POINTS} and tried == ["points after a dispatch"]
+    assert fresh.limits.features == frozenset() and {TILE_POINTS, NEAREST_33} <= fresh.offered
+
+
+FEATURES = frozenset({trial.feature for trial in TRIALS if trial.feature} | {"samples_4", "samples_8", "msaa_8"})
+
+
+@pytest.mark.parametrize("config", ["smoke", "msaa", "adaptive"])
+def test_no_cell_is_judged_otherwise_for_what_was_not_tried(config):
+    """Whichever features the device has."""
+    experiment, = load(config, catalog(), "smoke", ())
+    cells = expand(experiment, catalog())
+    for lacking in (frozenset(), FEATURES, *(frozenset({feature}) for feature in sorted(FEATURES))):
+        for cell in cells:
+            said = []
+            for tried in (FEATURES, features_for([cell], catalog())):
+                limits = Limits(features=(FEATURES - lacking) & tried, max_block_bytes=2**27, max_texture_size=4096,
+                                failed_trials=dict.fromkeys(lacking & tried, "the trial"))
+                stats = expected_stats(cell.scene)
+                fitted = Fitted(catalog()[cell.method].variant(cell.params), stats, limits.features)
+                said.append((judge(cell, catalog(), stats, limits), fitted.memory_bytes()))
+            assert said[0] == said[1], cell.label
 
 
 def test_every_trial_says_what_a_failure_costs():

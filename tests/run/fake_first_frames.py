@@ -19,7 +19,8 @@ def answers(link, parent, spent_s: float) -> None:
     """Answer at once that each cell took so long."""
     live_for(parent)
     while True:
-        link.send((link.recv().key, spent_s))
+        if not isinstance(message := link.recv(), str):
+            link.send((message.key, spent_s))
 
 
 def dies(link, parent) -> None:

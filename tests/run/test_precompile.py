@@ -7,6 +7,7 @@ import os
 import signal
 import time
 from dataclasses import replace
+from multiprocessing import Pipe
 from pathlib import Path
 
 import pytest
@@ -25,7 +26,7 @@ from .children import ends_with_its_parent, state
 from .fake_worker import DEVICE
 from .planted_cells import Clock, Run, cell
 
-CELLS = [fake.Cell(f"cell {number}") for number in range(8)]
+CELLS = [fake.Cell(f"cell {number}") for number in range(12)]
 COMPILED_S = 10 * SLOW_S
 
 
@@ -34,8 +35,10 @@ def made():
     """Makes a precompiler that has its process, whose other end is served as given; ends it with the test."""
     every = []
 
-    def make(serve, *given, cells=CELLS) -> Precompiler:
+    def make(serve, *given, cells=CELLS, met=()) -> Precompiler:
         every.append(Precompiler(serve, *given))
+        for each in met:
+            every[-1].reached(each)
         every[-1].begin(cells)
         every[-1].reached(cells[0])
         every[-1].drew(cells[0], COMPILED_S)
@@ -77,6 +80,45 @@ def test_it_asks_from_the_last_cell_on_and_for_few_at_once(made):
     assert len(precompiler.asked) == ASKED
     with precompiler.paused():
         assert state(precompiler.pid) == "T"
+
+
+def test_it_draws_the_cells_of_the_next_scene_when_none_of_this_one_are_left(made):
+    precompiler = made(fake.answers, COMPILED_S, cells=CELLS[:6])
+    until = time.monotonic() + 30
+    while len(precompiler.drawn_s) < len(CELLS) - 1 and time.monotonic() < until:
+        time.sleep(0.01)
+        precompiler.begin(CELLS[1:6], CELLS[6:])
+    assert list(precompiler.drawn_s) == [each.key for each in (*CELLS[5:0:-1], *CELLS[:5:-1])]
+
+
+def test_it_starts_when_it_is_told_to_before_any_cell_was_drawn(made):
+    precompiler = Precompiler(fake.answers, COMPILED_S)
+    precompiler.start()
+    pid = precompiler.pid
+    precompiler.begin(CELLS)
+    precompiler.start()
+    try:
+        assert pid and precompiler.pid == pid
+        answered(precompiler, {each.key for each in CELLS})
+    finally:
+        precompiler.close()
+
+
+def test_a_cell_whose_turn_has_come_is_not_drawn_any_more():
+    ours, theirs = Pipe()
+    asked = {}
+    for message in (*CELLS[:4], CELLS[1].key, CELLS[0].key):
+        ours.send(message)
+    assert first_frames._next(theirs, asked) == CELLS[2] and list(asked) == [CELLS[3].key]
+    assert [ours.recv() for _ in range(2)] == [(CELLS[1].key, None), (CELLS[0].key, None)]
+
+
+def test_one_that_both_drew_at_the_same_time_speaks_not_against_the_cache(made):
+    precompiler = made(fake.answers, COMPILED_S, met=CELLS[1:1 + TRIED])
+    answered(precompiler, {each.key for each in CELLS[1:]})
+    for each in CELLS[1:1 + TRIED]:
+        precompiler.drew(each, COMPILED_S)
+    assert precompiler.pid
 
 
 @pytest.mark.parametrize(("serve", "cells", "spent_s"), [
@@ -137,7 +179,7 @@ def test_the_drivers_cache_has_what_it_draws(device, made, tmp_path, monkeypatch
     broken = replace(cell(), params={"sort": "none"})
     todo = [*jobs([cell("floor"), cell(), cell("kplus-array", k=3)], catalog(), device.info, "wall"),
             Job(broken, "broken", ""), Job(broken, "broken too", "")]
-    precompiler = made(first_frames.serve, device.egl.index, device.failed_trials, device.flushes_dispatches,
+    precompiler = made(first_frames.serve, device.egl.index, None, device.failed_trials, device.flushes_dispatches,
                        cells=todo)
     until = time.monotonic() + 60
     while len(precompiler.drawn_s) < len(todo) - 1 and time.monotonic() < until:
@@ -161,7 +203,7 @@ def measured(device, folder: Path) -> tuple[Run, dict]:
 @pytest.mark.parametrize("serve", ["well", "dies", "hangs"])
 def test_the_rows_are_the_same(serve, device, tmp_path, monkeypatch):
     _, alone = measured(device, tmp_path / "alone")
-    ends = {"well": (first_frames.serve, device.egl.index, device.failed_trials, device.flushes_dispatches),
+    ends = {"well": (first_frames.serve, device.egl.index, None, device.failed_trials, device.flushes_dispatches),
             "dies": (fake.dies,), "hangs": (fake.hangs,)}
     precompiler = Precompiler(*ends[serve])
     monkeypatch.setattr(bench, "Precompiler", lambda serve: precompiler)
