@@ -33,10 +33,24 @@ bound=
 ! command -v setpriv >/dev/null || bound="setpriv --pdeathsig TERM"  # what runs ends where this script is killed
 
 # shellcheck disable=SC2329 # by traps
+# end_group: ends `timeout` and its command. A `timeout` that gets the signal while it starts its command ends without
+# it (coreutils 9.1): what is left of its process group gets the signal as well, and half a minute to end.
+end_group() {
+    kill "$running" && wait "$running"
+    kill -TERM "-$running"
+    waited=0
+    while kill -0 "-$running" && [ "$waited" -lt 300 ]; do
+        sleep 0.1
+        waited=$((waited + 1))
+    done
+    kill -KILL "-$running"
+}
+
+# shellcheck disable=SC2329 # by traps
 # end_early STATUS: ends what runs, which keeps what it has, and then the script.
 end_early() {
     trap '' INT TERM HUP
-    [ -z "$running" ] || { kill "$running" && wait "$running"; } 2>/dev/null
+    [ -z "$running" ] || end_group 2>/dev/null
     echo "== cut off after $(($(date +%s) - begun_s)) s of $budget_s s; the same call goes on: $dir"
     exit "$1"
 }

@@ -7,12 +7,14 @@ import os
 import signal
 import subprocess
 import sys
-import time
+from contextlib import suppress
 from pathlib import Path
 
 import ending
 import pytest
 import yaml
+
+from .patience import until
 
 ROOT = Path(__file__).resolve().parent.parent
 WORKFLOW = ROOT / ".github" / "workflows" / "drivers.yml"
@@ -135,15 +137,14 @@ def test_what_runs_in_a_root_ends_with_the_script(drivers, matrix):
     command = [*bound[:bound.index("unshare")], "sleep", "60"]
     parent = subprocess.Popen([sys.executable, "-c", PARENT, *command], stdout=subprocess.PIPE, text=True)
     child = int(parent.stdout.readline())
-    time.sleep(0.3)  # until setpriv has run
-    parent.send_signal(signal.SIGKILL)
-    parent.wait()
-    for _ in range(100):
-        if not alive(child):
-            return
-        time.sleep(0.05)
-    os.kill(child, signal.SIGKILL)
-    pytest.fail("the child outlived its parent")
+    try:
+        until(lambda: Path(f"/proc/{child}/comm").read_text().strip() == "sleep", "nothing runs in the root")
+        parent.send_signal(signal.SIGKILL)
+        parent.wait()
+        until(lambda: not alive(child), "the child outlived its parent")
+    finally:
+        with suppress(ProcessLookupError):
+            os.kill(child, signal.SIGKILL)
 
 
 def alive(pid):

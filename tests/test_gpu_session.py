@@ -4,10 +4,11 @@ import os
 import re
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
+
+from .patience import PATIENCE_S, until
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPT = ROOT / "scripts" / "gpu-session.sh"
@@ -74,13 +75,11 @@ def test_cells_without_time_are_counted(session):
 
 def test_a_session_that_is_cut_off_ends_what_it_started(session, tmp_path):
     run = session("100s", f'case "$2" in device-features) echo $$ >{tmp_path}/pid; exec sleep 60 ;; esac')
-    for _ in range(200):
-        if (tmp_path / "pid").exists() and (tmp_path / "pid").read_text().strip():
-            break
-        time.sleep(0.05)
-    measuring = int((tmp_path / "pid").read_text())
+    said = tmp_path / "pid"
+    until(lambda: said.exists() and said.read_text().strip(), "no part measures")
+    measuring = int(said.read_text())
     run.send_signal(signal.SIGTERM)
-    output = run.communicate(timeout=20)[0]
+    output = run.communicate(timeout=PATIENCE_S)[0]
     assert run.returncode == 143
     assert "== cut off after" in output and "goes on" in output
     with pytest.raises(ProcessLookupError):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -12,6 +11,7 @@ import pytest
 from mfr_bench.methods import outside
 
 from .cli.conftest import environment
+from .patience import until
 
 FOREVER = "import os, pathlib, time\npathlib.Path({path!r}).joinpath(str(os.getpid())).touch()\ntime.sleep(600)\n"
 POOL = """
@@ -46,14 +46,11 @@ def test_no_process_outlives_the_one_that_it_works_for(program, count, ending, t
     (tmp_path / "program.py").write_text(program.format(path=str(at_work)))
     process = subprocess.Popen([sys.executable, str(tmp_path / "program.py")],
                                env=environment(**{outside.VARIABLE: str(folder)}))
-    deadline = time.monotonic() + 15
     try:
-        while len(found := [int(path.name) for path in at_work.iterdir()]) < count:
-            assert time.monotonic() < deadline and process.poll() is None
-            time.sleep(0.05)
+        until(lambda: len(list(at_work.iterdir())) >= count or process.poll() is not None, "no process is at work")
+        found = [int(path.name) for path in at_work.iterdir()]
+        assert len(found) == count and process.poll() is None
     finally:
         getattr(process, ending)()
         process.wait()
-    while not all(map(gone, found)):
-        assert time.monotonic() < deadline, "a process outlives the one that it works for"
-        time.sleep(0.05)
+    until(lambda: all(map(gone, found)), "a process outlives the one that it works for")

@@ -17,6 +17,7 @@ from mfr_bench import glsl
 from mfr_bench.cli import main
 from mfr_bench.gpu.device import Listed
 
+from ..patience import PATIENCE_S
 from ..run.inprocess import InProcess
 
 TINY = """\
@@ -66,7 +67,7 @@ def command(*arguments: object) -> list[str]:
 
 def apart(*arguments: object, env=None, **options) -> Ended:
     """Run a command in a process of its own."""
-    done = subprocess.run(command(*arguments), capture_output=True, text=True, timeout=60, check=False,
+    done = subprocess.run(command(*arguments), capture_output=True, text=True, timeout=PATIENCE_S, check=False,
                           env=environment(**(env or {})), **options)
     return Ended(done.returncode, done.stdout, done.stderr)
 

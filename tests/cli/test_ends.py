@@ -18,6 +18,7 @@ import pytest
 from mfr_bench.store import ResultFolder
 from mfr_bench.store.journal import Journal
 
+from ..patience import PATIENCE_S
 from .conftest import CELLS, FIGURE, TINY, Ended, apart, cells, command, environment, sabotaged
 
 SLOW = """\
@@ -45,7 +46,7 @@ def test_ctrl_c_keeps_what_was_measured_and_a_rerun_goes_on(here):
     seen = process.stderr.readline()
     assert seen.startswith(f"slow 1/{SLOW_CELLS}"), seen + process.stderr.read()
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=30)
+    out, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
     assert out == ""
     kept = cells(here / "out")
@@ -71,7 +72,7 @@ def test_kill_and_a_lost_connection_end_as_ctrl_c_does(here, signal_):
     seen = process.stderr.readline()
     assert "over_budget" in seen, seen + process.stderr.read()
     process.send_signal(signal_)
-    _, err = process.communicate(timeout=30)
+    _, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
     complaint = err.splitlines()[-1]
     assert re.match(rf"interrupted: [123] of {SLOW_CELLS} cells are kept in out; ", complaint)
@@ -98,7 +99,7 @@ def test_a_signal_to_every_process_of_a_job_leaves_no_cell_as_crashed(here):
         os.kill(number, signal.SIGTERM)
     time.sleep(0.5)  # a scheduler reaches one process before the other
     process.send_signal(signal.SIGTERM)
-    process.communicate(timeout=30)
+    process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
     assert {cell["status"] for cell in cells(here / "out").values()} <= {"ok"}
 
@@ -170,8 +171,8 @@ def test_a_limit_on_files_is_one_line(tiny, here):
 
 def through(line: str, **options) -> Ended:
     """A line of bash in which $MFR is the command; its status is the command's, not the last of the pipe's."""
-    done = subprocess.run(["bash", "-c", f"set -o pipefail; {line}"], capture_output=True, text=True, timeout=60,
-                          env=environment(MFR=" ".join(command())), check=False, **options)
+    done = subprocess.run(["bash", "-c", f"set -o pipefail; {line}"], capture_output=True, text=True, check=False,
+                          timeout=PATIENCE_S, env=environment(MFR=" ".join(command())), **options)
     return Ended(done.returncode, done.stdout, done.stderr)
 
 
@@ -263,7 +264,7 @@ def on_terminal(*arguments, columns=80, **env) -> tuple[int, str, str]:
         received += chunk
     os.close(terminal)
     out = process.stdout.read()
-    return process.wait(timeout=30), out, received.decode()
+    return process.wait(timeout=PATIENCE_S), out, received.decode()
 
 
 def _read(terminal: int) -> bytes:

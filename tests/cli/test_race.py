@@ -3,7 +3,6 @@
 import json
 import signal
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
@@ -11,6 +10,7 @@ import pytest
 from mfr_bench.race import build
 from mfr_bench.race.campaign import parse_replay, written
 
+from ..patience import until
 from .conftest import command, environment
 
 
@@ -152,13 +152,9 @@ def test_the_program_of_the_machine_dies_with_the_command(ending, mfr):
     process = subprocess.Popen(command("race", "kplus-array", "--schedules", "100000000"), env=environment(),
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
-        deadline = time.monotonic() + 60
-        while not (running := [pid for pid in children(process.pid) if at_work(pid)]):
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
+        until(lambda: any(map(at_work, children(process.pid))), "the program does not run")
+        running = list(filter(at_work, children(process.pid)))
     finally:
         process.send_signal(ending)
         process.wait()
-    while any(map(at_work, running)):
-        assert time.monotonic() < deadline, "the program outlives the command"
-        time.sleep(0.05)
+    until(lambda: not any(map(at_work, running)), "the program outlives the command")

@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from ..patience import PATIENCE_S
 from .conftest import CELLS, FIGURE, TINY, Ended, cells, environment, rows
 
 FIGURES = FIGURE.replace("]", ", {kind: bars, x: k, y: memory_bytes}]")
@@ -27,7 +28,7 @@ main()
 
 def without_gl(*arguments):
     done = subprocess.run([sys.executable, "-c", NO_GL, *map(str, arguments)], capture_output=True, text=True,
-                          timeout=60, env=environment(), check=False)
+                          timeout=PATIENCE_S, env=environment(), check=False)
     return Ended(done.returncode, done.stdout, done.stderr)
 
 

@@ -6,11 +6,12 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 
 import pytest
 
 from mfr_bench.cluster.task import Task
+
+from ..patience import until
 
 SLEEPER = """
 import subprocess, sys, time
@@ -20,14 +21,6 @@ time.sleep(600)
 """
 DEAF = "import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)"
 RUNNER = "import sys; from mfr_bench.cluster.task import Task; sys.exit(Task(sys.argv[1:])())"
-LIMIT_S = 60
-
-
-def until(true):
-    ends = time.monotonic() + LIMIT_S
-    while not true():
-        assert time.monotonic() < ends, "nothing happened in time"
-        time.sleep(0.05)
 
 
 def alive(pid):

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from pathlib import Path
 
-import pytest
+from ..patience import until
 
 ROOT = Path(__file__).parents[2]
 
@@ -23,8 +22,5 @@ def ends_with_its_parent(code: str) -> None:
     pid = int(process.stdout.readline())
     process.kill()
     process.communicate()
-    for _ in range(100):
-        if not Path(f"/proc/{pid}").exists() or state(pid) == "Z":
-            return
-        time.sleep(0.05)
-    pytest.fail(f"process {pid} has outlived the one that it worked for")
+    until(lambda: not Path(f"/proc/{pid}").exists() or state(pid) == "Z",
+          f"process {pid} has outlived the one that it worked for")

@@ -12,6 +12,7 @@ from mfr_bench.run.bench import BESIDE_PIXELS
 from mfr_bench.store.status import STATUSES
 
 from ..cli.conftest import apart, command, environment, mfr, on_device, sabotaged  # noqa: F401
+from ..patience import PATIENCE_S
 
 SIDE = 256
 CONFIG = f"""\
@@ -80,7 +81,7 @@ def test_ctrl_c_keeps_what_is_measured_while_its_images_are_still_compared(whole
                                env=environment(), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     process.stderr.readline()  # the first row
     process.send_signal(signal.SIGINT)
-    complaint = process.communicate(timeout=60)[1]
+    complaint = process.communicate(timeout=PATIENCE_S)[1]
     assert process.returncode == 130 and "are kept" in complaint
     kept = found(out)
     assert kept and all(not STATUSES[row[0]].failed for row in kept.values())

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from ..cli.conftest import apart, cells, command, environment, sabotaged
+from ..patience import until
 
 CONFIG = """\
 name: faults
@@ -179,16 +180,11 @@ def test_the_process_that_measures_dies_with_its_parent_in_the_midst_of_a_frame(
                                        "measure.hard_limit_s=600"), cwd=tmp_path, stdout=subprocess.DEVNULL,
                                stderr=subprocess.DEVNULL, env=environment() | sabotaged(tmp_path / "s", ENDLESS))
     try:
-        deadline = time.monotonic() + 50
-        while not (found := children(process.pid)):
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
-        worker, = found
+        until(lambda: children(process.pid), "no process measures")
+        worker, = children(process.pid)
         time.sleep(4)
     finally:
         process.kill()
         process.wait()
-    while not gone(worker):
-        assert time.monotonic() < deadline, "the worker outlives its parent"
-        time.sleep(0.05)
+    until(lambda: gone(worker), "the worker outlives its parent")
     assert process.returncode == -signal.SIGKILL

@@ -13,6 +13,7 @@ from mfr_bench.store import ResultFolder
 from mfr_bench.store.journal import Journal
 
 from ..cli.conftest import environment
+from ..patience import PATIENCE_S
 from .fake_worker import BATCH, BATCHES
 from .planted_run import CELLS
 
@@ -61,7 +62,7 @@ def test_fifty_kills_at_random_moments_lose_nothing(tmp_path):
     assert any(count == len(WHOLE) for count in before.values())
 
     process = begun(folder)
-    out, complaints = process.communicate(timeout=60)
+    out, complaints = process.communicate(timeout=PATIENCE_S)
     assert (process.returncode, complaints) == (0, "")
     assert len(out) == CELLS * BATCHES - sum(before.values()) // BATCH
     cells = ResultFolder(folder).cells()

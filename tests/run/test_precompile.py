@@ -21,6 +21,7 @@ from mfr_bench.run.jobs import Job, jobs
 from mfr_bench.run.precompile import ASKED, CELL_BYTES, FEW, FRAGMENTS, SLOW_S, TRIED, Precompiler, drawable, helps
 from mfr_bench.scene import Scene
 
+from ..patience import until
 from . import fake_first_frames as fake
 from .children import ends_with_its_parent, state
 from .fake_worker import DEVICE
@@ -51,11 +52,11 @@ def made():
 
 def answered(precompiler: Precompiler, wanted: set[str]) -> None:
     """Wait until the cells of these keys, and no others, are drawn."""
-    until = time.monotonic() + 30
-    while set(precompiler.drawn_s) != wanted and time.monotonic() < until:
-        time.sleep(0.01)
+    def drawn() -> bool:
         precompiler.begin([each for each in CELLS if each.key in wanted])
-    assert set(precompiler.drawn_s) == wanted
+        return set(precompiler.drawn_s) == wanted
+
+    until(drawn, "cells are not drawn")
 
 
 # --- what it is for ------------------------------------------------------------------------------
@@ -181,11 +182,12 @@ def test_the_drivers_cache_has_what_it_draws(device, made, tmp_path, monkeypatch
             Job(broken, "broken", ""), Job(broken, "broken too", "")]
     precompiler = made(first_frames.serve, device.egl.index, None, device.failed_trials, device.flushes_dispatches,
                        cells=todo)
-    until = time.monotonic() + 60
-    while len(precompiler.drawn_s) < len(todo) - 1 and time.monotonic() < until:
-        time.sleep(0.02)
+
+    def drawn() -> bool:
         precompiler.begin(todo[1:])
-    assert set(precompiler.drawn_s) == {job.key for job in todo[1:]}
+        return set(precompiler.drawn_s) == {job.key for job in todo[1:]}
+
+    until(drawn, "cells are not drawn")
     assert any(path.is_file() for path in tmp_path.rglob("*"))
 
 
@@ -219,6 +221,17 @@ def test_the_rows_are_the_same(serve, device, tmp_path, monkeypatch):
 # --- faults --------------------------------------------------------------------------------------
 
 
+def locked(path: Path) -> bool:
+    """Whether another process has the file locked."""
+    with path.open("r+") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        fcntl.flock(file, fcntl.LOCK_UN)
+    return False
+
+
 def test_it_never_stands_still_with_a_lock_that_the_driver_of_this_process_might_wait_for(made, tmp_path):
     """It has the file locked three quarters of the time."""
     path = tmp_path / "cache"
@@ -237,7 +250,7 @@ def test_one_that_does_not_let_go_of_a_lock_is_ended(made, tmp_path, monkeypatch
     path = tmp_path / "cache"
     precompiler = made(fake.locks, str(path), 600.0)
     answered(precompiler, {CELLS[-1].key})
-    time.sleep(0.05)
+    until(lambda: locked(path), "it has not locked the file")
     monkeypatch.setattr(module, "STOP_S", 0.05)
     with precompiler.paused(), path.open("r+") as file:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -263,10 +276,12 @@ import time
 from mfr_bench.run.precompile import Precompiler
 from tests.run import fake_first_frames as fake
 cells = [fake.Cell(str(number)) for number in range(9)]
-precompiler = Precompiler(fake.hangs)
+precompiler = Precompiler(fake.answers, 10.0)
 precompiler.begin(cells)
 precompiler.drew(cells[0], 10.0)
-time.sleep(0.5)
+while not precompiler.drawn_s:
+    time.sleep(0.01)
+    precompiler.begin(cells)
 with precompiler.paused():
     print(precompiler.pid, flush=True)
     time.sleep(60)
