@@ -51,17 +51,23 @@ The others' shaders were used unchanged but for these:
 
 - rectangle textures became plain ones, colours and depths come from the quads, and what the driver's compiler refuses
   was written in another way;
-- of the authors' renderer the tiles of the S-buffer follow the viewport, LL-Paged counts no further than its local
-  array of 32, and of what it peels the shaders of the geometry are public, while the passes between are ours;
+- of the authors' renderer the tiles of the S-buffer follow the viewport, and counters are elements of a buffer where
+  they were pointers; KB-AB_Array and KB-AB_LL store colours where they stored white; LL-Paged counts no further than
+  its local array of 32; KB-AB_LL resets its furthest depth once for a pixel, not at each cell, and shows k fragments,
+  not k - 1; and of what it peels the shaders of the geometry are public, while the passes between are ours;
 - of nvpro-samples colours are not converted to sRGB and back, and fragments beyond the last slot are dropped;
+- of pknowles/oit backwards memory allocation leaves out its map of heat;
 - moments have the paper's overestimation of 0.25.
+
+Rows without the resolve are the same frames without their last pass. Times of lists vary most, and some of their
+intervals stay wide: they depend on whether both threads of llvmpipe ask for cells at the same time.
 """
 REASONS = """Why a ratio lies outside 0.85 to 1.15:
 """
-OPEN = """Not compared yet: the A-buffers' stores alone, and k-buffers other than those above, of the authors' renderer;
-backwards memory allocation of pknowles/oit; of nvpro-samples loop64 and interlock, which need what llvmpipe lacks, and
-its simple array and linked list from 32 fragments on, whose bubble sort llvmpipe 22.3.6 compiles wrongly
-([drivers.md](drivers.md)); Lefebvre's lists and hash tables, whose code is not available; and everything on a GPU.
+OPEN = """Not compared yet: of the authors' renderer k-buffers other than those above; of nvpro-samples loop64 and
+interlock, which need what llvmpipe lacks, and its simple array and linked list from 32 fragments on, whose bubble sort
+llvmpipe 22.3.6 compiles wrongly ([drivers.md](drivers.md)); Lefebvre's lists and hash tables, whose code is not
+available; and everything on a GPU.
 """
 ALIKE_FOR_ALL = """## What is one decision for all methods
 
