@@ -43,18 +43,19 @@ drivers:  ## test every driver that a CPU runs, in fresh roots; needs root (ARGS
 
 setup: $(PYTHON_READY) $(DRIVER_READY)  ## make .venv (PYTHON=/path/to/python3) and see to an OpenGL driver
 
-LOCK := uv pip compile --quiet --universal --generate-hashes --python-version 3.10 --extra build --custom-compile-command "make lock"
+LOCK := uv pip compile --quiet --universal --generate-hashes --python-version 3.10 --custom-compile-command "make lock"
 
-lock:  ## renew requirements.lock and requirements-run.lock (needs uv; ARGS=--upgrade for the newest versions)
-	$(LOCK) --extra mesh --extra cluster --extra parquet --extra test --output-file requirements.lock $(ARGS) pyproject.toml
-	$(LOCK) --constraint requirements.lock --output-file requirements-run.lock pyproject.toml
+lock:  ## renew the three files of pinned requirements (needs uv; ARGS=--upgrade for the newest versions)
+	$(LOCK) --extra build --extra mesh --extra cluster --extra parquet --extra test --output-file requirements.lock $(ARGS) pyproject.toml
+	$(LOCK) --extra build --constraint requirements.lock --output-file requirements-run.lock pyproject.toml
+	echo uv | $(LOCK) --output-file requirements-uv.lock $(ARGS) -
 
 clean:  ## remove .venv, builds and caches, but no results
 	rm -rf $(VENV) dist .hypothesis .pytest_cache .ruff_cache
 	find mfr_bench tests -name __pycache__ -type d -prune -exec rm -rf {} +
 
 # What measuring needs, and nothing that only tests do: a third of the packages.
-$(RUN_READY): pyproject.toml requirements-run.lock
+$(RUN_READY): pyproject.toml requirements-run.lock requirements-uv.lock
 	@scripts/setup.sh run
 	@echo '$(CURDIR)' >$@
 

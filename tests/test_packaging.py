@@ -94,8 +94,8 @@ def test_sdist_builds_the_same_wheel(wheel, unpacked_sdist, tmp_path):
 
 def test_sdist_is_complete_without_what_machines_measured(unpacked_sdist):
     """Its two commands can be run; results/ holds the papers' numbers and the comparisons with others' code only."""
-    for needed in ("Makefile", "requirements.lock", "requirements-run.lock", "scripts/setup.sh",
-                   "tests/test_packaging.py", "LICENSE"):
+    for needed in ("Makefile", "requirements.lock", "requirements-run.lock", "requirements-uv.lock",
+                   "scripts/setup.sh", "scripts/uv_install.py", "tests/test_packaging.py", "LICENSE"):
         assert (unpacked_sdist / needed).is_file(), needed
     assert sorted(f.name for f in (unpacked_sdist / "results").iterdir()) == ["peers", "reference"]
 
@@ -115,6 +115,11 @@ def test_lock_pins_every_dependency_with_hashes():
     pinned = pinned_in("requirements.lock").keys()
     declared = {re.match(r"[\w-]+", line)[0].lower() for line in requires("mfr-bench")}
     assert declared <= pinned, f"run `make lock`: {declared - pinned}"
+
+
+def test_the_installer_is_pinned_with_hashes():
+    """uv, and nothing else."""
+    assert pinned_in("requirements-uv.lock").keys() == {"uv"}
 
 
 def test_what_measuring_needs_has_the_same_pins():
