@@ -21,6 +21,7 @@ from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
+import numpy as np
 from ending import Misuse, at_least, run_script
 from in_turns import FEWEST_ROUNDS, add_row, geometric_mean, in_turns, ratio, rows_of
 
@@ -34,7 +35,9 @@ from mfr_bench.methods.shared.screen_region import TOUCHED, in_screen_region
 from mfr_bench.methods.spec import Buffer, Fitted, Method, Pass, Variant
 from mfr_bench.plan import Cell, judge
 from mfr_bench.scene import Scene, generate
+from mfr_bench.scene.geometry import Geometry
 from mfr_bench.scene.kinds.mesh import View
+from mfr_bench.scene.primitives import OPAQUE
 from mfr_bench.store.status import EXACT_ERROR
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -83,6 +86,9 @@ SCENES: Mapping[str, Scene] = {
     "hairball, 60 layers in 5 %": stand_in("hairball", 60, 30, 0.05),
     "temple, 60 layers in 5 %": stand_in("temple", 60, 30, 0.05),
     "hairball, 60 layers, opaque": stand_in("hairball", 60, 30, alpha=(1.0, 1.0)),
+    **{f"{kind}, {most} layers, {words} opaque": stand_in(kind, most, mean)
+       for kind, most, mean in (("hairball", 16, 8), ("hairball", 60, 30), ("temple", 60, 30))
+       for words in ("a third", "half")},
     "mesh knot.obj": mesh("knot.obj"), "mesh solids.obj": mesh("solids.obj"),
     "hair, half a pixel, slivers": hair(0.5, "sliver"), "hair, 2 pixels wide": hair(2.0, "alpha"),
     **{f"16 × 16 quads at random places, {layers} in the mean": scattered(layers) for layers in (1, 4, 16, 64)},
@@ -92,12 +98,22 @@ SCENES: Mapping[str, Scene] = {
     "tiles of quads, 4 layers in 1 %": tiles(4, 0.01),
     **{f"tiles of quads, {layers} layers": tiles(layers, 0.5) for layers in (4, 16, 64)},
 }
+PARTS = {"a third opaque": 1 / 3, "half opaque": 1 / 2}  # of the primitives, by the end of a scene's name
 DEEP: Mapping[str, Scene] = {
     f"{name}, {scene.depth_complexity} layers": replace(scene, size=(512, 512))
     for name, scene in {
         "quads in a block": quads(1024, pixel_density=0.02),
         "tiles of quads": tiles(1024, 0.02), "slanted quads": quads(1024, slant=0.7, pixel_density=0.02),
         "hairball": stand_in("hairball", 1000, 300, 0.05), "needles": stand_in("needles", 1024, 300, 0.05)}.items()}
+
+
+def made(name: str, scene: Scene) -> Geometry:
+    """The geometry of a scene, with as many opaque primitives as its name says, dealt out by a seed."""
+    whole = generate(scene)
+    share = next((share for words, share in PARTS.items() if name.endswith(words)), 0.0)
+    rgba = whole.rgba.copy()
+    rgba[np.random.default_rng(scene.seed).random(len(rgba)) < share, 3] = OPAQUE
+    return replace(whole, rgba=rgba)
 
 
 def unsorted() -> Method:
@@ -163,7 +179,7 @@ def checked(on: Shown, name: str) -> Frame:
 
 def measured(device, name: str, scene: Scene, rounds: int, mine: str = MINE) -> dict[str, object]:
     """The row of a scene: `mine` beside the others."""
-    on = Shown(device, generate(scene))
+    on = Shown(device, made(name, scene))
     try:
         with drawn(on, scene, [mine, FLOOR, REUSE, *OTHERS]) as frames:
             looked = in_turns(device, frames, LOOK_ROUNDS)
@@ -224,9 +240,10 @@ def as_table(rows: Sequence[Mapping[str, str]]) -> str:
 
 
 def summary(rows: Sequence[Mapping[str, str]]) -> list[str]:
-    """How often it is fastest, and geometric means: of all scenes, of meshes and their stand-ins, deep and shallow."""
+    """How often it is fastest, and geometric means: of all scenes, of meshes and their stand-ins, of parts of these."""
     like = [row for row in rows if row["scene"].startswith(MESH_LIKE)]
     groups = {"all scenes": rows, "meshes and their stand-ins": like,
+              "of these, without opaque ones": [row for row in like if not row["scene"].endswith("opaque")],
               f"of these, more than {FEW} layers": [row for row in like if int(row["most"]) > FEW],
               f"of these, up to {FEW} layers": [row for row in like if int(row["most"]) <= FEW]}
     return [f"{name}: fastest in {sum(r < 1 for r in ratios)} of {len(ratios)}, at most {max(ratios):.2f}, geometric "

@@ -100,6 +100,7 @@ def test_the_table_has_a_line_for_each_scene_and_sums_them_up(script, turns, tmp
                         "|  |")
     assert lines[5:] == ["all scenes: fastest in 1 of 2, at most 4.00, geometric mean 1.732",
                          "meshes and their stand-ins: fastest in 1 of 1, at most 0.75, geometric mean 0.750",
+                         "of these, without opaque ones: fastest in 1 of 1, at most 0.75, geometric mean 0.750",
                          "of these, more than 16 layers: fastest in 1 of 1, at most 0.75, geometric mean 0.750"]
 
 
@@ -117,6 +118,12 @@ def test_a_scene_that_has_a_row_is_not_measured_again(script, tmp_path, monkeypa
         script.main()
     assert asked == ["mesh knot.obj", "mesh solids.obj"]
     assert "| mesh solids.obj | 2, 8 |" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("name", "share"), [("a", 0.0), ("a, a third opaque", 1 / 3), ("a, half opaque", 1 / 2)])
+def test_a_share_of_the_primitives_is_opaque_where_the_name_says_so(script, name, share):
+    made = script.made(name, script.stand_in("hairball", 16, 8))
+    assert made.opaque_primitives / len(made) == pytest.approx(share, abs=0.05)
 
 
 @pytest.mark.parametrize(("order", "right"), [("front_to_back", True), ("back_to_front", False)])

@@ -126,6 +126,7 @@ def define_values(fitted: Fitted, step: Pass) -> dict[str, int]:
         "REJECTS": int(stats.rejects), "OCCLUDED": int(stats.occluded), "LEAST": stats.least, "QUADS": stats.primitives,
         "COMPUTE": int(step.kind == "compute"),
         "PAYLOAD_RGBA16F": 0, "STORES_ALL": 0, "SUMS_FRAGMENT": 0,
+        "PAIRS": int(any(fitted.reads_pairs(step, buffer) for buffer in step.pairs)),
         "CULLS": 0, "BY_TILE": int(step.by_tile), "REGION": int(step.region),
         "STOP_OPACITY": 1.0,
         "ACCUMULATE_COMPENSATED": 0, "ACCUMULATE_FLOAT16": 0, "ACCUMULATE_UNORM8": 0,

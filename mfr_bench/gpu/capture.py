@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import DeviceError
 from ..methods.shared import clear
-from ..methods.spec import EMPTY, Buffer, Fitted, Method, Pass, SceneStats
+from ..methods.spec import EMPTY, Buffer, Fitted, Method, Pass, SceneStats, State, Target
 from ..oracle.composite import Fragments, in_chunks, scene_stats
 from ..scene.geometry import Geometry
 from .context import Device
@@ -24,13 +24,19 @@ Captured = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray | None]
 FOUND = Buffer("found", "P", clear="0u", coherent=True)
 
 
-def _capture(name: str, *steps: Pass, buffers: tuple[Buffer, ...]) -> Method:
+def _capture(name: str, *steps: Pass, buffers: tuple[Buffer, ...], targets: tuple[Target, ...] = ()) -> Method:
     return Method(id=f"capture-{name}", name=name, family="probe", source="oracle", summary="", guarantee="none",
-                  words="0", ties="", steps=steps, buffers=buffers)
+                  words="0", ties="", steps=steps, buffers=buffers, targets=targets)
 
 
 COUNT = _capture("count", clear("found"), Pass("count", "geometry", "probe/capture_count.frag", writes=("found",)),
                  buffers=(FOUND,))
+DEPTH = Target("depth", "depth32f")
+COUNT_IN_FRONT = _capture(
+    "count-in-front", clear("found"),
+    Pass("count", "geometry", "probe/capture_count.frag", writes=("found",), into=(DEPTH.name,), opaque_first=True,
+         clears={DEPTH.name: (1.0,)}, state=State(depth_test="lequal", early=True)),
+    buffers=(FOUND,), targets=(DEPTH,))
 STORE = _capture("store", clear("found"),
                  Pass("store", "geometry", "probe/capture_store.frag", reads=("first",), writes=("found", "nodes")),
                  buffers=(FOUND, Buffer("first", "P"), Buffer("nodes", "2*F", type="uvec2")))
@@ -71,10 +77,13 @@ def _uncounted(scene: Geometry) -> SceneStats:
     return scene_stats(scene, np.zeros(1, dtype=np.int64))
 
 
-def count(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> np.ndarray:
-    """int64 (H, W): the fragments of each pixel, of the scene on the device."""
+def count(device: Device, scene_buffer: SceneBuffer, canvas: Canvas, opaque_first: bool = False) -> np.ndarray:
+    """int64 (H, W): the fragments of each pixel, of the scene on the device.
+
+    opaque_first: without those that opaque primitives hide, as a frame finds them that draws these first.
+    """
     stats = _uncounted(scene_buffer.scene)
-    frame = Frame(device, Fitted(COUNT.variant({}), stats), scene_buffer, canvas)
+    frame = Frame(device, Fitted((COUNT_IN_FRONT if opaque_first else COUNT).variant({}), stats), scene_buffer, canvas)
     try:
         frame.draw()
         return frame.words("found").astype(np.int64).reshape(stats.H, stats.W)

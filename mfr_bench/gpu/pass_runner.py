@@ -96,7 +96,7 @@ class PassRunner:
 
     def _vertex_array(self):
         if self.step.kind == "geometry":
-            return self.frame.scene_buffer.vertex_array(self.program)
+            return self.frame.scene_buffer.vertex_array(self.program, self.step.opaque_first)
         tiles = [(self.frame.allocation.named(TILE_LIST), "1u", "in_tile")] if self.step.by_tile else []
         return self.frame.device.ctx.vertex_array(self.program, tiles)
 
@@ -224,6 +224,11 @@ class PassRunner:
             self.vao.render(mode=rawgl.TRIANGLES, vertices=3, instances=self.instances)
 
     def _draw_geometry(self) -> None:
+        if self.step.opaque_first:
+            self.frame.scene_buffer.draw_part(self.vao, opaque=True)
+            self.gl.glDepthMask(False)
+            self.frame.scene_buffer.draw_part(self.vao, opaque=False)
+            return
         self.frame.scene_buffer.draw(self.vao, self._commands(self.step.command) if self.step.command else None)
 
     def _draw_tiles(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import moderngl
 import numpy as np
 
 from ..glsl import StageSource, read
@@ -12,6 +13,7 @@ from ..glsl.bindings import OPAQUE_UNIT
 from ..methods.spec import COMMAND_WORDS
 from ..oracle import twochannel
 from ..scene.geometry import Geometry
+from ..scene.primitives import OPAQUE
 from . import rawgl
 from .context import Device
 from .targets import Framebuffer, Texture
@@ -68,15 +70,18 @@ class SceneBuffer:
         self._layout = LAYOUTS[scene.geometry]
         self.buffer = device.ctx.buffer(_packed(scene))
         self._indices = device.ctx.buffer(_indices(scene)) if self._layout.indices else None
+        self._parted: moderngl.Buffer | None = None  # indices of the opaque primitives, and then of the others
         self._two_channel: tuple | None = None  # for payloads of two channels: codes of the primitives, base colours
         self._opaque = OpaqueDepth(device, scene.viewport) if scene.occluded else None
         if self._opaque:
             self._opaque.draw(scene)
 
-    def vertex_array(self, program):
-        """The vertex array by which the program draws the scene."""
-        return self.device.ctx.vertex_array(program, self._attributes(program), index_buffer=self._indices,
-                                            index_element_size=4)
+    def vertex_array(self, program, opaque_first: bool = False):
+        """The vertex array by which the program draws the scene; `opaque_first`: in parts, by `draw_part`."""
+        if opaque_first and self._parted is None:
+            self._parted = self.device.ctx.buffer(_parted(self.scene))
+        return self.device.ctx.vertex_array(program, self._attributes(program), index_element_size=4,
+                                            index_buffer=self._parted if opaque_first else self._indices)
 
     def _attributes(self, program) -> list[tuple]:
         """The attributes that the program uses, as moderngl's vertex_array takes them."""
@@ -97,6 +102,13 @@ class SceneBuffer:
         else:
             vertex_array.render(mode=self._layout.mode, vertices=vertices, instances=count)
 
+    def draw_part(self, vertex_array, opaque: bool) -> None:
+        """Draw the opaque primitives, or all others, of a geometry whose records are vertices."""
+        vertices = len(self._layout.indices) or self._layout.vertices
+        first, end = (0, self.scene.opaque_primitives) if opaque else (self.scene.opaque_primitives, len(self.scene))
+        if end > first:
+            vertex_array.render(mode=self._layout.mode, vertices=vertices * (end - first), first=vertices * first)
+
     def bind_opaque(self) -> None:
         """Let the shaders of the next draws see the depth of what is opaque, where anything is."""
         if self._opaque:
@@ -115,6 +127,8 @@ class SceneBuffer:
         _write(self.buffer, _packed(scene))
         if self._indices:
             _write(self._indices, _indices(scene))
+        if self._parted:
+            _write(self._parted, _parted(scene))
         for buffer, data in zip(self._two_channel or (), self._encoded() if self._two_channel else (), strict=True):
             _write(buffer, data)
         if self._opaque:
@@ -129,7 +143,7 @@ class SceneBuffer:
 
     def release(self) -> None:
         """Free the device memory."""
-        for made in (self.buffer, self._indices, *(self._two_channel or ()), self._opaque):
+        for made in (self.buffer, self._indices, self._parted, *(self._two_channel or ()), self._opaque):
             if made:
                 made.release()
 
@@ -192,8 +206,14 @@ def _fields(scene: Geometry) -> dict[str, np.ndarray]:
             "rgba": np.repeat(scene.rgba, LAYOUTS[scene.geometry].vertices, axis=0)}
 
 
-def _indices(scene: Geometry) -> bytes:
-    """The vertices to draw, uint32, primitive by primitive; room for one primitive where there is none."""
+def _parted(scene: Geometry) -> bytes:
+    """The vertices of the opaque primitives and then of the others, as `_indices` has them."""
+    return _indices(scene, np.argsort(scene.rgba[:, 3] != OPAQUE, kind="stable"))
+
+
+def _indices(scene: Geometry, order: np.ndarray | None = None) -> bytes:
+    """The vertices to draw, uint32, primitive by primitive in this order; room for one where there is none."""
     layout = LAYOUTS[scene.geometry]
-    first = np.arange(max(1, len(scene)), dtype=np.uint32)[:, None] * np.uint32(layout.vertices)
-    return (first + np.array(layout.indices, dtype=np.uint32)).tobytes()
+    primitive = np.arange(max(1, len(scene)), dtype=np.uint32) if order is None else order.astype(np.uint32)
+    each = np.array(layout.indices or range(layout.vertices), dtype=np.uint32)
+    return (primitive[:, None] * np.uint32(layout.vertices) + each).tobytes()

@@ -47,7 +47,7 @@ class Schedule:
         """The plan that the method makes from what is known now."""
         *_, columns, rows = scene.bounds
         stats = replace(self._fitted.stats, primitives=len(scene), area=columns * rows, layers=scene.layers,
-                        reach=scene.reach, all_opaque=scene.all_opaque)
+                        reach=scene.reach, opaque_primitives=scene.opaque_primitives, expected=scene.expected)
         known = Known.of(stats, self._fragments, self.room, self._deepest, self._fitted.fetches)
         return self._fitted.variant.method.capacity.rule(known, self._fitted.scope)
 

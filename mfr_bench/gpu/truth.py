@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..methods.spec import SceneStats
 from ..oracle import truth
 from ..oracle.composite import Fragments, scene_stats
@@ -14,7 +16,13 @@ from .targets import Canvas
 def true_stats(device: Device, scene_buffer: SceneBuffer, canvas: Canvas) -> SceneStats:
     """The statistics of the scene on the device: of flat quads by the oracle, else as the device counts."""
     scene = scene_buffer.scene
-    return truth.known_stats(scene) or scene_stats(scene, count(device, scene_buffer, canvas))
+    if known := truth.known_stats(scene):
+        return known
+    stats = scene_stats(scene, count(device, scene_buffer, canvas))
+    if not (stats.draws_in_parts and stats.forward):
+        return stats
+    in_front = count(device, scene_buffer, canvas, opaque_first=True)
+    return replace(stats, in_front=(int(in_front.sum()), max(1, int(in_front.max()))))
 
 
 class Truth(truth.SceneTruth):

@@ -18,6 +18,7 @@ how many fragments the frame before had, in all and in its deepest pixel. From t
   the frame is drawn again with more layers.
 - `ranges`: a count by blending, then each pixel takes a range of exactly its fragments; empty pixels take none.
 
+`kept`, `dense` and `ranges` leave out what is behind opaque primitives, where these hide enough.
 A `max_error` above its default cuts deep frames: in `dense` cells instead of planes, else in `ranges`, they store what
 lies before the depth behind which no more than that shows through. With a budget of memory that may not hold all
 fragments, `ranges` go band by band: what follows the count is drawn once for each rectangle whose fragments fit.
@@ -36,6 +37,17 @@ from dataclasses import dataclass, replace
 from .shared import CLEARED, PAYLOAD, PIXEL_CLASS, STORED, in_framebuffer
 from .shared.bands import SEGMENT
 from .shared.in_framebuffer import KEPT, SHALLOW, beside_image, kept, payload_words
+from .shared.in_order import DRAWS_IN_ORDER, FLAT, IN_ORDER, MOST_ORDERED, ORDERED, is_ordered
+from .shared.opaque_first import (
+    DRAW_NEAREST,
+    NEAREST,
+    NEAREST_DEPTH,
+    OPAQUE,
+    in_front,
+    is_in_front,
+    is_tested,
+    whole_and_in_front,
+)
 from .spec import (
     ADD,
     COMMAND_WORDS,
@@ -53,7 +65,6 @@ from .spec import (
     State,
     Target,
     When,
-    when,
 )
 
 ORDER = 9
@@ -75,18 +86,8 @@ SPARE_MEMORY = Param("spare_memory", 8.0, "most memory that cells for as many la
 FURTHEST_CUT = Param("furthest_cut", 0.5, "depth; a cut further behind would save less than finding it costs",
                      real=True, low=0, high=1)
 
-FLAT = Param("flat", "ordered", "primitives that all fill one rectangle, each at one depth: blended in the order of "
-             "their depths, which is found once for all pixels (ordered), or stored like others (stored)",
-             choices=("ordered", "stored"))
-
-OPAQUE = Param("opaque", "tested", "primitives that are all opaque: a depth test leaves the nearest fragment of each "
-               "pixel (tested), or they are stored like others (stored)", choices=("tested", "stored"))
-
-DIRECT, NEAREST, ORDERED, PLANES, DENSE, RANGES = "direct", "nearest", "ordered", "planes", "dense", "ranges"
+DIRECT, PLANES, DENSE, RANGES = "direct", "planes", "dense", "ranges"
 BLENDED = DIRECT, NEAREST, ORDERED  # plans that make the image of the geometry as it is drawn, and store no fragment
-
-MOST_ORDERED = 2048  # primitives; to find their order takes a comparison of each with each
-ORDERERS = 64  # invocations of a work group that finds the ranks of primitives
 
 SPARE = 1 / 20  # of the memory of exact ranges and two words per pixel, that `dense` may take in addition
 
@@ -113,6 +114,11 @@ def plan(known: Known, params: Params) -> Plan:
         return Plan(DENSE if cut else PLANES, known, cells, cut_off=cut)
     if banded or cut:
         return Plan(RANGES, known, banded=banded, cut_off=cut)
+    return in_front(_stored(known, params, cells), params)
+
+
+def _stored(known: Known, params: Params, cells: int) -> Plan:
+    """The plan of a frame whose fragments are stored all at once, where every layer would take so many cells."""
     if in_targets := kept(known, params, _most_cells(known, params)):
         return in_targets
     room = 0 if known.fragments is None else known.fragments + SPARE * (known.fragments + known.pixels)
@@ -128,16 +134,16 @@ def _drawn(known: Known, params: Params) -> Plan | None:
     """The plan of a frame that stores no fragments; None where it has to."""
     if known.layers <= 1:
         return Plan(DIRECT, known, 0)
-    if known.hides and known.room is None and params.get(OPAQUE.name, OPAQUE.default) == "tested":
+    if known.opaque == 1 and is_tested(known, params):
         return Plan(NEAREST, known, 0)
-    if known.filled and known.layers <= MOST_ORDERED and params.get(FLAT.name, FLAT.default) == "ordered":
+    if is_ordered(known, params):
         return Plan(ORDERED, known, known.layers)
     return None
 
 
 def _most_cells(known: Known, params: Params) -> float:
     """The cells of exact ranges, as far as they are known, and those that `spare_memory` allows more."""
-    fragments = known.fragments or 0
+    fragments = max(known.fragments or 0, known.expected if is_in_front(known, params) else 0)
     return fragments + float(params.get(SPARE_MEMORY.name, SPARE_MEMORY.default)) * (fragments + known.pixels)
 
 
@@ -282,9 +288,10 @@ def _before_cut(step: Pass) -> Pass:
                    state=replace(step.state, depth_test="lequal", depth_write=False, early=True))
 
 
-def _whole_and_cut(step: Pass) -> tuple[Pass, Pass]:
-    """The pass where nothing is cut, and where something is."""
-    return replace(step, runs_in=_where(step.runs_in, lambda plan: not plan.cut_off)), _before_cut(step)
+def _whole_and_cut(step: Pass) -> tuple[Pass, ...]:
+    """The pass where nothing is cut, all of it or what is in front, and where something is."""
+    whole = replace(step, runs_in=_where(step.runs_in, lambda plan: not plan.cut_off))
+    return *whole_and_in_front(whole), _before_cut(step)
 
 
 COUNT = Pass("count", "geometry", "methods/adaptive/count.frag", into=("fragment_counts",),
@@ -311,30 +318,17 @@ STORING = (
             writes=(*ALLOCATE.writes, "draws"), **CLASSIFIES),
     _store(IN_PLANES, IN_PLANES.runs_in, counts_for_plan=True),
     *_whole_and_cut(_store(IN_CELLS, _where(IN_CELLS.runs_in, _certain), counts_for_plan=True)),
-    *(_store(layout, _where(layout.runs_in, _guessed), guessed=True, counts_for_plan=True)
-      for layout in (IN_CELLS, IN_CHUNKS)),
+    *(step for layout in (IN_CELLS, IN_CHUNKS) for step in whole_and_in_front(
+        _store(layout, _where(layout.runs_in, _guessed), guessed=True, counts_for_plan=True))),
     *_whole_and_cut(_store(IN_RANGES, IN_RANGES.runs_in)),
     Pass("resolve", "fullscreen", "methods/adaptive/classify.frag", region=True, reads=("counter",),
          writes=("draws", "deepest"),
          defines={**IN_CELLS.defines, **CLASSES}, runs_in=_classed_by_counter, **CLASSIFIES),
     *(Pass("resolve", "fullscreen", "methods/adaptive/stored.frag", region=True, reads=layout.reads,
-           defines=layout.defines, runs_in=layout.runs_in, probes=STORED) for layout in LAYOUTS),
+           defines=layout.defines, runs_in=_where(layout.runs_in, lambda plan: not plan.in_front), probes=STORED)
+      for layout in LAYOUTS),
 )
 RESOLVING = _resolves()
-
-IS_ORDERED = when(FLAT.name, "ordered")
-IS_TESTED = when(OPAQUE.name, "tested")
-
-# The order of the primitives by the fragments of one pixel, and the primitives in that order.
-IN_ORDER = (
-    Pass("order", "geometry", "methods/adaptive/store_one.frag", corner=True, writes=("nodes",), runs_in=_in(ORDERED),
-         when=IS_ORDERED),
-    Pass("order", "compute", "methods/adaptive/rank.comp", reads=("nodes",), writes=("order",), runs_in=_in(ORDERED),
-         when=IS_ORDERED,
-         defines={"COMMAND_WORDS": COMMAND_WORDS, "ORDERERS": ORDERERS}, groups=f"ceil(n/{ORDERERS})"),
-    Pass("blend", "geometry", "methods/baseline/floor.frag", into=(IMAGE,), clears={IMAGE: CLEARED}, command="order",
-         state=State(blend=OVER), runs_in=_in(ORDERED), when=IS_ORDERED, counts_for_plan=True),
-)
 
 
 def _at_once(step: Pass) -> Pass:
@@ -356,8 +350,8 @@ METHODS = [
         beside=f"{2 + COMMAND_WORDS * (len(BOUNDS) - 1)} words for the cells taken, the deepest pixel and the draws of "
                "classes, and "
                f"with flat: ordered {COMMAND_WORDS} for each layer, up to {MOST_ORDERED}, for draws in order; where "
-               "fragments are kept in the framebuffer, two for each layer of the viewport in place of 2f; where all "
-               "primitives are opaque, one per pixel for a depth; where cells are dense, at most a twentieth of 2f + 2 "
+               "fragments are kept in the framebuffer, two for each layer of the viewport in place of 2f; where "
+               "opaque primitives hide what is left out, one per pixel for a depth; where cells are dense, at most a twentieth of 2f + 2 "
                "for those that stay empty, or by a guess spare_memory "
                f"times as much, {MOST_GUESSED_BYTES // 2**20} MiB in all; with max_error above its "
                f"default, one and a half per pixel for the cut; with memory_mb one for each {SEGMENT} pixels of a row, "
@@ -369,8 +363,7 @@ METHODS = [
                  Buffer("taken", "1", doc="cells taken by ranges"),
                  Buffer("deepest", "1", doc="fragments of the deepest pixel, where they are counted or find no room"),
                  Buffer("draws", f"{COMMAND_WORDS}*{len(BOUNDS) - 1}", doc="indirect draw of each class of pixels"),
-                 Buffer("order", f"{COMMAND_WORDS}*min(n, {MOST_ORDERED})", when=IS_ORDERED,
-                        doc="indirect draw of each primitive, the furthest first"),
+                 DRAWS_IN_ORDER,
                  Buffer("nodes", "2*capacity", type="FRAGMENT",
                         doc="fragments: of one pixel, in planes, in dense cells, or in ranges"),
                  Buffer("sums", f"H*ceil(W/{SEGMENT})", when=BUDGETED,
@@ -380,15 +373,12 @@ METHODS = [
                  Target("opacity", "rg8", when=APPROXIMATE,
                         doc="optical depth of the first and second half of the depths before furthest_cut"),
                  *in_framebuffer.TARGETS,
-                 Target("nearest_depth", "depth32f", when=IS_TESTED, on_demand=True,
-                        doc="depth of the nearest fragment so far, where all are opaque"),
+                 NEAREST_DEPTH,
                  Target("cut_depth", "depth32f", when=APPROXIMATE, doc="depth beyond which fragments are discarded")),
         steps=(
             Pass("blend", "geometry", "methods/baseline/floor.frag", into=(IMAGE,), clears={IMAGE: CLEARED},
                  state=State(blend=OVER), runs_in=_in(DIRECT)),
-            Pass("draw", "geometry", "methods/baseline/floor.frag", into=(IMAGE, "nearest_depth"),
-                 clears={IMAGE: CLEARED, "nearest_depth": (1.0,)}, state=State(depth_test="lequal"),
-                 runs_in=_in(NEAREST), when=IS_TESTED),
+            DRAW_NEAREST,
             *IN_ORDER,
             Pass("clear", "clear", writes=("counter",), runs_in=_where(_in(DENSE), _certain)),
             Pass("clear", "clear", writes=("counter", "deepest"), runs_in=_guessed),
@@ -401,11 +391,12 @@ METHODS = [
             Pass("cut", "fullscreen", "methods/adaptive/cut.frag", region=True, reads=("opacity",), into=("cut_depth",),
                  state=State(depth_test="always"), runs_in=_cut, when=APPROXIMATE),
             *_whole_and_cut(replace(COUNT, runs_in=lambda plan: plan.path == RANGES and plan.capacity is None)),
-            replace(COUNT_LATER, runs_in=lambda plan: plan.path == RANGES and plan.capacity is not None),
+            *whole_and_in_front(
+                replace(COUNT_LATER, runs_in=lambda plan: plan.path == RANGES and plan.capacity is not None)),
             *in_framebuffer.passes(),
             *map(_at_once, STORING),
             Pass("blend", "geometry", "methods/adaptive/blended.frag", probes=STORED,
-                 runs_in=lambda plan: plan.path in BLENDED),
+                 runs_in=lambda plan: plan.path in BLENDED or plan.in_front),
             *map(_at_once, RESOLVING),
             Pass("clear", "clear", writes=("sums",), runs_in=_banded, when=BUDGETED),
             Pass("allocate", "fullscreen", "methods/adaptive/sums.frag", region=True, reads=("fragment_counts",),

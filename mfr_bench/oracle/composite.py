@@ -84,8 +84,8 @@ def scene_stats(scene: Geometry, counts: np.ndarray, areas: np.ndarray | int = 1
         W=scene.viewport[0], H=scene.viewport[1], n=max(1, int(counts.max())), F=int((counts * areas).sum()),
         primitives=len(scene), rejects=scene.rejects, histogram=tuple(int(h) for h in histogram),
         geometry=scene.geometry, area=scene.bounds[2] * scene.bounds[3], layers=scene.layers, reach=scene.reach,
-        least=scene.least, occluded=scene.occluded, all_opaque=scene.all_opaque, shading=scene.shading,
-        effect=scene.effect)
+        least=scene.least, occluded=scene.occluded, opaque_primitives=scene.opaque_primitives,
+        expected=scene.expected, shading=scene.shading, effect=scene.effect)
 
 
 def _mask(scene: Quads, quad: int, x0: int, y0: int, x1: int, y1: int) -> np.ndarray | bool:

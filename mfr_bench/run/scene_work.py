@@ -136,4 +136,6 @@ class SceneWork:
 def _largest(stats: list[SceneStats]) -> SceneStats:
     """Room for every frame of an animation."""
     biggest = max(stats, key=lambda s: s.F)
-    return replace(biggest, n=max(s.n for s in stats), primitives=max(s.primitives for s in stats))
+    fragments, deepest = map(max, zip(*(s.in_front or (s.F, s.n) for s in stats), strict=True))
+    return replace(biggest, n=max(s.n for s in stats), primitives=max(s.primitives for s in stats),
+                   in_front=(fragments, deepest) if biggest.in_front else None)

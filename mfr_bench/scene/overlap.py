@@ -23,6 +23,23 @@ def boxes_of(position: np.ndarray, viewport: tuple[int, int]) -> np.ndarray:
     return np.where(behind[:, None], np.array([0, 0, *viewport], dtype=np.int32), boxes)
 
 
+def areas_of(position: np.ndarray, boxes: np.ndarray, viewport: tuple[int, int]) -> np.ndarray:
+    """float64 (n,): pixels that each primitive covers, a triangle or a strip of two, by its area; its box at most.
+
+    position: (n, 3 or 4, 4), clip space. boxes: those of `boxes_of`, which stand for what reaches behind the eye.
+    """
+    corners = position.astype(np.float64)
+    most = (boxes[:, 2:] - boxes[:, :2]).clip(0).prod(axis=1, dtype=np.float64)
+    behind = corners[..., 3].min(axis=1, initial=np.inf) <= 0
+    corners[behind] = 1.0
+    window = corners[..., :2] / corners[..., 3:] / 2.0 * viewport
+    areas = np.zeros(len(corners))
+    for a, b, c in ((0, 1, 2), (2, 1, 3))[:corners.shape[1] - 2]:
+        along, across = window[:, b] - window[:, a], window[:, c] - window[:, a]
+        areas += np.abs(along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]) / 2.0
+    return np.where(behind, most, np.minimum(areas, most))
+
+
 def bounds_of(boxes: np.ndarray) -> tuple[int, int, int, int]:
     """Left, bottom, width and height in pixels of the rectangle around all boxes; all 0 where there is none."""
     if not len(boxes):

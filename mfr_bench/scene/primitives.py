@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from ..effects import PLAIN, Settings
-from .overlap import bounds_of, boxes_of, depth_bounds_of, most_over
+from .overlap import areas_of, bounds_of, boxes_of, depth_bounds_of, most_over
 
 ALIGNED = 8  # pixels: of two words each, a line of a cache
 OPAQUE = 255  # the alpha, of 8 bits, of what no light passes
@@ -41,9 +41,9 @@ class Primitives:
         return False
 
     @cached_property
-    def all_opaque(self) -> bool:
-        """Whether no primitive lets light through."""
-        return bool((self.rgba[:, 3] == OPAQUE).all())
+    def opaque_primitives(self) -> int:
+        """Primitives that let no light through."""
+        return int((self.rgba[:, 3] == OPAQUE).sum())
 
 
 @dataclass(frozen=True)
@@ -99,6 +99,11 @@ class Cornered(Primitives):
     def layers(self) -> int:
         """Most fragments that a pixel can have, by the boxes alone: one of each triangle."""
         return self.triangles_each * most_over(self.boxes, self.viewport)
+
+    @cached_property
+    def expected(self) -> int:
+        """Fragments to expect of a frame: the areas of all primitives in pixels."""
+        return round(float(areas_of(self.position, self.boxes, self.viewport).sum()))
 
     @property
     def reach(self) -> None:

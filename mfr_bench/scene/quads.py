@@ -66,6 +66,11 @@ class Quads(Primitives):
         sides = np.clip(self.rasterized[:, 2:].astype(np.int64) - self.rasterized[:, :2], 0, None)
         return int(sides.prod(axis=1).sum())
 
+    @property
+    def expected(self) -> int:
+        """Fragments to expect of a frame."""
+        return self.reach
+
     @cached_property
     def depth_order(self) -> np.ndarray:
         """Quad indices from the nearest to the furthest; equal depths stay in submission order."""

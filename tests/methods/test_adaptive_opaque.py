@@ -18,7 +18,7 @@ from ..contract.cases import SLANTED, Drawn, stage, stats_in
 from .drawing import drawn, stack
 from .test_adaptive_guess import animated, error, show
 
-KNOWN = Known(60, 50, 100, None, hides=True)
+KNOWN = Known(60, 50, 100, None, opaque=1.0)
 SCATTERED = SceneConfig(size=(40, 30), depth_complexity=4, layout="random", quad_size=(11, 7), alpha=(1, 1), seed=2)
 SHUFFLED = np.random.default_rng(3).permutation(np.linspace(0.05, 0.95, 20))
 
@@ -35,7 +35,7 @@ def test_the_plan_of_opaque_primitives():
     assert plan(KNOWN, {}) == Plan(NEAREST, KNOWN, 0)
     assert plan(replace(KNOWN, filled=True), {}).path == NEAREST
     assert plan(replace(KNOWN, layers=1), {}).path == DIRECT
-    assert plan(replace(KNOWN, hides=False), {}).path == plan(KNOWN, {"opaque": "stored"}).path == RANGES
+    assert plan(replace(KNOWN, opaque=0.0), {}).path == plan(KNOWN, {"opaque": "stored"}).path == RANGES
 
 
 def test_a_budget_has_no_room_for_another_depth():
@@ -45,8 +45,8 @@ def test_a_budget_has_no_room_for_another_depth():
 @pytest.mark.parametrize(("others", "hides"), [((), True), ((OPAQUE - 1,), False), ((0,), False)])
 def test_a_scene_is_opaque_where_every_primitive_is(others, hides):
     stats = stats_of(pile(OPAQUE, *others))
-    assert Known.of(stats, None, None).hides == hides
-    assert not Known.of(replace(stats, geometry="reversed"), None, None).hides, "a depth test would find the furthest"
+    assert (Known.of(stats, None, None).opaque == 1) == hides
+    assert not Known.of(replace(stats, geometry="reversed"), None, None).opaque, "a depth test would find the furthest"
 
 
 @pytest.mark.parametrize("payload", ["rgba8", "rgba16f"])

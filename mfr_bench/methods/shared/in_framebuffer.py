@@ -11,6 +11,7 @@ from dataclasses import replace
 from ..spec import EMPTY, IMAGE, PAYLOAD_WORDS, Known, Param, Params, Pass, Plan, Target, when
 from .clearing import CLEARED
 from .counting import STORED
+from .opaque_first import whole_and_in_front
 from .options import PAYLOAD
 
 KEPT = "kept"  # the plan of such frames
@@ -68,9 +69,10 @@ def _passes(layers: int) -> Iterator[Pass]:
     def runs_in(plan: Plan) -> bool:
         return plan.path == KEPT and plan.known.layers == layers
 
-    yield Pass("store", "geometry", "methods/adaptive/keep.frag", into=(*targets, *image), fetched=targets, keeps=image,
-               clears=dict.fromkeys(targets, (EMPTY, 0)) | dict.fromkeys(image, CLEARED), defines=defines,
-               runs_in=runs_in, when=IS_KEPT)
+    yield from whole_and_in_front(
+        Pass("store", "geometry", "methods/adaptive/keep.frag", into=(*targets, *image), fetched=targets, keeps=image,
+             clears=dict.fromkeys(targets, (EMPTY, 0)) | dict.fromkeys(image, CLEARED), defines=defines,
+             runs_in=runs_in, when=IS_KEPT))
     resolve = Pass("resolve", "fullscreen", "methods/adaptive/kept.frag", region=True, reads=targets[len(read):],
                    into=(*read, IMAGE), fetched=read, keeps=read, defines={**defines, "ASKS": 0}, when=IS_KEPT,
                    runs_in=lambda plan: runs_in(plan) and not plan.guessed)
@@ -78,4 +80,4 @@ def _passes(layers: int) -> Iterator[Pass]:
     yield replace(resolve, writes=("deepest",), defines={**defines, "ASKS": 1},
                   runs_in=lambda plan: runs_in(plan) and plan.guessed)
     yield replace(resolve, shader="methods/adaptive/kept_count.frag", keeps=(*read, IMAGE), defines=defines,
-                  runs_in=runs_in, probes=STORED)
+                  runs_in=lambda plan: runs_in(plan) and not plan.in_front, probes=STORED)

@@ -74,7 +74,9 @@ class Known:
     filled: bool = False  # every primitive has one fragment in each pixel of the rectangle
     deepest: int | None = None  # most fragments of a pixel in the frame before; None where that is not known
     fetches: bool = False  # the device lets a shader read the pixel that a fragment is drawn into
-    hides: bool = False  # the nearest fragment of a pixel hides all others, and a depth test finds it
+    opaque: float = 0.0  # share of the primitives that hide what is behind them, as a depth test finds it
+    draws_in_parts: bool = False  # opaque primitives can be drawn without the others
+    expected: int = 0  # fragments of all primitives by their areas, about as many as a frame that stores all would have
 
     @classmethod
     def of(cls, stats: SceneStats, fragments: int | None, room: int | None, deepest: int | None = None,
@@ -83,7 +85,8 @@ class Known:
         area = stats.P if stats.area is None else stats.area
         filled = stats.flat and not stats.rejects and stats.reach == stats.primitives * area
         return cls(stats.most_layers, area, stats.P, fragments, room, stats.reach, filled, deepest, fetches,
-                   stats.all_opaque and stats.forward)
+                   stats.opaque_primitives / max(1, stats.primitives) if stats.forward else 0.0,
+                   stats.draws_in_parts, stats.expected)
 
 
 @dataclass(frozen=True)
@@ -93,7 +96,7 @@ class Plan:
     `banded`: the budget may not hold all elements at once, so that loops over bands run. `cut_off`: what lies behind a
     depth that an earlier pass finds for each pixel is left out. `finds_deepest`: the frame leaves the fragments of its
     deepest pixel. `guessed`: the room of a pixel is a guess; a frame with a deeper one leaves that in the same place,
-    and is drawn again.
+    and is drawn again. `in_front`: opaque primitives are drawn first, and what they hide is left out.
     """
 
     path: str
@@ -103,6 +106,7 @@ class Plan:
     cut_off: bool = False
     finds_deepest: bool = False
     guessed: bool = False
+    in_front: bool = False
 
 
 @dataclass(frozen=True)

@@ -91,7 +91,12 @@ class Fitted:
 
     def plan(self) -> Plan:
         """The plan of a frame whose scene was shown before, of a planned method."""
-        known = Known.of(self.stats, self.stats.F, self.room(), self.stats.n, self.fetches)
+        plan = self._plan_of(self.stats.F, self.stats.n)
+        return self._plan_of(*self.stats.in_front) if plan.in_front and self.stats.in_front else plan
+
+    def _plan_of(self, fragments: int, deepest: int) -> Plan:
+        """The plan of a frame after one that had so many fragments, and so many in its deepest pixel."""
+        known = Known.of(self.stats, fragments, self.room(), deepest, self.fetches)
         return self.variant.method.capacity.rule(known, self.scope)
 
     @property
@@ -127,6 +132,7 @@ class Fitted:
         if isinstance(known, Planned):
             plan = self.plan()
             counted = self.stats.F if plan.known.room is None else max(0, min(self.stats.F, plan.known.room))
+            counted = plan.known.fragments if plan.in_front else counted
             return counted if plan.capacity is None else plan.capacity
         decision = self.decision()
         return decision.capacity if decision else self.stats.F

@@ -100,6 +100,7 @@ class Pass:
     # The buffer of indirect draws: a full-screen pass is drawn by the one of its define CLASS, a geometry pass by all,
     # one for each primitive, in order; every primitive then has the number 0.
     command: str | None = None
+    opaque_first: bool = False  # geometry: draws opaque primitives, then the others, which leave the depth as it is
     corner: bool = False  # geometry: draws only the first pixel of what bounds the geometry
     static: bool | None = None  # False: only in a scene's first frame, for all; True: only in frames after that
     counts_for_plan: bool = False  # count the samples that pass, for the plan of the next frame

@@ -28,7 +28,9 @@ class SceneStats:
     occluded: bool = False  # opaque triangles in a depth buffer of their own may hide fragments
     shading: int = 0  # arithmetic steps of each fragment that is shaded
     effect: Settings = PLAIN  # what is done with the fragments of a pixel
-    all_opaque: bool = False  # no primitive lets light through
+    opaque_primitives: int = 0  # that let no light through
+    expected: int = 0  # fragments to expect of the geometry, by its areas
+    in_front: tuple[int, int] | None = None  # F and n without what opaque primitives, drawn first, hide; None: F and n
     least: int = 0  # fewest fragments that a pixel draws of those of all primitives; 0: every pixel has all
 
     @property
@@ -40,6 +42,11 @@ class SceneStats:
     def flat(self) -> bool:
         """Whether each primitive has one depth, and meets no pixel but at its edges."""
         return self.geometry in ("quad", "masked")
+
+    @property
+    def draws_in_parts(self) -> bool:
+        """Whether opaque primitives can be drawn without the others, and no fragment of either is rejected."""
+        return not (self.flat or self.rejects) and 0 < self.opaque_primitives < self.primitives and self.one_sample
 
     @property
     def samples(self) -> int:

@@ -1,11 +1,12 @@
 // Defines how fragments move between the cells of a pixel, the registers of the sorting network, and the colour:
-// LOAD(i) reads the cell `at` into register i, LOAD16(i) sixteen from there on, COMPOSITE(i) composites register i. Where
-// cells of a pixel are adjacent in chunks of eight, two are read at once, and in the place of those that are not in use
-// the first two again: on llvmpipe a load that no branch guards costs less, and so does one from a known line.
+// LOAD(i) reads the cell `at` into register i, LOAD16(i) sixteen from there on, COMPOSITE(i) composites register i.
+// With PAIRS, where the cells of a pixel are adjacent in chunks of eight, two are read at once, and in the place of
+// those that are not in use the first two again: on llvmpipe a load that no branch guards costs less, and so does one
+// from a known line.
 // Buffers: reads nodes.
 #include "common/network.glsl"
 
-#if CHUNK == 8 && NETWORK > 8 && !PAYLOAD_RGBA16F
+#if PAIRS
 #define LOAD_PAIR(i, cell) { \
     bool in_use = cell < end_cell; \
     uvec4 pair = nodes_pair_at((in_use ? cell : first_cell) >> 1); \
