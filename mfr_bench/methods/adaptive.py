@@ -351,8 +351,8 @@ METHODS = [
                "classes, and "
                f"with flat: ordered {COMMAND_WORDS} for each layer, up to {MOST_ORDERED}, for draws in order; where "
                "fragments are kept in the framebuffer, two for each layer of the viewport in place of 2f; where "
-               "opaque primitives hide what is left out, one per pixel for a depth; where cells are dense, at most a twentieth of 2f + 2 "
-               "for those that stay empty, or by a guess spare_memory "
+               "opaque primitives hide what is left out, one per pixel for a depth; where cells are dense, at most "
+               "a twentieth of 2f + 2 for those that stay empty, or by a guess spare_memory "
                f"times as much, {MOST_GUESSED_BYTES // 2**20} MiB in all; with max_error above its "
                f"default, one and a half per pixel for the cut; with memory_mb one for each {SEGMENT} pixels of a row, "
                "and no more fragments at a time than it leaves room for",
