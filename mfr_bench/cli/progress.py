@@ -40,12 +40,14 @@ def outcome(row: Mapping[str, Any]) -> str:
 class Progress:
     """Counts rows of `total` as they come. On a terminal rows that failed stay on the screen.
 
-    `asked` says whether the user has asked the work to stop. quiet: nothing is printed. ahead: what the run will take.
+    `asked` says whether the user has asked the work to stop. quiet: nothing is printed. foretell: makes what the run
+    will take, at the first event, when the process that measures is at work.
     """
 
     def __init__(self, total: int, name: str, asked: Callable[[], bool] = lambda: False, quiet: bool = False,
-                 ahead: TimeLeft | None = None):
-        self.total, self.name, self.asked, self.quiet, self.done, self.ahead = total, name, asked, quiet, 0, ahead
+                 foretell: Callable[[], TimeLeft] | None = None):
+        self.total, self.name, self.asked, self.quiet, self.done = total, name, asked, quiet, 0
+        self.ahead, self._foretell = None, foretell
         self._last, self._start = "starting", time.monotonic()
         self._live = _live_line(self._text) if total and not quiet else None
 
@@ -66,6 +68,7 @@ class Progress:
 
     def row(self, row: Mapping[str, Any]) -> None:
         """A cell is done."""
+        self._begin()
         self.done += 1
         if self.ahead:
             self.ahead.done(row["key"], row, self._elapsed_s)
@@ -82,11 +85,16 @@ class Progress:
         """A phase of a cell begins, or samples of it are there."""
         from ..run.events import Begun
 
+        self._begin()
         if self.ahead and isinstance(event, Begun):
             self.ahead.began(event.key, event.phase, self._elapsed_s)
         elif self.ahead:
             self.ahead.sampled(event.key, event.samples_ms)
         self._last = self._last if self.done else "measuring"
+
+    def _begin(self) -> None:
+        if self._foretell:
+            self.ahead, self._foretell = self._foretell(), None
 
     def _line(self) -> str:
         left = f", {self._left}" if self.ahead and self.done < self.total else ""

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -153,7 +154,7 @@ class Session:
         name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
         try:
             with Progress(sum(map(len, groups)), name, self.asked, self.choices.quiet,
-                          self._time_left(groups, parts)) as progress:
+                          partial(self._time_left, groups, parts)) as progress:
                 ledger.report = progress.row
                 self.supervisor.measure(groups, ledger, progress.saw, self.choices.try_hopeless, *deadlines, note)
             self._at_the_end(measuring)

@@ -83,7 +83,6 @@ class Measuring:
             return
         try:
             allowed = [job for job in group.jobs if not self._skipped(job, scene.stats)]
-            self.bench.emit(Synced())
             scene.prepare(self._fitted(job, scene.stats).variant for job in allowed)
             self.bench.precompiler.begin([job for job in allowed if drawable(job, self._fitted(job, scene.stats))],
                                          self._drawable_later())
@@ -142,6 +141,7 @@ class Measuring:
                 took_s.append(time.monotonic() - begun)
             if self._then:
                 self.bench.ahead.begin(self._then[0].cell.scene)
+            self.bench.emit(Synced())  # until here the parent may have worked on what was sent before
             self._sample(running)
         except KeyboardInterrupt:
             for cell in sorted(running, key=_middle_ms):

@@ -16,6 +16,7 @@ from ..environment import MIB
 from .memory import kernel_kills, resident_bytes
 
 PROGRAM = "import sys; sys.path[:] = sys.argv.pop().split(':'); from mfr_bench.run.worker import main; main()"
+LOOK_S = 0.01  # between two looks at the memory of a process
 END_S = 5.0  # for a worker that was asked to end, then for one that was killed: a driver may hold it in the kernel
 
 Cause = tuple[str, str]  # status of the cell that was in hand, and what became of the process
@@ -38,7 +39,7 @@ class Worker:
     def __init__(self, want: str, timer: str | None = None):
         ours, theirs = socket.socketpair()
         self._log = os.memfd_create("worker")  # what drivers print; its last line tells of a crash
-        self._kills, self._held = kernel_kills(), 0
+        self._kills, self._held, self._held_at = kernel_kills(), 0, -LOOK_S
         self._cause: Cause | None = None
         self._killed = float("inf")  # when
         with theirs:
@@ -63,14 +64,15 @@ class Worker:
         return event
 
     def resident_bytes(self) -> int:
-        """Main memory that it uses now."""
-        self._held = resident_bytes(self.process.pid)
+        """Main memory that it uses now, as far as it was looked at just before."""
+        if time.monotonic() >= self._held_at + LOOK_S:
+            self._held, self._held_at = resident_bytes(self.process.pid), time.monotonic()
         return self._held
 
     def kill(self, cause: Cause) -> None:
         """End it at once, whatever it does; what it has sent can still be received."""
         if self._cause is None:
-            self._cause, self._killed = cause, time.monotonic()
+            self._cause, self._killed, self._held_at = cause, time.monotonic(), -LOOK_S
         self.process.kill()
 
     def close(self) -> None:
