@@ -105,14 +105,19 @@ class Session:
         Raises Interrupted or DeviceError where it has to end early, with what is kept.
         """
         from ..measure.split import Split
+        from ..methods import catalog
+        from ..run.jobs import hash_codes
         from ..run.ledger import Ledger
 
+        codes: dict[Any, str] = {}
+        for _, cells in plans:  # while the device is opened
+            hash_codes(cells, catalog(), codes)
         ready = self.supervisor.ready()
         self.split = Split()
         self.split.seconds["start-up"] = time.perf_counter() - self.started
         folders = result_folders(plans, self.choices.out, ready.device["slug"])
         with self.split.work("plan"):
-            parts = self._parts(plans, folders, ready)
+            parts = self._parts(plans, folders, ready, codes)
         with ExitStack() as stack:
             for part in parts:
                 if unlocked := stack.enter_context(part.folder.lock()):
@@ -127,13 +132,13 @@ class Session:
             self._measure(parts)
         return {status for part in parts for status in part.sheet.statuses.values()}
 
-    def _parts(self, plans, folders, ready) -> list[Part]:
+    def _parts(self, plans, folders, ready, codes: dict[Any, str]) -> list[Part]:
         """The experiments that have cells."""
         from ..methods import catalog
         from ..run.jobs import jobs
         from ..run.sheet import Sheet
 
-        parts, codes = [], {}
+        parts = []
         for (experiment, cells), folder in zip(plans, folders, strict=True):
             if cells:
                 todo = jobs(cells, catalog(), ready.device, ready.timer, codes)
@@ -154,7 +159,7 @@ class Session:
         name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
         try:
             with Progress(sum(map(len, groups)), name, self.asked, self.choices.quiet,
-                          partial(self._time_left, groups, parts)) as progress:
+                          partial(self._foretold, groups, parts)) as progress:
                 ledger.report = progress.row
                 self.supervisor.measure(groups, ledger, progress.saw, self.choices.try_hopeless, *deadlines, note)
             self._at_the_end(measuring)
@@ -183,6 +188,14 @@ class Session:
         stop = TimeBudget(self.choices.budget_s, self.started).deadline(
             self._ends_s(parts, sum(len(part.sheet.jobs) for part in parts)))
         return time.monotonic() - time.perf_counter() + stop, float("inf")
+
+    def _foretold(self, groups, parts: Sequence[Part]):
+        """The time that the run will take, once what draws its figures is imported: the worker compiles meanwhile."""
+        from ..report.figures import prepare_to_draw
+
+        if self.choices.drawn and any(part.experiment.figures for part in parts):
+            prepare_to_draw()
+        return self._time_left(groups, parts)
 
     def _time_left(self, groups, parts: Sequence[Part]):
         """The time that the run will take, by earlier results of the device."""

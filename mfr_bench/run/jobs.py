@@ -30,6 +30,22 @@ class Job:
     scene_package: Mapping[str, str | None] | None = None
 
 
+def hash_codes(cells: Sequence[Cell], catalog: Mapping[str, Method], codes: dict[Shaders, str]) -> None:
+    """Fill `codes` for these cells, which takes most of the time of `jobs` and needs no device."""
+    variants = Variants(catalog)
+    for cell in cells:
+        _code(_shaders(cell, variants), codes)
+
+
+def _shaders(cell: Cell, variants: Variants) -> Shaders:
+    stats = expected_stats(cell.scene)
+    return variants.of(cell.method, cell.params), stats.geometry, stats.effect
+
+
+def _code(shaders: Shaders, codes: dict[Shaders, str]) -> str:
+    return codes.get(shaders) or codes.setdefault(shaders, glsl_hash(*shaders))
+
+
 def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[str, str], timer: str,
          codes: dict[Shaders, str] | None = None) -> list[Job]:
     """The cells with their keys, which cover the method with its GLSL and parameters, scene, settings and device.
@@ -40,12 +56,10 @@ def jobs(cells: Sequence[Cell], catalog: Mapping[str, Method], device: Mapping[s
     codes = {} if codes is None else codes
     variants, texts, found = Variants(catalog), _Texts(), []
     for cell in cells:
-        method = catalog[cell.method]
-        stats = expected_stats(cell.scene)
-        shaders = variants.of(cell.method, cell.params), stats.geometry, stats.effect
-        packages = {"package": method.package, "effect_package": stats.effect.effect.package,
+        shaders = _shaders(cell, variants)
+        packages = {"package": catalog[cell.method].package, "effect_package": shaders[2].effect.package,
                     "scene_package": kind_of(cell.scene).package(cell.scene)}
-        code = codes.get(shaders) or codes.setdefault(shaders, glsl_hash(*shaders))
+        code = _code(shaders, codes)
         name = key_with({"method": cell.method, "params": cell.params, "glsl_hash": code, "device": device, **packages},
                         timer, texts[cell.scene], texts[cell.measure])
         found.append(Job(cell, name, code, **packages))

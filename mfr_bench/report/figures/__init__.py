@@ -18,10 +18,10 @@ from ...lazy import from_modules
 
 if TYPE_CHECKING:
     from .entry import build
-    from .files import figure_paths, render, write_all, write_figures, write_panels
+    from .files import figure_paths, prepare_to_draw, render, write_all, write_figures, write_panels
     from .kinds import KINDS
 
 __getattr__ = from_modules(__name__, {
-    "KINDS": "kinds", "build": "entry", "figure_paths": "files", "render": "files", "write_all": "files",
-    "write_figures": "files", "write_panels": "files"})
-__all__ = ["KINDS", "build", "figure_paths", "render", "write_all", "write_figures", "write_panels"]
+    "KINDS": "kinds", "build": "entry", "figure_paths": "files", "prepare_to_draw": "files", "render": "files",
+    "write_all": "files", "write_figures": "files", "write_panels": "files"})
+__all__ = ["KINDS", "build", "figure_paths", "prepare_to_draw", "render", "write_all", "write_figures", "write_panels"]

@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,6 +41,12 @@ class Drawn:
     paths: list[Path]
     kept: int
     damaged: list[str]
+
+
+def prepare_to_draw() -> None:
+    """Import what draws: as long as a figure takes, for who has time for it before there is anything to draw."""
+    for name in DRAWS:
+        import_module(name)
 
 
 def write_figures(folder: ResultFolder, processes: int | None = 1, force: bool = False) -> list[Path]:
