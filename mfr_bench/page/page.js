@@ -14,14 +14,17 @@
 
   // A field's value: a number where it holds one, else its text; null where it is empty.
   const valueOf = (cell) => {
-    const raw = cell.dataset.v ?? cell.textContent;
+    const raw = cell.dataset.v ?? (cell.dataset.i ? cell.textContent.split(" ")[0] : cell.textContent);
     return raw === "" ? null : numeric(raw) ?? raw;
   };
 
   // --- tables ---
+  const meanings = new Map($("th[title]").map((head) => [head.textContent, head.title]));  // they stand in the first table
+
   function sortable(table) {
     const heads = $("thead th", table);
     heads.forEach((head, column) => {
+      head.title = meanings.get(head.textContent) ?? "";
       const button = make("button", { type: "button", textContent: head.textContent });
       head.replaceChildren(button);
       button.addEventListener("click", () => {
@@ -127,12 +130,12 @@
       const others = axes.filter((axis) => axis !== x.value).map((axis) => heads.indexOf(axis));
       const found = new Map(), places = new Set();
       for (const row of rows) {
-        const cell = row.cells[of], middle = numeric(cell.dataset.v ?? cell.textContent), place = valueOf(row.cells[at]);
+        const cell = row.cells[of], middle = numeric(valueOf(cell) ?? ""), place = valueOf(row.cells[at]);
         if (middle === null || place === null || (d.value && row.cells[device].textContent !== d.value)) continue;
         const name = [row.cells[0].textContent, ...others.map((i) => row.cells[i].textContent && `${heads[i]} ${row.cells[i].textContent}`),
           d.value || devices.length < 2 ? "" : row.cells[device].textContent].filter(Boolean).join(", ");
         if (!found.has(name)) found.set(name, { name, method: row.dataset.m, points: new Map() });
-        found.get(name).points.set(place, [middle, numeric(cell.dataset.l), numeric(cell.dataset.h)]);
+        found.get(name).points.set(place, [middle, ...(cell.dataset.i?.split(",").map(Number) ?? [null, null])]);
         places.add(place);
       }
       return { lines: [...found.values()], places: [...places].sort((a, b) => (typeof a === "number" && typeof b === "number" ? a - b : byValue(String(a), String(b)))) };

@@ -40,11 +40,13 @@ def page_text(folders: Sequence[ResultFolder], draw: bool = True) -> str:
     results = [data.load(folder) for folder in folders]
     experiments = [_experiment(result, f"e{i}", draw) for i, result in enumerate(results, 1)]
     shaders = shaders_of(point for result in results for point in result.points)
+    methods = list(dict.fromkeys(line.method for e in experiments for line in e.lines))
     return template("page.html.j2").render(
         experiments=experiments, columns=MEASURED, verdicts=_verdicts(results), version=__version__,
-        colours={line.method: style.method_colour(line.method) for e in experiments for line in e.lines},
+        colours=list(map(style.method_colour, methods)), methods={name: at for at, name in enumerate(methods)},
         styles=[_file(name) for name in STYLES], scripts=[_file(name) for name in SCRIPTS], policy=_policy(),
-        shaders=shaders)
+        shaders=shaders,
+        titled=next((e.anchor for e in experiments if e.lines), None))
 
 
 def template(name: str):

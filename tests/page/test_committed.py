@@ -11,6 +11,7 @@ from mfr_bench.store import ResultFolder, find_results
 from .conftest import CHROMIUM, DRIVER
 
 ROOT = Path(__file__).resolve().parents[2]
+ROOM = 0.94  # of the most bytes: sets that are measured anew or beside these keep below it
 MADE = {"smoke"}  # by `make bench`, and not committed
 
 
@@ -21,7 +22,7 @@ def test_the_page_of_all_committed_sets_can_be_sent_and_opened(request, tmp_path
     assert write_page(folders, path, draw=False) is None
     text = path.read_text()
     figures = [figure for folder in folders for figure in figure_paths(data.load(folder))]
-    assert len(text.encode()) <= MOST_BYTES == 5 * 2**20
+    assert len(text.encode()) <= ROOM * MOST_BYTES and MOST_BYTES == 5 * 2**20
     assert text.count('class="experiment"') == len(folders) > 40
     assert all(figure.is_file() for figure in figures) and text.count("<img ") >= len(figures) > 80
     if CHROMIUM and DRIVER:

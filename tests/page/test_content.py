@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import io
+import json
 import re
 
 import numpy as np
@@ -12,7 +13,7 @@ from PIL import Image
 from mfr_bench.page.content import MEASURED, command_of, to_the_fastest, without_paths
 from mfr_bench.page.pictures import kept_picture
 from mfr_bench.page.write import SCRIPTS, _file, page_text, write_page
-from mfr_bench.report import data
+from mfr_bench.report import data, style
 
 from ..report import planted
 
@@ -25,11 +26,14 @@ def text(page):
 def test_every_cell_stands_in_the_table_with_its_values(results, text):
     points = data.load(results).points
     rows = re.findall(r"<tr data-m=.*?</tr>", text)
+    colours = json.loads(re.search(r'id="colours">(.*?)<', text)[1])
     assert len(rows) == len(points)
     for point, row in zip(points, rows, strict=True):
         assert point.label in row and f">{point.sign}<" in row
+        assert colours[int(re.match(r"<tr data-m=(\d+)>", row)[1])] == style.method_colour(point.row["method"])
         if point.row["time_ms"] is not None:
-            assert f'data-v="{point.row["time_ms"]:.6g}" data-l="{point.row["time_ms_low"]:.6g}"' in row
+            low, high = (point.row[f"time_ms_{end}"] for end in ("low", "high"))
+            assert f"data-i={low:.4g},{high:.4g}>{data.number(point.row['time_ms'])} ({data.number(low)}–" in row
         else:
             assert point.row["reason"] in row
     assert all(f">{column.heading}</th>" in text for column in MEASURED)
