@@ -27,6 +27,7 @@ from .suite import Check
 
 VIEWPORT = (17, 13)
 OBJECTS = 5  # closed ones of a recording, each met once by a ray or not at all
+LAYERS = 2 * OBJECTS  # of a pixel at most; of slanted primitives too, so that programs are shared
 STEPS = 8  # of the depths where fragments share some
 ROUNDING = 1e-9  # of a model in float64
 OTHER: Mapping[str, tuple[Any, ...]] = {  # values of the keys that effects read, besides their defaults
@@ -90,7 +91,7 @@ def drawn(scenes: Mapping[str, SceneConfig], effect: Effect) -> dict[str, SceneC
     first = next(iter(scenes.values()))
     found = dict(scenes)
     if effect.needs == "nothing":
-        found["slanted"] = replace(SLANTED["crossing"], effect=first.effect)
+        found["slanted"] = replace(SLANTED["crossing"], effect=first.effect, depth_complexity=LAYERS)
     found |= {f"{key} {value}": replace(first, **{key: value}) for key in effect.keys for value in OTHER[key]}
     return found
 
