@@ -1,7 +1,8 @@
 # `make bench` and `make test` set up what they need themselves.
 
 VENV := .venv
-WORKERS := 2
+# Processes of the tests: one for each core, 4 at most, since one may take 2 GiB of memory.
+WORKERS := $(shell cores=$$(OMP_NUM_THREADS= OMP_THREAD_LIMIT= nproc) && echo $$((cores < 4 ? cores : 4)) || echo 2)
 RUN_READY := $(VENV)/run-ready
 PYTHON_READY := $(VENV)/python-ready
 DRIVER_READY := $(VENV)/driver-ready
@@ -22,7 +23,7 @@ bench: $(RUN_READY) $(DRIVER_READY)  ## measure configs/smoke.yaml; print its ta
 papers: $(RUN_READY) $(DRIVER_READY)  ## measure the papers' experiments into results/<device>/ (ARGS="--profile smoke" on a CPU)
 	@$(VENV)/bin/mfr-bench run $$($(VENV)/bin/mfr-bench configs --papers) $(ARGS)
 
-test: setup  ## run every test, two at a time (WORKERS=0 for one, ARGS="-k scene")
+test: setup  ## run every test, one on each core, up to 4 at a time (WORKERS=0 for one, ARGS="-k scene")
 	@$(VENV)/bin/python -m pytest -n $(WORKERS) --dist worksteal $(ARGS)
 
 test-cluster: setup  ## run tasks on a Slurm of several nodes on this machine; needs root, slurmctld, slurmd, munge
