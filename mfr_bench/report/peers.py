@@ -45,7 +45,8 @@ on a GPU.
 
 The images were compared first, and differ by at most 0.0034, the rounding of premultiplied 8-bit colours. The weights
 of weighted blending differ, so that its images were compared with theirs in the place of ours (0 and 0.0006). HT of
-PixelSyncOIT divides by zero where nothing covers a pixel, and was compared elsewhere.
+PixelSyncOIT divides by zero where nothing covers a pixel, and backwards memory allocation of pknowles/oit draws nothing
+there: both were compared elsewhere.
 
 The others' shaders were used unchanged but for these:
 
