@@ -21,11 +21,11 @@ from pathlib import Path
 
 UNTOLD = 3  # exit status: uv cannot be told one of pip's settings
 SECTIONS = ("global", "install", ":env:")  # of `pip install`; the later overrides the earlier
-VALUES = {"index-url": "UV_DEFAULT_INDEX", "client-cert": "SSL_CLIENT_CERT", "retries": "UV_HTTP_RETRIES"}
+VALUES = {"index-url": "UV_DEFAULT_INDEX", "retries": "UV_HTTP_RETRIES"}
 LISTS = {"extra-index-url": ("UV_INDEX", " "), "trusted-host": ("UV_INSECURE_HOST", " ")}
-SWITCHES = {"no-index": "UV_NO_INDEX", "no-cache-dir": "UV_NO_CACHE"}
 TRUE = {"1", "on", "t", "true", "y", "yes"}
-ELSEWHERE = {"cert"}  # told by certificates()
+ELSEWHERE = {"cert", "client-cert", "no-index"}  # told by certificates() and main()
+KEPT = ("UV_CACHE_DIR", "UV_CONCURRENT_", "UV_LINK_MODE", "UV_NO_CACHE")  # of uv's own variables: how, not from where
 NO_MATTER = {  # for pinned wheels in a virtual environment of their own; or about what pip prints and keeps
     "break-system-packages", "cache-dir", "compile", "config-file", "disable-pip-version-check", "exists-action", "log",
     "no-color", "no-compile", "no-deps", "no-input", "no-python-version-warning", "no-warn-script-location",
@@ -52,13 +52,21 @@ def settings(listed: str) -> dict[str, str]:
 
 
 def certificates(options: Mapping[str, str], environment: Mapping[str, str]) -> dict[str, str]:
-    """The variable for the certificates that pip trusts: those it is told, the system's, or where it has none uv's."""
+    """The variables for the certificates that pip trusts: those it is told, the system's, or where it has none uv's.
+
+    Raises UntoldError where one is not there: pip then stops, and uv would take its own.
+    """
+    client = options.get("client-cert")
     bundle = options.get("cert") or environment.get("REQUESTS_CA_BUNDLE") or environment.get("CURL_CA_BUNDLE")
+    for path in filter(None, (client, bundle)):
+        if not Path(path).exists():
+            raise UntoldError(f"{path}: there is no such file of certificates")
+    every = {"SSL_CLIENT_CERT": client} if client else {}
     if bundle:
-        return {"SSL_CERT_DIR" if Path(bundle).is_dir() else "SSL_CERT_FILE": bundle}
+        return every | {"SSL_CERT_DIR" if Path(bundle).is_dir() else "SSL_CERT_FILE": bundle}
     system = ssl.get_default_verify_paths()
     has_some = system.cafile or (system.capath and os.listdir(system.capath))
-    return {"UV_SYSTEM_CERTS": "1"} if has_some else {}
+    return every | ({"UV_SYSTEM_CERTS": "1"} if has_some else {})
 
 
 def _constraint(value: str, pinned: set[str]) -> dict[str, str]:
@@ -94,8 +102,8 @@ def told(name: str, value: str, pinned: set[str]) -> dict[str, str]:
     if name in LISTS:
         variable, separator = LISTS[name]
         return {variable: separator.join(value.split())}
-    if name in SWITCHES:
-        return {SWITCHES[name]: "1"} if value.lower() in TRUE else {}
+    if name == "no-cache-dir":
+        return {"UV_NO_CACHE": "1"} if value.lower() in TRUE else {}
     if name in {"timeout", "default-timeout"}:
         return {"UV_HTTP_TIMEOUT": str(round(float(value)))}
     of_one = {"constraint": lambda: _constraint(value, pinned), "find-links": lambda: _find_links(value),
@@ -132,15 +140,25 @@ def without_cache(uv: str) -> dict[str, str]:
     return {} if writable else {"UV_NO_CACHE": "1"}
 
 
+def environment_of_uv(inherited: Mapping[str, str], told: Mapping[str, str]) -> dict[str, str]:
+    """What uv inherits, less what would send it elsewhere than pip or have it trust more certificates, and `told`."""
+    bundle = {"SSL_CERT_DIR", "SSL_CERT_FILE"}
+    dropped = bundle if bundle & told.keys() else set()
+    return {name: value for name, value in inherited.items()
+            if name not in dropped and (not name.startswith("UV_") or name.startswith(KEPT))} | dict(told)
+
+
 def main(uv: str, listed: str, *arguments: str) -> None:
     """Becomes uv."""
     try:
-        extra = variables(settings(Path(listed).read_text()), pinned_in(arguments), os.environ)
+        options = settings(Path(listed).read_text())
+        extra = variables(options, pinned_in(arguments), os.environ)
     except (UntoldError, ValueError) as error:
         print(f"pip's setting {error}", file=sys.stderr)
         sys.exit(UNTOLD)
-    environment = os.environ | without_cache(uv) | extra
-    os.execve(uv, [uv, "pip", "install", "--quiet", "--python", sys.executable, *arguments], environment)  # noqa: S606
+    no_index = ["--no-index"] if options.get("no-index", "").lower() in TRUE else []  # the one without a variable
+    command = [uv, "pip", "install", "--quiet", "--python", sys.executable, *no_index, *arguments]
+    os.execve(uv, command, environment_of_uv(os.environ, without_cache(uv) | extra))  # noqa: S606
 
 
 if __name__ == "__main__":

@@ -62,7 +62,7 @@ version = "1"
 
 def wheel(folder: Path, name: str, version: str, files: dict[str, str]) -> str:
     """Makes a wheel; its line of a lock."""
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}-{version}-py3-none-any.whl"
     info = f"{name}-{version}.dist-info"
     with zipfile.ZipFile(path, "w") as archive:
@@ -146,7 +146,8 @@ def test_pinned_uv_is_fetched_and_installs_with_the_settings_of_pip(project):
     log = project.log.read_text()
     assert "--require-hashes --only-binary :all: -r requirements-run.lock" in log
     assert "--editable ." in log
-    assert {"UV_NO_INDEX=1", f"UV_FIND_LINKS={project.wheels}", "UV_HTTP_TIMEOUT=7"} <= set(log.splitlines())
+    assert log.count(" --no-index ") == 2
+    assert {f"UV_FIND_LINKS={project.wheels}", "UV_HTTP_TIMEOUT=7"} <= set(log.splitlines())
     assert not {"bundled-pip", "pip-settings", "unfinished"} & set(os.listdir(project.venv))
     (project.folder / "mfr_bench" / "gpu" / "probe.py").write_text("raise SystemExit(3)")
     assert project.set_up("driver") == "setup: OpenGL 4.6 on a device of this test\n"
@@ -233,21 +234,71 @@ def test_file_that_contradicts_another_is_left_to_pip(uv_install):
     ("index-url", "https://a/simple", "UV_DEFAULT_INDEX=https://a/simple"),
     ("extra-index-url", "\nhttps://a\nhttps://b", "UV_INDEX=https://a https://b"),
     ("find-links", "/does/not/exist https://a /", "UV_FIND_LINKS=https://a,/"),
-    ("trusted-host", "a b:8", "UV_INSECURE_HOST=a b:8"), ("no-index", "yes", "UV_NO_INDEX=1"),
+    ("trusted-host", "a b:8", "UV_INSECURE_HOST=a b:8"),
     ("no-cache-dir", "true", "UV_NO_CACHE=1"), ("default-timeout", "15.0", "UV_HTTP_TIMEOUT=15"),
-    ("retries", "2", "UV_HTTP_RETRIES=2"), ("client-cert", "/c.pem", "SSL_CLIENT_CERT=/c.pem"),
+    ("retries", "2", "UV_HTTP_RETRIES=2"), ("client-cert", __file__, f"SSL_CLIENT_CERT={__file__}"),
     ("proxy", "me:secret@a:3128", "HTTPS_PROXY=http://me:secret@a:3128"),
-    ("cert", "/c.pem", "SSL_CERT_FILE=/c.pem"), ("cert", "/", "SSL_CERT_DIR=/")])
+    ("cert", __file__, f"SSL_CERT_FILE={__file__}"), ("cert", "/", "SSL_CERT_DIR=/")])
 def test_setting_of_pip_is_told_uv(uv_install, option, value, variable):
     told = uv_install.variables({option: value, "quiet": "1"}, set(), {})
     assert variable in [f"{name}={text}" for name, text in told.items()]
 
 
+def real_uv() -> str:
+    """The uv that `make` fetched or found."""
+    own = Path(sys.executable).parent / "uv"
+    found = str(own) if own.exists() else shutil.which("uv")
+    if not found:
+        pytest.skip("there is no uv for this machine: pip installed")
+    return found
+
+
+def index(folder: Path) -> tuple[str, str]:
+    """A package index of one package; its address, and the package's line of a lock."""
+    line = wheel(folder / "needed", "needed", "1", {"needed.py": ""})
+    name = next((folder / "needed").glob("*.whl")).name
+    (folder / "needed" / "index.html").write_text(f'<a href="{name}">{name}</a>')
+    return folder.as_uri(), line
+
+
+@pytest.mark.parametrize(("listed", "status"), [
+    ("global.index-url='{index}'", 0), ("global.index-url='{empty}'\nglobal.extra-index-url='{index}'", 0),
+    ("global.index-url='{empty}'\nglobal.find-links='{index}/needed'", 0),
+    ("global.index-url='{empty}'", 1), (":env:.no-index='1'\nglobal.index-url='{index}'", 1)])
+def test_real_uv_takes_packages_from_where_pip_would(tmp_path, listed, status):
+    """And from nowhere else, whatever its own variables say."""
+    address, line = index(tmp_path / "index")
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "lock").write_text(line)
+    (tmp_path / "settings").write_text(listed.format(index=address, empty=(tmp_path / "empty").as_uri()))
+    done = subprocess.run([sys.executable, ROOT / "scripts" / "uv_install.py", real_uv(), tmp_path / "settings",
+                           "--target", tmp_path / "site", "--no-deps", "--require-hashes", "-r", tmp_path / "lock"],
+                          env=os.environ | {"UV_CACHE_DIR": str(tmp_path / "cache"), "UV_EXTRA_INDEX_URL": address},
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == status, done.stderr
+    assert (tmp_path / "site" / "needed.py").exists() == (status == 0)
+
+
 def test_certificates_of_requests_count_as_in_pip(uv_install):
     """Where pip is told none itself; without any, the system's count where it has some."""
-    assert uv_install.certificates({}, {"REQUESTS_CA_BUNDLE": "/r.pem"}) == {"SSL_CERT_FILE": "/r.pem"}
-    assert uv_install.certificates({"cert": "/c.pem"}, {"CURL_CA_BUNDLE": "/r.pem"}) == {"SSL_CERT_FILE": "/c.pem"}
+    assert uv_install.certificates({}, {"REQUESTS_CA_BUNDLE": __file__}) == {"SSL_CERT_FILE": __file__}
+    assert uv_install.certificates({"cert": __file__}, {"CURL_CA_BUNDLE": "/"}) == {"SSL_CERT_FILE": __file__}
     assert uv_install.certificates({}, {}) in ({}, {"UV_SYSTEM_CERTS": "1"})
+
+
+def test_certificates_of_pip_are_the_only_ones(uv_install):
+    """uv trusts those of both variables; its own variables, but for those of its cache, are not handed on."""
+    inherited = {"SSL_CERT_DIR": "/etc/ssl/certs", "UV_INDEX": "https://a", "UV_CACHE_DIR": "/c", "HOME": "/h"}
+    kept = {"UV_CACHE_DIR": "/c", "HOME": "/h"}
+    assert uv_install.environment_of_uv(inherited, {"SSL_CERT_FILE": "/b"}) == kept | {"SSL_CERT_FILE": "/b"}
+    assert uv_install.environment_of_uv(inherited, {}) == kept | {"SSL_CERT_DIR": "/etc/ssl/certs"}
+
+
+def test_certificates_that_are_not_there_are_left_to_pip(uv_install):
+    """uv would take its own instead."""
+    for option in ("cert", "client-cert"):
+        with pytest.raises(uv_install.UntoldError, match=r"^/c\.pem: there is no such file of certificates$"):
+            uv_install.certificates({option: "/c.pem"}, {})
 
 
 @pytest.mark.parametrize("option", ["no-binary", "keyring-provider", "target"])
