@@ -86,8 +86,10 @@ class Compiling:
         return self
 
     def __call__(self) -> None:
-        """Let it finish what it was asked for."""
+        """Let it finish what it is at; what else it was asked for is not drawn any more."""
         self.process.begin([])
+        for job in self._jobs:
+            self.process.reached(job)
         while self.process.asked:
             time.sleep(0.01)
             self.process.begin([])

@@ -30,6 +30,8 @@ ASKED = 8  # cells at once: so few that writing to the process never waits for i
 FRAGMENTS = 2**21  # of a frame, above which drawing it takes longer than compiling
 CELL_BYTES = 256 * MIB  # of a method's memory, which this process needs as well
 FREE_BYTES = 2048 * MIB  # of memory that must be free before one more process takes some
+IDLE_S = 0.5  # after its last answer the driver has written what it compiled
+YIELDS = 50  # of the processor while it is about to stop, before each further look is a sleep
 STOP_S = 1.0  # until it stands still, or is killed
 TRIED, SHARE = 3, 0.5  # cells drawn ahead, of whose compiling this one may be left with so much
 LOCKS = Path("/proc/locks")  # Linux: the locks of files, by process
@@ -69,6 +71,7 @@ class Precompiler:
         self._process: Any = None
         self._link: Connection | None = None
         self._spent_s = 0.0
+        self._heard_at = 0.0  # by the monotonic clock
 
     @property
     def pid(self) -> int | None:
@@ -109,15 +112,23 @@ class Precompiler:
 
     @contextmanager
     def paused(self) -> Iterator[None]:
-        """Let it stand still meanwhile, and hold no lock of a file, for which the driver of this process might wait."""
-        pid = self.pid
+        """Let it stand still meanwhile, and hold no lock of a file, for which the driver of this process might wait.
+
+        One that waits for cells has nothing to be stopped at.
+        """
+        pid = None if self._idle() else self.pid
         if pid and not self._stopped(pid):
             self._give_up()
         try:
             yield
         finally:
-            if self.pid:
+            if pid and self.pid:
                 _signal(pid, signal.SIGCONT)
+
+    def _idle(self) -> bool:
+        """Whether it has answered for all cells, and that not just now."""
+        self._hear()
+        return not self.asked and time.monotonic() > self._heard_at + IDLE_S
 
     def taken_s(self) -> dict[str, float]:
         """Processor time that it has spent since the last call, as a kind of work."""
@@ -144,7 +155,7 @@ class Precompiler:
             self._process = self._serve = None
             return
         theirs.close()
-        self._link = ours
+        self._link, self._heard_at = ours, time.monotonic()
 
     def _give_up(self) -> None:
         self.close()
@@ -172,6 +183,7 @@ class Precompiler:
         try:
             while self._link and self._link.poll(0):
                 key, spent_s = self._link.recv()
+                self._heard_at = time.monotonic()
                 self.asked.pop(key, None)
                 if spent_s is not None:
                     self.drawn_s[key] = spent_s
@@ -185,8 +197,10 @@ class Precompiler:
         until = time.monotonic() + STOP_S
         while time.monotonic() < until:
             _signal(pid, signal.SIGSTOP)
+            looks = 0
             while not (still := _stands_still(pid)) and time.monotonic() < until:
-                time.sleep(1e-4)
+                looks += 1
+                time.sleep(0 if looks < YIELDS else 1e-4)
             if still and not _holds_a_lock(pid):
                 return True
             _signal(pid, signal.SIGCONT)

@@ -218,6 +218,18 @@ def test_the_rows_are_the_same(serve, device, tmp_path, monkeypatch):
     assert both == alone and len(both) == len(METHODS)
 
 
+def test_one_that_waits_for_cells_is_not_stopped(made, monkeypatch):
+    """Unless it has answered just now: its driver may still be writing what it compiled."""
+    precompiler = made(fake.answers, COMPILED_S)
+    answered(precompiler, {each.key for each in CELLS[1:]})
+    monkeypatch.setattr(module, "IDLE_S", 600.0)
+    with precompiler.paused():
+        assert state(precompiler.pid) == "T"
+    monkeypatch.setattr(module, "IDLE_S", 0.0)
+    with precompiler.paused():
+        assert state(precompiler.pid) != "T"
+
+
 # --- faults --------------------------------------------------------------------------------------
 
 
