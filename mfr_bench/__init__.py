@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False  # type checkers take it for true; without typing, Ctrl-C is answered sooner
 if TYPE_CHECKING:
+    from typing import Any
+
     from .api import load, plot
 
 __version__ = "0.1.0"

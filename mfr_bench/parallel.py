@@ -19,6 +19,7 @@ from .environment import usable_cores
 from .errors import MfrError
 
 GL = {"moderngl", "glcontext"}  # modules of a process that may hold a context
+THREADED = {"flip_evaluator"}  # modules that may wait in a copy for threads which it has not (OpenBLAS ends its own)
 FEWEST = 3  # items for which a process that is no copy is worth its start
 
 Item = TypeVar("Item")
@@ -66,8 +67,8 @@ def uncollected() -> Iterator[None]:
 
 
 def _copies() -> bool:
-    """Whether a copy of this process is sound: it has no other thread of Python, and no GL context."""
-    return threading.active_count() == 1 and not GL.intersection(sys.modules)
+    """Whether a copy of this process is sound: it has no thread that a copy would wait for, and no GL context."""
+    return threading.active_count() == 1 and not (GL | THREADED).intersection(sys.modules)
 
 
 def _begin() -> None:

@@ -35,11 +35,13 @@ def with_a_thread(found):
 
 def test_a_process_that_may_be_copied_is_one_without_threads_and_without_gl(monkeypatch):
     monkeypatch.setattr(sys, "modules", {name: module for name, module in sys.modules.items()
-                                         if name not in parallel.GL})
+                                         if name not in parallel.GL | parallel.THREADED})
     assert parallel._copies() is (threading.active_count() == 1)
     assert with_a_thread(parallel._copies) is False
-    monkeypatch.setitem(sys.modules, "moderngl", ModuleType("moderngl"))
-    assert parallel._copies() is False
+    for name in ("moderngl", "flip_evaluator"):
+        with monkeypatch.context() as loaded:
+            loaded.setitem(sys.modules, name, ModuleType(name))
+            assert parallel._copies() is False
 
 
 @pytest.mark.parametrize("copies", [True, False])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import click
@@ -135,9 +136,9 @@ def check(name: str, no_race: bool, device: str) -> int:
         raise UsageError(f"NAME: unknown method, scene or effect {name!r}; {one_of(name, known)}")
     _hold_own(name)
     failed = lacking = 0
-    with Interruption(device_here=True):
+    with Interruption(device_here=True) as interruption:
         for kind, declared in kinds.items():
-            found, missing = CHECKS[kind](name, declared, device)
+            found, missing = CHECKS[kind](name, declared, device, interruption.asked)
             failed, lacking = failed + found, lacking or missing
     if failed:
         note_blame(device, "a check failed")
@@ -160,13 +161,13 @@ def _hold_own(name: str) -> None:
                          f"a name of its own, in {wrong[0].partition(':')[0]}")
 
 
-def _of_method(_: str, declared, device: str) -> tuple[int, bool]:
+def _of_method(_: str, declared, device: str, stop: Callable[[], bool]) -> tuple[int, bool]:
     """The number of checks of a method that failed, and whether the device could draw no image at all."""
     from ..contract import suite
     from ..gpu.device import open_device
 
     opened = open_device(device)
-    failed = _carried_out(suite.of_method(opened, declared))
+    failed = _carried_out(suite.of_method(opened, declared), stop)
     missing = suite.missing_features(opened, declared)
     if missing:
         note(f"{declared.id}: this device lacks {', '.join(missing)}: no image of its defaults was drawn")
@@ -175,15 +176,15 @@ def _of_method(_: str, declared, device: str) -> tuple[int, bool]:
     return failed, bool(missing)
 
 
-def _of_scene(name: str, maker, device: str) -> tuple[int, bool]:
+def _of_scene(name: str, maker, device: str, stop: Callable[[], bool]) -> tuple[int, bool]:
     """The number of checks of a scene that failed."""
     from ..contract import of_scene
     from ..gpu.device import open_device
 
-    return _carried_out(of_scene.checks(open_device(device), name, maker)), False
+    return _carried_out(of_scene.checks(open_device(device), name, maker), stop), False
 
 
-def _of_effect(name: str, effect, device: str) -> tuple[int, bool]:
+def _of_effect(name: str, effect, device: str, stop: Callable[[], bool]) -> tuple[int, bool]:
     """The number of checks of an effect that failed."""
     from tempfile import TemporaryDirectory
 
@@ -191,7 +192,7 @@ def _of_effect(name: str, effect, device: str) -> tuple[int, bool]:
     from ..gpu.device import open_device
 
     with TemporaryDirectory() as folder:
-        failed = _carried_out(of_effect.checks(open_device(device), name, effect, Path(folder)))
+        failed = _carried_out(of_effect.checks(open_device(device), name, effect, Path(folder)), stop)
     if not effect.cases:
         say("left out  the model against cases that are known: the entry has none")
     return failed, False
@@ -200,14 +201,16 @@ def _of_effect(name: str, effect, device: str) -> tuple[int, bool]:
 CHECKS = {"method": _of_method, "scene": _of_scene, "effect": _of_effect}
 
 
-def _carried_out(checks) -> int:
-    """The number of checks that failed, each of them told."""
+def _carried_out(checks, stop: Callable[[], bool]) -> int:
+    """The number of checks that failed, each of them told. Raises KeyboardInterrupt behind one, where it is to stop."""
     from ..contract import suite
 
     failed = 0
     for outcome in suite.run(checks):
         _tell(outcome.name, outcome.faults)
         failed += bool(outcome.faults)
+        if stop():
+            raise KeyboardInterrupt
     return failed
 
 

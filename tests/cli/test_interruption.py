@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from mfr_bench.cli.interruption import Interruption
+from mfr_bench.cli.method_commands import _carried_out
 from mfr_bench.cli.progress import STOPPING, Progress
 
 from .conftest import apart, sabotaged
@@ -50,6 +51,20 @@ def test_the_second_is_an_order(number):
     with pytest.raises(KeyboardInterrupt):
         at_work(signal.SIGINT, number, reached=reached)
     assert reached == [True]
+
+
+def test_a_check_of_ones_own_ends_behind_the_part_in_which_it_came(capsys):
+    """Parts take seconds each, and a method has some twenty."""
+    begun = []
+
+    def part():
+        begun.append("part")
+        signal.raise_signal(signal.SIGINT)
+        return ()
+
+    with pytest.raises(KeyboardInterrupt), Interruption(device_here=True) as interruption:
+        _carried_out([("the first", part), ("the second", part)], interruption.asked)
+    assert begun == ["part"] and capsys.readouterr().out == "ok        the first\n"
 
 
 def test_the_second_ends_the_process_that_has_the_device():
