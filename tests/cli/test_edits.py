@@ -190,7 +190,7 @@ def test_every_command_reads_results_that_nobody_edited(made, mfr):
 def test_no_edit_of_earlier_results_stops_a_measurement(measured, tiny, mfr, monkeypatch):
     """`run` keeps, copies or measures again what it finds; `decide` and a forecast learn from it."""
     monkeypatch.setattr("mfr_bench.decide.budget.started", time.monotonic)  # not when the process of the tests began
-    decided = ["decide", "--config", str(tiny), "--time-budget", "6s", "--out", "decided"]
+    decided = ["decide", "--config", str(tiny), "--time-budget", "40s", "--out", "decided"]
     assert mfr(*decided).status == 0
     pristine = [(Path(name), shutil.copytree(name, f"pristine-{name}")) for name in ("out", "decided")]
     failed = []
