@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Measures `adaptive` beside the fastest other exact method where geometry does not fill rectangles.
 
-scripts/adaptive_scenes.py FILE [--rounds 7] [--only TEXT] [--deep] [--bound] [--table]
+scripts/adaptive_scenes.py FILE [--rounds 7] [--only TEXT] [--deep | --small] [--bound] [--table]
 
 FILE is a CSV table with a row for each scene; a scene that has one is not measured again. All methods draw a scene in
 turns in one process, by its processor time; every image is compared with the oracle's. --only: scenes whose names have
-TEXT. --deep: the scenes with up to 1024 layers at 512x512 instead. --bound: for meshes and their stand-ins measure, in
+TEXT. --deep: the scenes with up to 1024 layers at 512x512 instead, --small: with 256 to 1024 layers at 96x96, which
+the arrays of all methods have room for. --bound: for meshes and their stand-ins measure, in
 the place of `adaptive`, the least that a method which stores each fragment can do: a counter and one store for each,
 and a resolve that reads them once and blends them as they come. --table: print FILE in Markdown, measure nothing. For
 a driver that draws on the CPU.
@@ -105,6 +106,14 @@ DEEP: Mapping[str, Scene] = {
         "quads in a block": quads(1024, pixel_density=0.02),
         "tiles of quads": tiles(1024, 0.02), "slanted quads": quads(1024, slant=0.7, pixel_density=0.02),
         "hairball": stand_in("hairball", 1000, 300, 0.05), "needles": stand_in("needles", 1024, 300, 0.05)}.items()}
+SMALL: Mapping[str, Scene] = {
+    f"{name}, {layers} layers at 96 × 96": replace(scene, size=(96, 96))
+    for layers in (256, 512, 1024)
+    for name, scene in {
+        "quads in a block": quads(layers, pixel_density=0.25), "tiles of quads": tiles(layers, 0.25),
+        "slanted quads": quads(layers, slant=0.7, pixel_density=0.25),
+        "hairball": stand_in("hairball", layers, 0.3 * layers, 0.25),
+        "needles": stand_in("needles", layers, 0.3 * layers, 0.25)}.items()}
 
 
 def made(name: str, scene: Scene) -> Geometry:
@@ -256,11 +265,13 @@ def main() -> None:
     parser.add_argument("file", type=Path)
     parser.add_argument("--rounds", type=at_least(FEWEST_ROUNDS), default=7)
     parser.add_argument("--only", default="")
-    parser.add_argument("--deep", action="store_true")
+    size = parser.add_mutually_exclusive_group()
+    size.add_argument("--deep", action="store_true")
+    size.add_argument("--small", action="store_true")
     parser.add_argument("--bound", action="store_true")
     parser.add_argument("--table", action="store_true")
     given = parser.parse_args()
-    known = {name: scene for name, scene in (DEEP if given.deep else SCENES).items()
+    known = {name: scene for name, scene in (DEEP if given.deep else SMALL if given.small else SCENES).items()
              if not given.bound or name.startswith(MESH_LIKE)}
     scenes = {name: scene for name, scene in known.items() if given.only in name}
     if not scenes:
@@ -273,7 +284,7 @@ def main() -> None:
         for name, scene in scenes.items():
             if name not in done:
                 add_row(given.file, measured(device, name, scene, given.rounds, BOUND if given.bound else MINE))
-    order = {name: place for place, name in enumerate((*SCENES, *DEEP))}
+    order = {name: place for place, name in enumerate((*SCENES, *DEEP, *SMALL))}
     print(as_table(sorted(rows_of(given.file), key=lambda row: order.get(row["scene"], len(order)))))
 
 

@@ -126,6 +126,12 @@ def test_a_share_of_the_primitives_is_opaque_where_the_name_says_so(script, name
     assert made.opaque_primitives / len(made) == pytest.approx(share, abs=0.05)
 
 
+def test_small_scenes_have_as_many_layers_as_their_names_say(script):
+    assert not script.SMALL.keys() & {*script.SCENES, *script.DEEP}
+    for name, scene in script.SMALL.items():
+        assert f", {scene.depth_complexity} layers at 96 × 96" in name and scene.size == (96, 96)
+
+
 @pytest.mark.parametrize(("order", "right"), [("front_to_back", True), ("back_to_front", False)])
 def test_the_bound_blends_fragments_as_they_come(script, device, order, right):
     config = Scene(size=(24, 20), depth_complexity=5, order=order)
