@@ -36,6 +36,7 @@ from .uniforms import Uniforms
 # Blending that leaves what is drawn as it is. A program drawn with any blending is compiled once by llvmpipe, one drawn
 # without twice; a pass over the screen takes 1 to 2 ns a pixel more (docs/measurement.md, "Compiling once").
 REPLACING = ("add", "one", "zero")
+MIXED = ("r32f",)  # formats of which llvmpipe blends what was there in, times zero: findings/blended_by_zero.sh
 NETWORK = re.compile(r"^#define NETWORK (?P<fragments>\d+)", re.MULTILINE)  # a sort in registers: takes LLVM longest
 MANY = 16  # layers of a scene and fragments of a network, from which on that is no more than 1 % of a frame
 
@@ -310,7 +311,8 @@ class PassRunner:
 
         Where nothing is blended, a pass over the screen may blend so that what it draws stands alone: see `REPLACING`.
         """
-        hides = self.step.kind == "fullscreen" and not (state.blends or state.depth_test or state.stencil)
+        hides = (self.step.kind == "fullscreen" and not (state.blends or state.depth_test or state.stencil)
+                 and not any(self._texture(ref, 0).format in MIXED for ref in self.step.into))
         blend = state.blend or (REPLACING if hides and self._compiles_once else None)
         yield self._switch(rawgl.BLEND, blend or state.blends)
         if blend:

@@ -8,6 +8,9 @@ from mfr_bench.config.model import Scene
 from mfr_bench.gpu import rawgl
 from mfr_bench.gpu.context import Device
 from mfr_bench.gpu.pass_runner import PassRunner
+from mfr_bench.gpu.probes import ProbeBench, probe_method
+from mfr_bench.gpu.rawgl import FORMATS
+from mfr_bench.methods.spec import IMAGE, Pass, Target
 
 from ..contract.cases import Drawn, catalog
 
@@ -43,3 +46,25 @@ def test_where_passes_over_the_screen_blend(device, monkeypatch, twice, timed, l
     monkeypatch.setattr(Device, "compiles_opaque_twice", twice)
     Drawn(device, catalog()["ab-ll"].variant({"sort": "register"}), Scene(size=(24, 16), depth_complexity=layers))
     assert switched == {"clear": {blends and not timed}, "store": {False}, "resolve": {blends}}
+
+
+@pytest.mark.parametrize("format", [name for name in FORMATS if name.endswith("f") and "depth" not in name])
+def test_values_replace_what_was_in_a_float_target(device, monkeypatch, plant, format):
+    """A pass over the screen gives the same value whatever the target held, also where it may blend."""
+    plant("probe/work.frag", "out_image = value;", "out_nearest = value;")
+    monkeypatch.setattr(Device, "compiles_opaque_twice", True)
+    monkeypatch.setattr(device, "times_frames", False)
+    with ProbeBench(device, Scene(size=(24, 16), depth_complexity=0)) as bench:
+        assert len({_shown(bench, format, before) for before in (0.0, 1.0, 6e4, float("inf"))}) == 1
+
+
+def _shown(bench: ProbeBench, format: str, before: float) -> bytes:
+    """The image of values written to a target of this format that held `before`."""
+    work = Pass("work", "fullscreen", "probe/work.frag", into=("nearest",), clears={"nearest": (before,) * 4},
+                defines={"ROUNDS": 3})
+    show = Pass("show", "fullscreen", "probe/show_depth.frag", reads=("nearest",), into=(IMAGE,))
+    frame = bench.frame(probe_method("replaced", work, show, targets=(Target("nearest", format),)))
+    frame.draw()
+    image = frame.image().tobytes()
+    frame.release()
+    return image
