@@ -141,8 +141,8 @@ recent() {
 # by_uv ARGUMENT...: fails where uv does, and from then on pip is taken.
 by_uv() {
     [ -n "$uv" ] || return 1
-    "$venv/bin/python" scripts/uv_install.py "$uv" "$settings" --no-deps "$@" 2>"$venv/uv.log" && return
-    say "uv failed, so pip installs, which takes longer: $(paste -sd ' ' "$venv/uv.log" | tr -s ' ')"
+    why=$("$venv/bin/python" scripts/uv_install.py "$uv" "$settings" --no-deps "$@" 2>&1) && return
+    say "uv failed, so pip installs, which takes longer: $(echo "$why" | paste -sd ' ' - | tr -s ' ')"
     uv=
     return 1
 }
@@ -166,17 +166,20 @@ compile_dependencies() {
 # install_dependencies LOCK: what a file of pinned requirements names.
 install_dependencies() {
     say "installing $1 into $venv"
-    log=$venv/pip.log
     if by_uv --require-hashes --only-binary :all: -r "$1"; then
         return
     fi
-    if ! pip_install --require-hashes --only-binary :all: -r "$1" 2>"$log"; then
-        if grep -q "Retrying" "$log" || ! grep -q "No matching distribution" "$log"; then
-            cat "$log" >&2
-            stop "pip could not install $1 (above)"
-        fi
-        compile_dependencies "$1"
-    fi
+    # Not into a file: a full disk would keep the reason to itself.
+    why=$(pip_install --require-hashes --only-binary :all: -r "$1" 2>&1) && return
+    case $why in
+        *Retrying* | *"No space left"*) ;;
+        *"No matching distribution"*)
+            compile_dependencies "$1"
+            return
+            ;;
+    esac
+    echo "$why" >&2
+    stop "pip could not install $1 (above)"
 }
 
 install_package() {

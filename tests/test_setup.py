@@ -163,6 +163,16 @@ def test_pip_installs_where_uv_fails(project):
     assert (project.venv / "bin" / "pip").exists()
 
 
+def test_reasons_are_told_where_no_file_can_be_written(project):
+    """What uv and pip say goes into no file, which a full disk would leave empty."""
+    project.put_uv_on_path()
+    project.set_up(FAILS="1")
+    for log in ("uv.log", "pip.log"):
+        (project.venv / log).unlink(missing_ok=True)
+        (project.venv / log).mkdir()
+    assert "takes longer: error: no room cause: a full disk\n" in project.set_up(FAILS="1")
+
+
 def test_pip_stops_at_a_wrong_hash_where_there_is_no_uv(project):
     """A uv older than the pinned one counts as none."""
     project.put_uv_on_path(UV.replace("99.1.0", "99.0.9"))
