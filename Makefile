@@ -58,7 +58,7 @@ clean:  ## remove .venv, builds and caches, but no results
 # What measuring needs, and nothing that only tests do: a third of the packages.
 $(RUN_READY): pyproject.toml requirements-run.lock requirements-uv.lock
 	@scripts/setup.sh run
-	@echo '$(CURDIR)' >$@
+	@pwd -P >$@
 
 $(PYTHON_READY): $(RUN_READY) requirements.lock
 	@scripts/setup.sh python

@@ -115,6 +115,9 @@ pip_install() {
 find_uv() {
     rm -f "$settings"
     trap 'rm -f "$settings"' EXIT
+    # Without these dash ends by a signal without the line above.
+    trap 'exit 130' INT
+    trap 'exit 143' HUP TERM
     (umask 077 && pip config list >"$settings" 2>/dev/null) &
     listing=$!
     for uv in "$venv/bin/uv" "$(command -v uv || true)" fetch; do

@@ -93,8 +93,12 @@ class Progress:
         self._last = self._last if self.done else "measuring"
 
     def _begin(self) -> None:
+        """Tell what the run will take, once there is an event."""
         if self._foretell:
             self.ahead, self._foretell = self._foretell(), None
+            if self._live:
+                with suppress(OSError):
+                    self._live.refresh()
 
     def _line(self) -> str:
         left = f", {self._left}" if self.ahead and self.done < self.total else ""

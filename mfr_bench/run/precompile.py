@@ -155,7 +155,7 @@ class Precompiler:
             self._process = self._serve = None
             return
         theirs.close()
-        self._link, self._heard_at = ours, time.monotonic()
+        self._link, self._heard_at = ours, float("inf")  # until it answers, it may still be starting
 
     def _give_up(self) -> None:
         self.close()
