@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -56,6 +57,7 @@ class Frame:
         self._counted = 0  # samples that the latest counting pass let through
         self._shown = scene_buffer.scene
         self._drawn: tuple[Geometry, int] | None = None  # scene of the latest frame, and version of the allocation
+        self._had_room_once = False  # whether a frame has had room for everything
         self.drawn = self._asked_after = 0  # frames so far, and those before lost fragments were last asked for
         self._probing = False
         self._frame_plan: tuple[tuple, FramePlan] | None = None  # the newest, with the fields of the state it is for
@@ -154,8 +156,11 @@ class Frame:
                 iteration = self._loop(step, mark)
             else:
                 self._run(step, iteration, mark)
+                if step is self._fills and not (self._had_room_once or self._had_room()):
+                    return self._draw_again(mark)
         self._drawn = self.scene_buffer.scene, self.allocation.version
-        return self._settled() if self._had_room() else self._draw_again(mark)
+        self._had_room_once = self._had_room()
+        return self._settled() if self._had_room_once else self._draw_again(mark)
 
     def _draw_again(self, mark: Mark | None) -> bool:
         """Draw the frame by its next plan or with more room; the passes of both are its own."""
@@ -250,6 +255,16 @@ class Frame:
         if elements != self._capacity:
             self._capacity = elements
             self._write_uniforms()
+
+    @cached_property
+    def _fills(self) -> Pass | None:
+        """The pass behind which a growing buffer is full or has room: no other is drawn, nor compiled, before it fits.
+
+        A driver may compile the passes that read the buffer anew for another size of it.
+        """
+        grown = self.variant.method.capacity
+        counter = grown.counter if isinstance(grown, Grown) else None
+        return next((step for step in reversed(self.variant.passes) if counter in step.writes), None)
 
     def _had_room(self) -> bool:
         """Whether the frame that was drawn had room for everything; else the next has more."""

@@ -40,3 +40,22 @@ def test_a_frame_that_needs_more_room_than_the_one_before_is_right(device, metho
     finally:
         for thing in (frame, canvas, quads):
             thing.release()
+
+
+@pytest.mark.parametrize("method", GROWING)
+def test_only_a_frame_with_room_is_resolved(device, method):
+    """A driver may compile what reads a buffer anew for each size that it has."""
+    scene, declared = generate(MANY), catalog()[method]
+    small = replace(declared, capacity=replace(declared.capacity, start="1"))
+    emulated = {"atomic64": "emulated"} if any(p.name == "atomic64" for p in declared.params) else {}
+    quads, canvas = SceneBuffer(device, scene), Canvas(device, scene.viewport)
+    frame, drawn = Frame(device, Fitted(Variant(small, small.complete(emulated)), stats_of(scene)), quads, canvas), []
+    try:
+        frame.draw(drawn.append)
+        readers = {"resolve", "render"} & set(drawn)
+        first = min(map(drawn.index, readers))
+        assert drawn.count(drawn[first - 1]) > 3 and drawn[first - 1] not in drawn[first:]
+        assert np.abs(frame.image() - composite(scene)).max() < 1e-4
+    finally:
+        for thing in (frame, canvas, quads):
+            thing.release()
