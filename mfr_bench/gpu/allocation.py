@@ -6,7 +6,7 @@ import numpy as np
 
 from ..errors import CapacityError
 from ..glsl.bindings import split_ref
-from ..methods.spec import IMAGE, Fitted, Target
+from ..methods.spec import IMAGE, Buffer, Fitted, Target
 from . import rawgl
 from .context import Device
 from .targets import BufferTexture, Canvas, Texture
@@ -47,8 +47,14 @@ class Allocation:
                 continue
             for old in (*present, *self._texels_of(buffer.name)):
                 old.release()
-            self._buffers[buffer.name] = [self._device.ctx.buffer(reserve=size) for _ in range(buffer.copies)]
+            self._buffers[buffer.name] = [self._made(buffer, size) for _ in range(buffer.copies)]
             self.version += 1
+
+    def _made(self, buffer: Buffer, size: int):
+        """A new buffer: zeros where each frame continues from the frame before, undefined where it does not."""
+        if buffer.continues:
+            return self._device.ctx.buffer(bytes(size))
+        return self._device.ctx.buffer(reserve=size)
 
     def _texels_of(self, name: str) -> list[BufferTexture]:
         """The textures of a buffer's memory, which go with the buffer."""

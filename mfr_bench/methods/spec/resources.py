@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
@@ -44,6 +45,11 @@ class Buffer:
     @property
     def element_words(self) -> int:
         return ELEMENT_WORDS[self.type]
+
+    @property
+    def continues(self) -> bool:
+        """Whether the clear pass makes the buffer's values from those of the frame before; the first frame's are 0."""
+        return bool(self.clear and re.search(rf"\b{self.name}\[", self.clear))
 
 
 Format = Literal["r8", "rg8", "rgba8", "r16", "rgba16f", "r32f", "rg32f", "rgba32f", "r32ui", "rg32ui", "depth16",
