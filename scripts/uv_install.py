@@ -153,7 +153,7 @@ def main(uv: str, listed: str, *arguments: str) -> None:
     try:
         options = settings(Path(listed).read_text())
         extra = variables(options, pinned_in(arguments), os.environ)
-    except (UntoldError, ValueError) as error:
+    except (UntoldError, ValueError, OverflowError) as error:
         print(f"pip's setting {error}", file=sys.stderr)
         sys.exit(UNTOLD)
     no_index = ["--no-index"] if options.get("no-index", "").lower() in TRUE else []  # the one without a variable

@@ -11,6 +11,7 @@ from .loaded import METHODS, run
 from .planted import SCENES
 
 SEEDS = 50
+HIT = 100  # the seed of a run whose bursts fall into the frames that are sampled twice: one in 60 is such a run
 
 
 @pytest.fixture(scope="module")
@@ -52,5 +53,5 @@ def test_a_slowdown_of_one_cell_is_found(plain, factor, least):
 
 
 def test_noise_floors_are_those_of_the_frames_in_most_runs_and_of_the_bursts_in_some(plain):
-    floors = [side.noise for side in plain]
-    assert np.median(floors) < 0.03 and max(floors) > 0.2
+    assert np.median([side.noise for side in plain]) < 0.03
+    assert run(HIT).noise > 0.2
