@@ -134,6 +134,11 @@ def test_a_kept_image_is_upright_over_a_checkerboard():
     assert set(np.unique(shown[height // 2:])) == {204, 255}
 
 
+def test_every_measure_is_aligned_as_a_number():
+    """The first of nine, the time, was broken into three lines and stood at the left."""
+    assert f".cells td:nth-last-child(-n + {len(MEASURED)})" in _file("page.css")
+
+
 def test_the_libraries_are_those_that_their_list_names():
     listed = dict(re.findall(r"\| `(\S+)` \|.*\| `([0-9a-f]{64})` \|", _file("vendor/README.md")))
     assert set(listed) == {"uPlot.iife.min.js", "uPlot.min.css"}

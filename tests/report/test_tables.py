@@ -75,6 +75,27 @@ def test_the_fastest_is_told_from_the_others_only_beyond_the_noise(tmp_path):
     assert "fastest" not in " ".join(words(lines, "K"))
 
 
+def test_a_parameter_named_like_a_key_of_the_scene_is_no_axis(tmp_path):
+    """Adaptive stood in a column of its own on every mesh, without a ratio to the fastest."""
+    scene = {"kind": "mesh", "opaque": "depth"}
+    cells = [cell("floor", "floor", 1.0, scene=scene), cell("ab-array", "AB_Array", 6.0, scene=scene),
+             cell("adaptive", "Adaptive", 3.0, scene=scene, params={"opaque": "tested"})]
+    folder = planted.folder(tmp_path, cells)
+    assert data.load(folder).axes == []
+    lines = section(tables.terminal_table(folder), "Measured, the fastest first")
+    assert words(lines, "Adaptive")[2] == "fastest" and words(lines, "AB_Array")[2].startswith("2.00 ")
+
+
+def test_a_key_of_the_scene_named_like_a_parameter_is_an_axis_where_it_differs(tmp_path):
+    cells = [cell("adaptive", "Adaptive", ms, scene={"kind": "mesh", "opaque": opaque}, params={"opaque": "tested"})
+             for opaque, ms in (("depth", 3.0), ("store", 6.0))]
+    folder = planted.folder(tmp_path, cells)
+    assert data.load(folder).axes == ["scene.opaque"]
+    lines = section(tables.terminal_table(folder), "Time, ms")
+    assert words(lines, "method") == ["opaque = depth", "opaque = store"]
+    assert words(lines, "Adaptive") == ["3.00 ±0.6 %", "6.00 ±0.6 %"]
+
+
 def test_a_stalled_frame_hides_no_method_four_times_slower(tmp_path):
     """7 samples against 49: among the first 7 of the fast method one was stalled, and its interval then reached 1."""
     fast, slow = planted.cell("fast", "Fast"), planted.cell("slow", "Slow")

@@ -59,7 +59,10 @@ class Point:
         return self.known[name]
 
     def at(self, name: str) -> Any:
-        """Coordinate of the point along a swept key or column; None where its method has no such parameter."""
+        """Coordinate of the point along a swept key or column; None where its method has no such parameter.
+
+        Of a parameter and a key of the scene that share their name the latter is meant by a dotted one: scene.opaque.
+        """
         where = f"at {name}"
         if where not in self.known:
             self.known[where] = self._at(name)
@@ -68,8 +71,8 @@ class Point:
     def _at(self, name: str) -> Any:
         if name in self.cell["point"] and "." in name and bare(name) != "alpha":
             return _hashable(self.cell["point"][name])
-        name = bare(name)
-        if name in self.cell["params"]:
+        of_scene, name = name.startswith("scene."), bare(name)
+        if name in self.cell["params"] and not (of_scene and name in self.cell["scene"]):
             return self.cell["params"][name]
         if name in self.cell["scene"]:
             value = _hashable(self.cell["scene"][name])

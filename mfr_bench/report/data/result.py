@@ -103,10 +103,11 @@ class Result:
     def axes(self) -> list[str]:
         """Keys with more than one value here: swept ones in the config's order, then the scene's, then the device.
 
-        A scene may differ without being swept, as with r, which gives n = r k.
+        A scene may differ without being swept, as with r, which gives n = r k. Its keys that a method names a parameter
+        alike are dotted.
         """
         swept = [*(self.manifest.get("sweep") or {}), *(k for p in self.points for k in p.cell["point"])]
-        names = [*swept, *(k for p in self.points for k in p.cell["scene"]), "device"]
+        names = [*swept, *(_of_scene(k, p) for p in self.points for k in p.cell["scene"]), "device"]
         first = {bare(name): name for name in reversed(names)}
         return [n for n in dict.fromkeys(names) if first[bare(n)] == n and len(values(self.points, n)) > 1]
 
@@ -117,6 +118,11 @@ class Result:
             if bare(axis) not in used and _distinguishes(points, axis, [*used, *names]):
                 names.append(axis)
         return names
+
+
+def _of_scene(key: str, point: Point) -> str:
+    """The name of a scene's key along which `Point.at` gives no parameter of a method."""
+    return f"scene.{key}" if key in point.parameters else key
 
 
 def without_record(count: int) -> str:
