@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import io
 import re
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 
 import numpy as np
@@ -125,3 +127,27 @@ def test_widths_are_those_of_matplotlib(text):
 def test_a_script_that_joins_its_letters_is_set_as_matplotlib_does():
     found = face_of(font()).setting("سلام abc")
     assert len(found.glyphs) == 1 and found.width > 0 and len(found.outline[0])
+
+
+READS_IN_COPIES = """
+from multiprocessing import get_context
+from matplotlib import get_data_path
+from mfr_bench.report.figures.glyphs import face
+
+font = face(get_data_path() + "/fonts/ttf/DejaVuSans.ttf")
+font.setting("A")
+
+def outlines(_):
+    glyphs = [font.setting(chr(code)).glyphs[0][0] for code in range(0x21, 0x500)]
+    return [(glyph.advance, glyph.bottom, glyph.top) for glyph in glyphs]
+
+with get_context("fork").Pool(4) as pool:
+    copies = pool.map(outlines, range(4), 1)
+assert copies == [outlines(0)] * 4
+"""
+
+
+def test_copies_of_a_process_read_outlines_each_from_a_file_of_its_own():
+    """The place in an open file is one for all copies: they read wrong outlines, or ended in 'invalid outline'."""
+    run = subprocess.run([sys.executable, "-c", READS_IN_COPIES], capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr

@@ -67,13 +67,19 @@ class Face:
     """The glyphs of one font file."""
 
     def __init__(self, path: str):
-        from matplotlib.font_manager import get_font
         from matplotlib.ft2font import Kerning, LoadFlags
 
-        self._path, self._font = path, get_font(path)
+        self._path = path
         self._flags, self._kerning = LoadFlags.NO_HINTING, Kerning.UNFITTED
         self._glyphs: dict[str, Glyph] = {}
         self._pairs: dict[tuple[str, str], float] = {}
+
+    @property
+    def _font(self) -> Any:
+        """The open file of the font, which is this process's own: a copy would share its place in the file."""
+        from matplotlib.font_manager import get_font
+
+        return get_font(self._path)
 
     @cached_property
     def heights(self) -> tuple[float, float, float]:
