@@ -149,5 +149,5 @@ assert copies == [outlines(0)] * 4
 
 def test_copies_of_a_process_read_outlines_each_from_a_file_of_its_own():
     """The place in an open file is one for all copies: they read wrong outlines, or ended in 'invalid outline'."""
-    run = subprocess.run([sys.executable, "-c", READS_IN_COPIES], capture_output=True, text=True)
+    run = subprocess.run([sys.executable, "-c", READS_IN_COPIES], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
