@@ -34,7 +34,8 @@ SCHEDULES = 20_000
               help="How many scenes, each with other colours and another order of submission.")
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="What the schedules are drawn from.")
 @click.option("--ties", is_flag=True, help="Let the two nearest fragments of each pixel have one depth.")
-@click.option("--weak", is_flag=True, help="Let plain stores reach memory late and word by word, and loads be early.")
+@click.option("--weak", is_flag=True, help="Let plain stores reach memory late and word by word, and loads be early; "
+              "without it no missing barrier shows.")
 @click.option("--no-dependencies", is_flag=True, help="With --weak: a load may be earlier than the one that its "
               "address came from, as in Vulkan's model without a barrier.")
 @click.option("--warp", type=click.IntRange(2, 64), metavar="LANES", help="Run warps of so many lanes in lockstep.")

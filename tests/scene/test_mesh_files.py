@@ -239,5 +239,6 @@ def test_a_file_that_is_not_there_or_too_large_is_named(tmp_path):
 def test_a_missing_package_is_named(tmp_path, monkeypatch):
     (tmp_path / "a.ply").write_text("ply")
     monkeypatch.setattr(library.importlib, "import_module", lambda name: (_ for _ in ()).throw(ImportError(name)))
-    with pytest.raises(UsageError, match=r"needs the package plyfile; install it: pip install 'mfr-bench\[mesh\]'"):
+    with pytest.raises(UsageError, match=r"needs the package plyfile; install it: make setup in the folder of "
+                       r"mfr-bench, or \S+ -m pip install 'mfr-bench\[mesh\]'"):
         read_mesh(tmp_path / "a.ply")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import sys
 from pathlib import Path
 
 from ...errors import UsageError
@@ -14,4 +15,5 @@ def library(name: str, path: Path):
         return importlib.import_module(name)
     except ImportError:
         raise UsageError(f"{path}: reading {path.suffix.upper().lstrip('.')} files needs the package {name}; "
-                         "install it: pip install 'mfr-bench[mesh]'") from None
+                         "install it: make setup in the folder of mfr-bench, or "
+                         f"{sys.executable} -m pip install 'mfr-bench[mesh]'") from None
