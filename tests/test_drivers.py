@@ -164,7 +164,7 @@ def test_the_workflow_has_a_job_for_each_root_and_driver(drivers):
 
 
 def test_a_job_of_the_workflow_outlasts_what_it_runs(drivers):
-    """Where every check takes its longest, the logs are kept all the same."""
+    """The logs are kept even where every check takes its longest."""
     wanted = [check for check in drivers.CHECKS if check != "features"]
     longest_s = max(sum(drivers.CHECKS[check].limit_s for check in drivers.of(driver, wanted))
                     for driver in drivers.DRIVERS)

@@ -207,7 +207,7 @@ def test_interrupted_setup_begins_anew(project):
 
 
 def test_second_setup_waits_for_the_first(project):
-    """Of two at once each begins after the other's end."""
+    """Two setups at once run one after the other."""
     (project.venv / "bin").mkdir(parents=True)
     (project.venv / "bin" / "python").symlink_to(sys.executable)
     (project.folder / "mfr_bench" / "gpu" / "probe.py").write_text(SLOW_PROBE)
@@ -290,7 +290,7 @@ def test_real_uv_takes_packages_from_where_pip_would(tmp_path, listed, status):
 
 
 def test_certificates_of_requests_count_as_in_pip(uv_install):
-    """Where pip is told none itself; without any, the system's count where it has some."""
+    """Certificates of the environment count where pip is told none; without any, the system's where it has some."""
     assert uv_install.certificates({}, {"REQUESTS_CA_BUNDLE": __file__}) == {"SSL_CERT_FILE": __file__}
     assert uv_install.certificates({"cert": __file__}, {"CURL_CA_BUNDLE": "/"}) == {"SSL_CERT_FILE": __file__}
     assert uv_install.certificates({}, {}) in ({}, {"UV_SYSTEM_CERTS": "1"})

@@ -6,6 +6,7 @@ disk, where the process that measures then finds it.
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import time
@@ -155,7 +156,7 @@ class Precompiler:
             self._process = self._serve = None
             return
         theirs.close()
-        self._link, self._heard_at = ours, float("inf")  # until it answers, it may still be starting
+        self._link, self._heard_at = ours, math.inf  # until it answers, it may still be starting
 
     def _give_up(self) -> None:
         self.close()

@@ -122,7 +122,7 @@ def test_a_part_of_one_name_alone_finds_its_device(monkeypatch, renderers, index
 
 
 def test_software_drivers_of_one_name_are_one_device(monkeypatch):
-    """With LIBGL_ALWAYS_SOFTWARE EGL may list one behind each GPU."""
+    """One name covers several software drivers: with LIBGL_ALWAYS_SOFTWARE EGL may list one behind each GPU."""
     monkeypatch.setattr(devices, "egl_devices", lambda: [EglDevice(i) for i in range(3)])
     monkeypatch.setattr(devices, "_create", lambda i: Opened(i, "llvmpipe"))
     assert devices.open_device("llvm").egl.index == 0

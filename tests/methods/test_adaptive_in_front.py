@@ -86,7 +86,7 @@ def test_the_share_that_is_hidden_is_that_behind_the_first_opaque_fragment(opaqu
 
 
 def test_memory_is_bounded_by_all_fragments_that_are_to_be_expected():
-    """Of 12 layers, 16 cells side by side; with what is in front alone, 9 times 40 and 8 times 100 are too few."""
+    """Pixels of 12 layers take 16 cells side by side, for which what is in front alone, 40 fragments, leaves no room."""
     known = replace(KNOWN, fragments=40)
     assert plan(known, {}).path == DENSE and plan(known, {}).guessed
     assert plan(replace(known, draws_in_parts=False), {}).path == RANGES
@@ -142,7 +142,7 @@ def stacked(*layers: tuple[float, int]) -> Triangles:
 
 
 def test_certain_cells_hold_what_is_in_front(device):
-    """As many layers as there are primitives: nothing is hidden of what comes first."""
+    """A pixel has as many layers as there are primitives: nothing is hidden of what comes first."""
     scene = stacked((0.9, 255), (0.5, 90), (0.8, 255), (0.1, 120))
     with shown(device, scene, shallow="memory") as (frame, buffer):
         for _ in range(2):
@@ -193,7 +193,7 @@ def test_a_part_that_is_not_drawn_or_comes_too_late_is_seen(device, monkeypatch,
 
 
 def test_a_device_says_how_many_fragments_are_in_front(device):
-    """Of two opaque triangles over each other and a faint one behind both: in order of depth, or against it."""
+    """Two opaque triangles lie over each other, a faint one behind both, submitted in order of depth or against it."""
     for depths, stored in (((0.5, 0.2, 0.8), 2), ((0.2, 0.5, 0.8), 1)):
         scene = stacked(*zip(depths, (OPAQUE, OPAQUE, 99), strict=True))
         buffer, canvas = SceneBuffer(device, scene), Canvas(device, scene.viewport)

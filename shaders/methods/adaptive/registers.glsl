@@ -1,8 +1,7 @@
 // Defines how fragments move between the cells of a pixel, the registers of the sorting network, and the colour:
 // LOAD(i) reads the cell `at` into register i, LOAD16(i) sixteen from there on, COMPOSITE(i) composites register i.
-// With PAIRS, where the cells of a pixel are adjacent in chunks of eight, two are read at once, and in the place of
-// those that are not in use the first two again: on llvmpipe a load that no branch guards costs less, and so does one
-// from a known line.
+// PAIRS reads two cells at once, which are adjacent in chunks of eight, and in the place of those that are not in use
+// the first two again: on llvmpipe a load that no branch guards costs less, and so does one from a known line.
 // Buffers: reads nodes.
 #include "common/network.glsl"
 
