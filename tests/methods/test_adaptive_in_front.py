@@ -86,7 +86,7 @@ def test_the_share_that_is_hidden_is_that_behind_the_first_opaque_fragment(opaqu
 
 
 def test_memory_is_bounded_by_all_fragments_that_are_to_be_expected():
-    """Pixels of 12 layers take 16 cells side by side, for which what is in front alone, 40 fragments, leaves no room."""
+    """Pixels of 12 layers take 16 cells side by side; what is in front alone, 40 fragments, leaves them no room."""
     known = replace(KNOWN, fragments=40)
     assert plan(known, {}).path == DENSE and plan(known, {}).guessed
     assert plan(replace(known, draws_in_parts=False), {}).path == RANGES
