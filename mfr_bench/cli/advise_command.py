@@ -69,8 +69,13 @@ DEVICES = click.option("--devices", is_flag=True, help="One answer for all devic
                        "what is near the best on each.")
 
 
+def _found(context: click.Context, param: click.Parameter, targets: tuple[str, ...]) -> list[Path]:
+    """The result folders that the targets mean: what is wrong with one is told before an option is missed."""
+    return [] if context.resilient_parsing else _results(targets)
+
+
 @click.command()
-@click.argument("targets", nargs=-1, required=True, metavar="CONFIG|DIR...", type=ConfigName())
+@click.argument("folders", nargs=-1, required=True, metavar="CONFIG|DIR...", type=ConfigName(), callback=_found)
 @click.option("--max-error", type=Positive(LARGEST_ERROR), required=True, metavar="E",
               help="The error that an image may have against the float64 image of all fragments, as 0.01 or 1/255.")
 @click.option("--memory-mb", type=Positive(), metavar="M", help="The MiB that a method may allocate; default: any.")
@@ -82,7 +87,7 @@ DEVICES = click.option("--devices", is_flag=True, help="One answer for all devic
 @WITHIN
 @JSON
 @click.pass_context
-def advise(context: click.Context, targets: tuple[str, ...], max_error: float, memory_mb: float | None, metric: str,
+def advise(context: click.Context, folders: list[Path], max_error: float, memory_mb: float | None, metric: str,
            like: dict | None, devices: bool, within: float, as_json: bool) -> None:
     """Name the fastest method within an error and a memory budget.
 
@@ -99,22 +104,22 @@ def advise(context: click.Context, targets: tuple[str, ...], max_error: float, m
     from ..report import advice, data
     from ..store import ResultFolder
 
-    folders = [ResultFolder(path) for path in _results(targets)]
+    results = [ResultFolder(path) for path in folders]
     if devices:
         from .over_devices import over_devices
 
         if like:
             raise UsageError("advise: --devices with --like; allowed: one of them")
-        over_devices("advise", folders, advice.METRICS[metric], max_error, memory_mb, within, as_json)
+        over_devices("advise", results, advice.METRICS[metric], max_error, memory_mb, within, as_json)
         return
-    found = advice.advise(map(data.load, folders), advice.Bounds(metric, max_error, memory_mb), like, _config_of)
+    found = advice.advise(map(data.load, results), advice.Bounds(metric, max_error, memory_mb), like, _config_of)
     if not found:
-        raise UsageError(f"advise: nothing is measured in {', '.join(str(f.path) for f in folders)}; run "
+        raise UsageError(f"advise: nothing is measured in {', '.join(str(f.path) for f in results)}; run "
                          "'mfr-bench run' again")
     say(advice.as_json(found) if as_json else advice.as_text(found, width()))
     for line in dict.fromkeys(warning for each in found for warning in each.warnings) if as_json else ():
         note(f"advise: {line}")
-    for folder in folders:
+    for folder in results:
         for line in folder.damaged:
             note(line)
     if not any(each.kept for each in found):

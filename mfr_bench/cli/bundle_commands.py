@@ -9,7 +9,7 @@ import click
 
 from .endings import WRONG
 from .merge_command import merge_into
-from .options import FOLDERS, OutPath, results_below
+from .options import FOLDERS, InPath, OutPath, results_below
 from .output import ending, note, say
 
 
@@ -40,8 +40,8 @@ def submit_results(folders: tuple[str, ...], out: str, sign_off: str) -> None:
 
 
 @click.command()
-@click.argument("bundle", type=click.Path(), metavar="BUNDLE")
-@click.option("--against", multiple=True, metavar="DIR", type=click.Path(file_okay=False),
+@click.argument("bundle", type=InPath(), metavar="BUNDLE")
+@click.option("--against", multiple=True, metavar="DIR", type=InPath(file_okay=False),
               help="Results of other devices, whose errors are compared; may be given several times.")
 @click.option("--into", metavar="DIR", type=OutPath(file_okay=False),
               help="Merge the results into DIR if nothing is odd about them.")

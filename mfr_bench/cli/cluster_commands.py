@@ -9,17 +9,17 @@ from pathlib import Path
 
 import click
 
-from .options import OUTSIDE, PROFILE, SET, ConfigName, OutPath
+from .options import OUTSIDE, PROFILE, SET, ConfigName, InPath, OutPath
 from .output import note, say
 
 PLAN_DIGITS = 16
 
-STORE = click.argument("store", metavar="STORE", type=click.Path(file_okay=False))
+STORE = click.argument("store", metavar="STORE", type=InPath(file_okay=False))
 
 
 @click.command()
 @click.argument("configs", nargs=-1, required=True, metavar="CONFIG...", type=ConfigName())
-@click.option("--cluster", "settings", required=True, metavar="F", type=click.Path(dir_okay=False),
+@click.option("--cluster", "settings", required=True, metavar="F", type=InPath(dir_okay=False),
               help="cluster.yaml: engine, store, kinds of devices; see docs/machines.md.")
 @PROFILE
 @SET

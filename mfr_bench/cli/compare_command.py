@@ -8,13 +8,13 @@ import click
 
 from ..errors import UsageError
 from .endings import DOUBT, REGRESSION
-from .options import CSV, JSON, JUNIT, MARKDOWN, SUMMARY, THRESHOLD, WHOLE, hold_one_form
+from .options import CSV, JSON, JUNIT, MARKDOWN, SUMMARY, THRESHOLD, WHOLE, InPath, hold_one_form
 from .output import append_text, note, say, width, write_text
 
 
 @click.command()
-@click.argument("before", metavar="DIR_A", type=click.Path())
-@click.argument("after", metavar="DIR_B", type=click.Path())
+@click.argument("before", metavar="DIR_A", type=InPath())
+@click.argument("after", metavar="DIR_B", type=InPath())
 @THRESHOLD
 @click.option("--across-devices", is_flag=True, help="Compare results of different devices or drivers.")
 @click.option("--absolute", is_flag=True,

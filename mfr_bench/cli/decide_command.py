@@ -10,35 +10,55 @@ import click
 
 from .endings import NOTHING_KEEPS, OUT_OF_TIME
 from .mesh_scene import MESH_CONFIG, overrides_of, own_scene
-from .options import DEVICE, JSON, OUTSIDE, WITHIN, NumberRange, OutPath
+from .options import (
+    DEVICE,
+    JSON,
+    OUTSIDE,
+    WITHIN,
+    ConfigName,
+    InPath,
+    NumberRange,
+    OutPath,
+    WholeRange,
+    pixels,
+    seconds,
+)
 from .output import note, say, width
 
 MODEL_SHARE = 0.25  # of the time, at most, to ask a model how many layers keep the error
 MESH_DEEPER = 2  # times the layers that a plan expects of a mesh, since a device finds more in some pixels
 
 
+def _error(context, param, value: str) -> float:
+    """A callback of click: an error such as 1/255 as a number. Raises UsageError where it is none."""
+    from ..decide.question import parsed_error
+
+    return parsed_error(value)
+
+
 @click.command()
-@click.option("--size", metavar="WxH", help="Viewport in pixels, such as 1280x720.")
-@click.option("--layers", type=click.IntRange(1, 4096), help="Most fragments of any pixel.")
+@click.option("--size", metavar="WxH", callback=pixels, help="Viewport in pixels, such as 1280x720.")
+@click.option("--layers", type=WholeRange(1, 4096), help="Most fragments of any pixel.")
 @click.option("--covered", type=NumberRange(0, 1, min_open=True), default=1.0, show_default=True,
               help="Share of the pixels with fragments.")
 @own_scene()
-@click.option("--config", metavar="CONFIG", help="Take the scene of this config's first cell instead.")
+@click.option("--config", metavar="CONFIG", type=ConfigName(),
+              help="Take the scene of this config's first cell instead.")
 @click.option("--memory-mb", type=NumberRange(0, 2**24, min_open=True), help="Most memory of the method, in MiB.")
-@click.option("--max-error", metavar="E", default="0", show_default=True,
+@click.option("--max-error", metavar="E", callback=_error, default="0", show_default=True,
               help="Largest error of a channel, such as 0.01 or 1/255; 0: exact images only.")
-@click.option("--time-budget", metavar="T", default="2m", show_default=True,
+@click.option("--time-budget", "budget_s", metavar="T", callback=seconds, default="2m", show_default=True,
               help="Most time from the start of the command to its end: 90s, 2m.")
 @click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
               help="Where results go. [default: results/<device>/decide-<hash>]")
-@click.option("--devices", "measured", multiple=True, metavar="DIR", type=click.Path(),
+@click.option("--devices", "measured", multiple=True, metavar="DIR", type=InPath(),
               help="Measure nothing: answer from what this command measured on several devices, at or below DIR.")
 @WITHIN
 @DEVICE
 @JSON
 @OUTSIDE
-def decide(size: str | None, layers: int | None, covered: float, mesh: str | None, fragments: str | None,
-           config: str | None, memory_mb: float | None, max_error: str, time_budget: str, out: str | None,
+def decide(size: tuple[int, int] | None, layers: int | None, covered: float, mesh: str | None, fragments: str | None,
+           config: str | None, memory_mb: float | None, max_error: float, budget_s: float, out: str | None,
            measured: tuple[str, ...], within: float, device: str, as_json: bool) -> int:
     """Name the fastest method that keeps an error and a memory, and say how sure that is.
 
@@ -56,9 +76,8 @@ def decide(size: str | None, layers: int | None, covered: float, mesh: str | Non
       mfr-bench decide --size 1280x720 --layers 24 --covered 0.3 --devices results
     """
     from ..decide.budget import budget
-    from ..decide.question import parsed_duration
 
-    whole = budget(parsed_duration(time_budget))
+    whole = budget(budget_s)
     question, scene = _asked(size, layers, covered, overrides_of(mesh, fragments, settable=False), config,
                              memory_mb, max_error)
     if measured:
@@ -69,27 +88,27 @@ def decide(size: str | None, layers: int | None, covered: float, mesh: str | Non
     return 0 if answer.best else OUT_OF_TIME if answer.untried else NOTHING_KEEPS
 
 
-def _asked(size: str | None, layers: int | None, covered: float, own: list[str], config: str | None,
-           memory_mb: float | None, max_error: str):
+def _asked(size: tuple[int, int] | None, layers: int | None, covered: float, own: list[str], config: str | None,
+           memory_mb: float | None, max_error: float):
     """The question, and the scene as a config has it. Raises UsageError where the options say no scene or two.
 
     own: the settings of a scene of one's own, from a file; none without one.
     """
     from ..decide.experiment import scene_of
-    from ..decide.question import EXACT_ERROR, Question, parsed_error, parsed_size
+    from ..decide.question import EXACT_ERROR, Question
     from ..errors import UsageError
 
-    error = max(parsed_error(max_error), EXACT_ERROR)
+    error = max(max_error, EXACT_ERROR)
     if own:
         if config is not None or layers is not None:
             raise UsageError("decide: a file with --config or --layers; allowed: one way to give the scene")
-        more = () if size is None else (f"scene.size={list(parsed_size(size))}",)
+        more = () if size is None else (f"scene.size={list(size)}",)
         return _of_config(MESH_CONFIG, memory_mb, error, (*own, *more))
     if config is None:
         if size is None or layers is None:
             raise UsageError("decide: no scene; allowed: --size with --layers, --mesh, --fragments, or --config; "
                              "mfr-bench decide --help has examples")
-        question = Question(parsed_size(size), layers, covered, memory_mb, error)
+        question = Question(size, layers, covered, memory_mb, error)
         return question, scene_of(question)
     if size is not None or layers is not None:
         raise UsageError("decide: --config with --size or --layers; allowed: one way to give the scene")

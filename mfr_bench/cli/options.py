@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 import math
+from pathlib import Path
 
 import click
 
 from ..errors import nearest, one_of
-
-FOLDERS = click.argument("folders", nargs=-1, required=True, metavar="DIR...", type=click.Path())
 
 
 class ConfigName(click.ParamType):
@@ -108,23 +107,55 @@ class PassName(click.ParamType):
         return [CompletionItem(name) for name in (chosen.pass_names if chosen else ()) if name.startswith(incomplete)]
 
 
-class OutPath(click.Path):
-    """The folder to write to: an empty name, as an unset variable gives it, is none."""
+class InPath(click.Path):
+    """A file or folder to read: an empty name, as an unset variable gives it, would be the working folder."""
+
+    use = "read"
 
     def convert(self, value, param, context):
         if not value:
-            self.fail("'' is no place to write to")
+            kinds = " or ".join(["a file"] * self.file_okay + ["a folder"] * self.dir_okay)
+            self.fail(f"'' is no place to {self.use}; allowed: the name of {kinds}")
         return super().convert(value, param, context)
 
 
-class NumberRange(click.FloatRange):
-    """A number within bounds, which no comparison tells of a value that is not a number."""
+class OutPath(InPath):
+    """A file or folder to write to."""
+
+    use = "write to"
+
+
+class _InWords:
+    """A range of click that says in words what is allowed: a mixin of its number types, `what` in the singular."""
+
+    what: str
 
     def convert(self, value, param, context):
-        found = super().convert(value, param, context)
-        if math.isnan(found):
-            self.fail(f"{value!r} is no number; allowed: a number in the range {self._describe_range()}")
+        try:
+            found = super().convert(value, param, context)
+        except click.BadParameter:
+            found = math.nan
+        if math.isnan(found):  # which no comparison with a bound tells
+            self.fail(f"{value!r} is not allowed; allowed: {self.what} {self._bounds}")
         return found
+
+    @property
+    def _bounds(self) -> str:
+        if self.max is None:
+            return f"of at least {self.min}"
+        return f"above {self.min}, up to {self.max}" if self.min_open else f"from {self.min} to {self.max}"
+
+
+class NumberRange(_InWords, click.FloatRange):
+    """A number within bounds."""
+
+    what = "a number"
+
+
+class WholeRange(_InWords, click.IntRange):
+    """A whole number within bounds."""
+
+    what = "a whole number"
 
 
 class Percentage(click.ParamType):
@@ -171,6 +202,7 @@ class DeviceName(click.ParamType):
         return [CompletionItem(kind) for kind in self.kinds if kind.startswith(incomplete)]
 
 
+FOLDERS = click.argument("folders", nargs=-1, required=True, metavar="DIR...", type=InPath())
 DEVICE = click.option("--device", type=DeviceName(), default="auto", show_default=True, metavar="DEVICE",
                       help="The OpenGL device. auto: a GPU where there is one, else a software driver on the CPU; "
                            "gpu; cpu; or an index, UUID, PCI address or part of one name as doctor lists them.")
@@ -199,6 +231,13 @@ ONLY = click.option("--only", metavar="METHOD,...", type=MethodName(), multiple=
 JSON = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 
 
+def pixels(context, param, value: str | None) -> tuple[int, int] | None:
+    """A callback of click: a size such as 1280x720 as (1280, 720). Raises UsageError where it is none."""
+    from ..decide.question import parsed_size
+
+    return None if value is None else parsed_size(value)
+
+
 def seconds(context, param, value: str | None) -> float | None:
     """A callback of click: a duration such as 90s or 8m in seconds. Raises UsageError where it is none."""
     from ..decide.question import parsed_duration
@@ -217,6 +256,23 @@ SUMMARY = click.option("--summary", metavar="F", type=OutPath(dir_okay=False),
                        help="Append the tables as Markdown to F, such as $GITHUB_STEP_SUMMARY.")
 
 
+class MethodFolder(click.ParamType):
+    """A folder with declarations of one's own."""
+
+    name = "folder"
+
+    def convert(self, value, param, context):
+        if not Path(value).is_dir() or not value:
+            self.fail(f"{value!r} is no folder; allowed: one with declarations of methods, effects or scenes, as "
+                      "'mfr-bench new-method' makes it")
+        return value
+
+    def shell_complete(self, context, param, incomplete):
+        from click.shell_completion import CompletionItem
+
+        return [CompletionItem(incomplete, type="dir")]
+
+
 def _use_methods(context, param, folders: tuple[str, ...]) -> None:
     if folders:
         from ..methods.outside import use
@@ -226,7 +282,7 @@ def _use_methods(context, param, folders: tuple[str, ...]) -> None:
 
 
 OUTSIDE = click.option("--methods", "method_folders", multiple=True, metavar="FOLDER", is_eager=True,
-                       expose_value=False, callback=_use_methods, type=click.Path(exists=True, file_okay=False),
+                       expose_value=False, callback=_use_methods, type=MethodFolder(),
                        help="Take the methods, effects and scenes of this folder too, with those of installed "
                             "packages; may be repeated.")
 

@@ -11,7 +11,7 @@ import click
 
 from ..errors import UsageError
 from .endings import WRONG
-from .options import JSON, OUTSIDE, MethodName, OutPath, method
+from .options import JSON, OUTSIDE, MethodName, OutPath, WholeRange, method
 from .output import say
 
 OF_MODES = {  # what each of these ways to run takes
@@ -28,21 +28,21 @@ SCHEDULES = 20_000
 @click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Set a parameter of METHOD, e.g. k=3; may "
               "be repeated. Without one, k is 2.")
 @click.option("--fragments", default="3,2", show_default=True, metavar="N,...", help="The fragments of each pixel.")
-@click.option("--schedules", type=click.IntRange(1), default=SCHEDULES, show_default=True,
+@click.option("--schedules", type=WholeRange(1), default=SCHEDULES, show_default=True,
               help="How many schedules are tried, over all scenes.")
-@click.option("--scenes", type=click.IntRange(1, 1000), default=8, show_default=True,
+@click.option("--scenes", type=WholeRange(1, 1000), default=8, show_default=True,
               help="How many scenes, each with other colours and another order of submission.")
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="What the schedules are drawn from.")
+@click.option("--seed", type=WholeRange(0), default=1, show_default=True, help="What the schedules are drawn from.")
 @click.option("--ties", is_flag=True, help="Let the two nearest fragments of each pixel have one depth.")
 @click.option("--weak", is_flag=True, help="Let plain stores reach memory late and word by word, and loads be early; "
               "without it no missing barrier shows.")
 @click.option("--no-dependencies", is_flag=True, help="With --weak: a load may be earlier than the one that its "
               "address came from, as in Vulkan's model without a barrier.")
-@click.option("--warp", type=click.IntRange(2, 64), metavar="LANES", help="Run warps of so many lanes in lockstep.")
+@click.option("--warp", type=WholeRange(2, 64), metavar="LANES", help="Run warps of so many lanes in lockstep.")
 @click.option("--moved-returns", is_flag=True, help="With --warp: branches with a return end where the shader ends.")
 @click.option("--ordered", is_flag=True, help="The interlock lets fragments through in order of submission.")
 @click.option("--helpers", is_flag=True, help="Add a helper invocation to each pixel.")
-@click.option("--exhaustive", type=click.IntRange(0, 8), metavar="BOUND",
+@click.option("--exhaustive", type=WholeRange(0, 8), metavar="BOUND",
               help="Try every schedule with at most so many preemptions, as far as --schedules allows.")
 @click.option("--campaign", is_flag=True, help="Run METHOD, or with METHOD `all` every method, with each option that "
               "changes what runs concurrently, on strong and weak memory and in lockstep, as many schedules each; a "
@@ -50,7 +50,7 @@ SCHEDULES = 20_000
 @click.option("--pairs", is_flag=True, help="With --campaign: also any two such options at once.")
 @click.option("--hazards", is_flag=True, help="Simulate what METHOD, or every method, loses where it promises nothing: "
               "a table of shares by fragments, k and number in flight, and for all a figure.")
-@click.option("--jobs", type=click.IntRange(1), metavar="N", help="With --campaign or --hazards: how many run side by "
+@click.option("--jobs", type=WholeRange(1), metavar="N", help="With --campaign or --hazards: how many run side by "
               "side; one for each core unless given.")
 @click.option("--out", type=OutPath(), default="results/races", show_default=True, metavar="DIR",
               help="With --campaign: the folder of races.csv; what it holds with as many schedules is not run again. "
@@ -94,7 +94,8 @@ def race(context: click.Context, method_id: str, overrides: tuple[str, ...], fra
     variant = small_variant(method(method_id, "METHOD"), overrides)
     how = How(schedules, seed, weak, not no_dependencies, warp or 0, moved_returns, exhaustive is not None,
               exhaustive or 0, ordered, helpers)
-    found = _replayed(variant, counts, how, ties, replay) if replay else run(variant, counts, how, scenes, ties)
+    found = (run(variant, counts, how, scenes, ties) if replay is None
+             else _replayed(variant, counts, how, ties, replay))
     say(json.dumps(record(found), indent=2) if as_json else text(found, _again(context)))
     if found.broken and not found.checker.promises_nothing:
         context.exit(WRONG)

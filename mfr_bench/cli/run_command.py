@@ -12,7 +12,7 @@ import click
 
 from .interruption import Interruption
 from .mesh_scene import MESH_CONFIG, overrides_of, own_scene
-from .options import JSON, JUNIT, SUMMARY, ConfigName, NumberRange, OutPath, Share, measuring, seconds
+from .options import JSON, JUNIT, SUMMARY, ConfigName, NumberRange, OutPath, Share, measuring, pixels, seconds
 
 if TYPE_CHECKING:
     from .session import Choices
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("configs", nargs=-1, metavar="CONFIG...", type=ConfigName())
 @own_scene(" Without a CONFIG every method draws it.")
-@click.option("--size", metavar="WxH", help="Viewport of the scene in pixels, such as 1280x720.")
+@click.option("--size", metavar="WxH", callback=pixels, help="Viewport of the scene in pixels, such as 1280x720.")
 @click.option("--memory-mb", metavar="M", type=NumberRange(0, 2**24, min_open=True),
               help="Most memory of a method, in MiB; methods that need more are left out, and said to be.")
 @click.option("--shard", type=Share(), metavar="I/N",
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 @JUNIT
 @SUMMARY
 @JSON
-def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size: str | None,
+def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size: tuple[int, int] | None,
         memory_mb: float | None, shard: tuple[int, int] | None, split_s: float | None, out: str | None,
         profile: str | None, only: str | None, overrides: tuple[str, ...], device: str, force: bool, keep_failed: bool,
         try_hopeless: bool, budget_s: float | None, dry_run: bool, quiet: bool, page: str | None, junit: str | None,
@@ -71,25 +71,23 @@ def run(configs: tuple[str, ...], mesh: str | None, fragments: str | None, size:
     return exit_status(statuses)
 
 
-def with_scene(configs: Sequence[str], overrides: Sequence[str], scene: Sequence[str], size: str | None,
-               memory_mb: float | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def with_scene(configs: Sequence[str], overrides: Sequence[str], scene: Sequence[str],
+               size: tuple[int, int] | None, memory_mb: float | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The configs and overrides that a scene of one's own, --size and --memory-mb come to.
 
-    scene: the overrides of the scene, if any. Raises UsageError without any config.
+    scene: the overrides of the scene, if any. Raises click.MissingParameter without any config.
     """
-    from ..decide.question import parsed_size
-    from ..errors import UsageError
 
     given = [*scene]
     if scene:
         configs = configs or (MESH_CONFIG,)
     if size is not None:
-        given.append(f"scene.size={list(parsed_size(size))}")
+        given.append(f"scene.size={list(size)}")
     if memory_mb is not None:
         given.append(f"measure.memory_budget_mb={memory_mb}")
     if not configs:
-        raise UsageError("mfr-bench run: Missing argument 'CONFIG...', --mesh FILE or --fragments FILE; "
-                         "see mfr-bench run --help")
+        raise click.MissingParameter(ctx=click.get_current_context(), param_type="argument",
+                                     param_hint="'CONFIG...', --mesh FILE or --fragments FILE")
     return tuple(configs), (*given, *overrides)
 
 

@@ -27,6 +27,7 @@ from .options import (
     WHOLE,
     NumberRange,
     OutPath,
+    WholeRange,
     hold_one_form,
 )
 from .output import note
@@ -36,7 +37,7 @@ from .output import note
 @click.argument("names", nargs=-1, required=True, metavar="A B CONFIG")
 @click.option("--against", metavar="A", help="The tree or revision to compare with: `versus B CONFIG --against A`.")
 @THRESHOLD
-@click.option("--rounds", type=click.IntRange(2, 50), default=6, show_default=True,
+@click.option("--rounds", type=WholeRange(2, 50), default=6, show_default=True,
               help="Pairs of fresh processes, in each of which every cell is measured.")
 @click.option("--seconds", type=NumberRange(0, 3600, min_open=True), default=1.0, show_default=True,
               help="Time of a cell in a round, about.")

@@ -40,7 +40,7 @@ def override_layer(overrides: Sequence[str]) -> tuple[list[Setting], list[Proble
     for text in overrides:
         key, equals, value = text.partition("=")
         if not key.strip() or not equals:
-            problems.append(Problem(Place(OVERRIDE, 0, text), "not a setting; allowed: KEY=VALUE"))
+            problems.append(Problem(Place(OVERRIDE, 0, text), "not a setting; allowed: KEY=VALUE, such as k=8"))
             continue
         document, found = read(value, OVERRIDE, key.strip())
         problems += found

@@ -63,7 +63,8 @@ def test_nothing_measured_says_what_to_run(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(("arguments", "says"), [
-    (["tiny.yaml"], "Missing option '--max-error'"),
+    (["tiny.yaml"], "Missing option '--max-error'; for example: mfr-bench advise pareto --max-error 0.01 --memory-mb "),
+    (["tyni.yaml"], "tyni.yaml: no such file"),
     (["tiny.yaml", "--max-error", "0"], "'0' is not allowed; allowed: a number above 0, up to 1, or "),
     (["tiny.yaml", "--max-error", "2"], "'2' is not allowed; allowed: a number above 0, up to 1, or a fraction "),
     (["tiny.yaml", "--max-error", "256/255"], "'256/255' is not allowed; allowed: a number above 0, up to 1, or "),

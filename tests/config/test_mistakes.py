@@ -224,8 +224,8 @@ def test_a_mistake_is_told_once_however_many_profiles_there_are(mistakes):
 
 
 @pytest.mark.parametrize(("override", "message"), [
-    ("k8", "--set k8: not a setting; allowed: KEY=VALUE"),
-    ("=8", "--set =8: not a setting; allowed: KEY=VALUE"),
+    ("k8", "--set k8: not a setting; allowed: KEY=VALUE, such as k=8"),
+    ("=8", "--set =8: not a setting; allowed: KEY=VALUE, such as k=8"),
     ("k=", "--set k: nothing is not allowed; allowed: a whole number from 1 to 1024"),
     ("k=eight", "--set k: 'eight' is not allowed"),
     ("kk=8", "--set kk: unknown key; allowed: a key of the config, dotted (scene.size), or a parameter; nearest: 'k'"),
