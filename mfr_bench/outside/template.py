@@ -47,8 +47,8 @@ EFFECT = Template("effect", "median-layer", article="an", renamed={"median": "{}
 def files(template: Template, name: str) -> Iterator[tuple[Path, str]]:
     """The files of a package of this name: each path inside its folder, and its text. Raises UsageError."""
     if not NAME.fullmatch(name):
-        raise UsageError(f"new-{template.kind}: {name!r} is no name of {template.article} {template.kind}; allowed: small "
-                         "letters and digits, words joined by single hyphens, such as my-array")
+        raise UsageError(f"new-{template.kind}: {name!r} is no name of {template.article} {template.kind}; allowed: "
+                         "small letters and digits, words joined by single hyphens, such as my-array")
     folder = template_dir(template.example)
     for path in sorted(p for p in folder.rglob("*") if p.is_file() and "__pycache__" not in p.parts):
         yield (Path(template.text(str(path.relative_to(folder)), name)),

@@ -49,8 +49,8 @@ MISTAKES = [
     (["run", "tiny.yaml", "--time-budget", "5"], "--time-budget: '5' is no duration; ", ""),
     (["run", "tiny.yaml", "--split", "5", "--shard", "1/2"], "--split: '5' is no duration; ", ""),
     (["run", "tiny.yaml", "--ot", "x"], "mfr-bench run: No such option '--ot'", "see mfr-bench run --help"),
-    (["run", "tiny.yaml", "--out", ""], "mfr-bench run: Invalid value for '--out': '' is no place to write to", "; allowed: the "
-     "name of a folder; see mfr-bench run --help"),
+    (["run", "tiny.yaml", "--out", ""], "mfr-bench run: Invalid value for '--out': '' is no place to write to",
+     "; allowed: the name of a folder; see mfr-bench run --help"),
     (["table", ""], "mfr-bench table: Invalid value for 'DIR...': '' is no place to read; allowed: the name of ", ""),
     (["submit", "tiny.yaml", "--cluster", ""], "mfr-bench submit: Invalid value for '--cluster': '' is no place to ",
      "allowed: the name of a file; see mfr-bench submit --help"),
