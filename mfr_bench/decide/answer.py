@@ -18,6 +18,7 @@ from .candidates import NOT_FINISHED, NOT_TRIED, Excluded
 from .question import Question
 
 CLOSE = 1.05  # times the winner's time, up to which others are named
+TIMED, UNTRIED, FAILED, EXCLUDED = range(4)  # methods that were not chosen, the nearest to the answer first
 MOST_SHOWN = 8  # lines of a list in the text form
 
 
@@ -82,18 +83,29 @@ class Answer:
 
     @property
     def out(self) -> list[tuple[str, str]]:
-        """Every method that did not win nor come close, with the reason."""
-        kept = {p.cell["key"] for p in self._in_the_end}
-        rows = [(p.label, _reason(p)) for p in self.result.points if p.cell["key"] not in kept and not data.is_floor(p)]
-        return [*((e.method, e.reason) for e in self.excluded), *self._slower, *rows]
+        """Every method that did not win nor come close, with the reason: the nearest to the answer first.
 
-    @property
-    def _slower(self) -> list[tuple[str, str]]:
-        """The finalists that do not come close, with the ratio of their times, in powers of two."""
-        close = {p.cell["key"] for p, _ in self.close}
-        ratios = [(p, p.over(self.best)[1]) for p in self.finalists[1:] if p.cell["key"] not in close]
-        return [(p.label, f"slower when the time was up{'' if ratio is None else f': {self._about(ratio)}'}")
-                for p, ratio in sorted(ratios, key=lambda entry: entry[1] or math.inf)]
+        That is, those that were timed, by their time; those that the time budget left untried; those that the device
+        or the memory forbids or that failed; and those that are excluded by what they declare.
+        """
+        named = {p.cell["key"] for p in (*self.finalists[:1], *(p for p, _ in self.close))}
+        others = [self._placed(p) for p in self.result.points if p.cell["key"] not in named and not data.is_floor(p)]
+        others += [(UNTRIED if each.reason in (NOT_TRIED, NOT_FINISHED) else EXCLUDED, 0.0, each.method, each.reason)
+                   for each in self.excluded]
+        return [(method, reason) for *_, method, reason in sorted(others, key=lambda entry: entry[:2])]
+
+    def _placed(self, point: Point) -> tuple[int, float, str, str]:
+        """Which of the groups of `out` a point is in, its time there, its label and the reason.
+
+        Of a finalist the reason has the ratio of its time to that of the answer, in powers of two.
+        """
+        reason = _reason(point)
+        if point.status != "ok":
+            return UNTRIED if reason == NOT_TRIED else FAILED, 0.0, point.label, reason
+        ratio = point.over(self.best)[1] if self.best else None
+        if any(point is each for each in self.finalists):
+            reason = f"slower when the time was up{'' if ratio is None else f': {self._about(ratio)}'}"
+        return TIMED, math.inf if ratio is None else ratio, point.label, reason
 
     def _about(self, ratio: float) -> str:
         least = 2 ** math.floor(math.log2(max(1.0, ratio)))

@@ -5,6 +5,7 @@ import statistics
 import pytest
 
 from mfr_bench.decide.answer import answer_of
+from mfr_bench.decide.candidates import NOT_FINISHED, Excluded
 from mfr_bench.decide.question import Question
 from mfr_bench.measure.elimination import LATE
 from mfr_bench.report import data
@@ -42,6 +43,19 @@ def test_no_answer_says_whether_time_or_the_bounds_are_why(answer):
     found = answer(late, wrong)
     assert found.best is None and found.untried == 1 and found.record()["method"] is None
     assert "No answer: a candidate was not measured within the time budget" in found.text(200)
+
+
+def test_what_was_not_chosen_begins_with_the_nearest_to_the_answer(tmp_path):
+    cells = [planted.cell("kb-mdt64", status="unsupported", reason="needs shader_atomic_int64"),
+             raced("peel-f2b", [50.0] * 9, "eliminated after 9 frames: 5 times"), raced("ab-array", [10.0] * 9),
+             planted.cell("ab-dfb", status="timeout", reason=LATE), raced("ab-sb", [12.0] * 9)]
+    excluded = [Excluded("zbuffer", "keeps fewer"), Excluded("kb-ps", NOT_FINISHED)]
+    found = answer_of(QUESTION, data.load(planted.folder(tmp_path / "decide", cells)), excluded, "decide.yaml")
+    assert [method for method, _ in found.out] == ["ab-sb", "peel-f2b", "ab-dfb", "kb-ps", "kb-mdt64", "zbuffer"]
+    said = found.text(200).partition("Not chosen:")[2]
+    assert [line.split(": ")[0].strip() for line in said.strip().splitlines()] == [
+        "ab-sb", "peel-f2b", "ab-dfb", "kb-ps", "kb-mdt64", "zbuffer"]
+    assert [each["method"] for each in found.record()["excluded"]] == [method for method, _ in found.out]
 
 
 def test_every_method_that_was_not_chosen_has_a_reason(answer):

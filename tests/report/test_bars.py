@@ -90,6 +90,14 @@ def test_a_method_that_x_does_not_touch_is_drawn_once(tmp_path):
     assert texts_of(axes).count("AB_LL") == 1 and "any k" in texts_of(axes)
 
 
+def test_an_x_that_nothing_has_heads_no_group(tmp_path):
+    """A mesh has no n that its config gives."""
+    cells = [cell("ab-ll", "AB_LL", 7.0), cell("ab-sb", "AB_SB", 5.0)]
+    axes, = built(tmp_path, cells, {"kind": "bars", "x": "k", "y": "time_ms"}).axes
+    assert {patch.get_label() for patch in axes.patches} >= {"AB_LL", "AB_SB"}
+    assert not [text for text in texts_of(axes) if text.startswith("any")]
+
+
 def test_without_pass_times_the_bar_is_the_whole_frame(tmp_path):
     axes, = built(tmp_path, [cell("kb", "KB", 4.0, params={"k": 4}, point={"k": 4})], STACKED).axes
     (bottom, height, label), = bars_of(axes)

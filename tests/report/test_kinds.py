@@ -28,7 +28,7 @@ KIND = Kind("a dot for each cell", keys=(Key("dot", "its size", ("small", "large
 
 
 def draw(result, options):
-    figure = sheet_of(result, options, (f"Dots are {options['dot']}.",), 3.5, 2.0).figure()
+    figure = sheet_of(result, options, result.points, (f"Dots are {options['dot']}.",), 3.5, 2.0).figure()
     axes = figure.add_axes((0.2, 0.3, 0.7, 0.5))
     axes.plot([p.at(options["x"]) for p in result.points], [p.row["time_ms"] for p in result.points], "o")
     return figure

@@ -44,6 +44,20 @@ def test_size_profile_and_scene_are_said_and_symbols_spelt_out(tmp_path, kind):
         assert part in markdown(data.load(folder))
 
 
+@pytest.mark.parametrize("kind", [
+    {"kind": "stacked_passes", "x": "n"}, LINES, {"kind": "bars", "x": "n", "y": "memory_mib"},
+    {"kind": "maps", "x": "n", "y": "error"},
+    {"kind": "heat", "x": "n", "rows": "order", "y": "time_ms"}, {"kind": "breaking", "x": "n"},
+    {"kind": "histogram", "x": "n"}, {"kind": "work", "x": "n"}], ids=lambda o: o["kind"])
+def test_the_scene_is_that_of_the_cells_of_the_figure(tmp_path, kind):
+    """k is none of A-buffers, and no other method's n is theirs."""
+    lists = [cell("ab-ll", "AB_LL", 4.0, scene={"depth_complexity": n}, point={"scene.depth_complexity": n},
+                  work={"store": {"stored": 1, "rasterized": True}}) for n in (16, 32)]
+    options = kind | {"methods": ["ab-ll"]}
+    said = small_print(built(planted.folder(tmp_path, [*lists, at(4, 64), at(31, 64)], [options]), options))
+    assert "depth complexity n = 16 … 32 (" in said and "k = " not in said
+
+
 def test_a_cell_that_is_drawn_is_not_called_not_drawn(tmp_path):
     """A method that is refused in one panel only is named with that panel."""
     cells = [at(4, 16), at(4, 64), at(16, 16, "unsupported"), at(16, 64, "unsupported"), at(32, 16),

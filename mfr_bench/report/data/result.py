@@ -59,9 +59,13 @@ class Result:
 
     @property
     def scene(self) -> str:
+        """The line of `scene_of` for all points."""
+        return self.scene_of(self.points)
+
+    def scene_of(self, points: Sequence[Point]) -> str:
         """One line: viewport, profile and scene, with the symbols of the headings spelt out; empty without points."""
         profile = self.manifest.get("profile")
-        said = scene_words(self.points)
+        said = scene_words(points)
         return f"Scene: {said}{f'; profile {profile}' if profile else ''}." if said else ""
 
     @property

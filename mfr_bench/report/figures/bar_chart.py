@@ -60,7 +60,10 @@ class BarGroup:
 
 
 def _groups(points: Sequence[Point], x: str) -> list[tuple[str, list[tuple[str, Point | None]]]]:
-    """The bars of each value of x, of every series that varies with it; then, once, those of series that do not."""
+    """The bars of each value of x, of every series that varies with it; then, once, those of series that do not.
+
+    With each group stands its heading, which is empty where no series varies with x.
+    """
     found: dict[tuple[Any, str], Point] = {}
     for p in points:
         found.setdefault((p.at(x), p.label), p)
@@ -68,7 +71,7 @@ def _groups(points: Sequence[Point], x: str) -> list[tuple[str, list[tuple[str, 
     groups = [(data.heading(x, v), [(label, found.get((v, label))) for label in varying])
               for v in data.values(points, x)]
     constant = [(label, p) for (v, label), p in found.items() if v is None]
-    return [*groups, (data.heading(x, None), constant)] if constant else groups
+    return [*groups, (data.heading(x, None) if groups else "", constant)] if constant else groups
 
 
 def _rows(points: Sequence[Point], options: Options) -> list[tuple[str, list[BarGroup]]]:
@@ -195,7 +198,8 @@ def bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
     row_height = HEADING_IN * (2 if panelled else 1) + plot_height + label_height
     gap = 0.06
     notes = [*notes, *refusals(chart.points)]
-    sheet = sheet_of(chart.result, chart.options, notes, width, legend_height + len(rows) * (row_height + gap))
+    sheet = sheet_of(chart.result, chart.options, chart.points, notes, width,
+                     legend_height + len(rows) * (row_height + gap))
     figure = sheet.figure()
     top = legend_height
     for panel, groups in rows:

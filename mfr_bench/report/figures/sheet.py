@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ...environment import draws_in_software
 from ...store.columns import COLUMNS, names
 from .. import printed, style
-from ..data import Result
+from ..data import Point, Result
 from .glyphs import EM, Face, face_of
 from .series import Options
 
@@ -123,10 +123,15 @@ class FigureSheet:
         return (self.bottom + self.body - below) / self.height
 
 
-def sheet_of(result: Result, options: Options, notes: Iterable[str], width: float, body: float) -> FigureSheet:
+def sheet_of(result: Result, options: Options, points: Sequence[Point], notes: Iterable[str], width: float,
+             body: float) -> FigureSheet:
+    """The frame of a figure of these points, whose scene its small print tells; without any, that of the result.
+
+    width, body: in inches.
+    """
     title = str(options.get("title") or result.manifest.get("title") or result.name)
-    lines = (*notes, _on_races(result, options), result.lacking, *printed.notes(result), result.readings, result.scene,
-             result.provenance)
+    lines = (*notes, _on_races(result, options), result.lacking, *printed.notes(result), result.readings,
+             result.scene_of(points or result.points), result.provenance)
     small = [part for line in lines if line for part in fitted(line, style.SMALL_PT, width)]
     return FigureSheet(width, tuple(fitted(title, style.TITLE_PT, width, "bold")), tuple(small), body)
 

@@ -46,7 +46,7 @@ def draw(result: Result, options: Options) -> Figure:
     total = sum(map(len, columns.values())) or 1
     longest = widest(map(data.plain, order), SIGN_PT)
     foot = TICKS_IN + (longest if longest > TURNED_IN and _turned(order, room / total) else 0)
-    sheet = sheet_of(result, options, (), style.WIDTH_IN, LEGEND_IN + HEADING_IN + height + foot)
+    sheet = sheet_of(result, options, points, (), style.WIDTH_IN, LEGEND_IN + HEADING_IN + height + foot)
     figure = sheet.figure()
     for i, (panel, members) in enumerate(groups.items()):
         width = room * len(columns[panel]) / total

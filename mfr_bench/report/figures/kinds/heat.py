@@ -38,7 +38,7 @@ def draw(result: Result, options: Options) -> Figure:
     heading_in = HEADING_IN if any(heading for heading, _ in chart.panels) else 0.06
     height = heading_in + ROW_IN * max(1, len(chart.rows)) + FOOT_IN
     lines = math.ceil(len(chart.panels) / columns)
-    sheet = sheet_of(result, options, chart.notes(), style.WIDTH_IN, max(1, lines) * height)
+    sheet = sheet_of(result, options, chart.points, chart.notes(), style.WIDTH_IN, max(1, lines) * height)
     figure = sheet.figure()
     for i, (heading, points) in enumerate(chart.panels):
         left = EDGE + (i % columns) * width + LEFT_IN

@@ -43,7 +43,7 @@ def draw(result: Result, options: Options) -> Figure:
     columns = min(COLUMNS, max(1, len(panels)))
     rows = max(1, math.ceil(len(panels) / columns))
     step = HEADING_IN + PLOT_HEIGHT + BELOW
-    sheet = sheet_of(result, options, _notes(result, points), style.WIDTH_IN, rows * step + 0.06)
+    sheet = sheet_of(result, options, points, _notes(result, points), style.WIDTH_IN, rows * step + 0.06)
     figure = sheet.figure()
     width = (style.WIDTH_IN - LEFT - EDGE - GAP * (columns - 1)) / columns
     grid: list[Axes] = []

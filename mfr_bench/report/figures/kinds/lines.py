@@ -50,7 +50,7 @@ def draw(result: Result, options: Options) -> Figure:
     heading = HEADING_IN + 0.13 * (max(map(len, headings)) - 1) if any(panel for panel, _ in panels) else 0.06
     step = heading + plot_height + 0.24
     notes = [*gaps(chart.points, chart.x, options.get("panels")), *chart.same(panels), *refusals(chart.points)]
-    sheet = sheet_of(result, options, notes, style.WIDTH_IN, rows * step + 0.18)
+    sheet = sheet_of(result, options, chart.points, notes, style.WIDTH_IN, rows * step + 0.18)
     figure = sheet.figure()
     grid: list[Axes] = []
     for i, (_, members) in enumerate(panels):

@@ -45,7 +45,8 @@ def draw(result: Result, options: Options) -> Figure:
     height = width * chart.aspect
     lines = max((len(chart.heading(point, width)) for point in chart.points), default=0)
     heading = HEADING + LINE * max(0, lines - 2)
-    sheet = sheet_of(result, options, chart.notes(), style.WIDTH_IN, max(1, len(rows)) * (height + heading + 0.06))
+    sheet = sheet_of(result, options, chart.points, chart.notes(), style.WIDTH_IN,
+                     max(1, len(rows)) * (height + heading + 0.06))
     figure = sheet.figure()
     if not rows:
         axes = sheet.axes(figure, EDGE, 0, room, height)

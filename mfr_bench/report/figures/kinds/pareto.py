@@ -39,11 +39,12 @@ def draw(result: Result, options: Options) -> Figure:
     across = legend_columns(names, style.WIDTH_IN - 2 * EDGE, 6.5)
     legend_in = LEGEND_LINE_IN * 0.92 * math.ceil(len(names) / across)
     step = HEADING_IN + PLOT_IN + 0.24
-    zero = any(p.measure(chart.y)[1] == 0 for place in chart.places for p in place.points)
+    points = [p for place in chart.places for p in place.points]
+    zero = any(p.measure(chart.y)[1] == 0 for p in points)
     key = (f"Solid: no measured cell is both cheaper and more accurate ({equal(chart.y)}). Hollow: some cell is. "
            "Bars: 95 % interval of the median.")
     notes = [key, f"An error of 0 is drawn at {LEAST:g}." * zero]
-    sheet = sheet_of(result, options, notes, style.WIDTH_IN, rows * step + 0.2 + legend_in)
+    sheet = sheet_of(result, options, points, notes, style.WIDTH_IN, rows * step + 0.2 + legend_in)
     figure = sheet.figure()
     width = (sheet.width - LEFT - EDGE - 0.12 * (columns - 1)) / columns
     grid: list[Axes] = []

@@ -43,7 +43,7 @@ def draw(result: Result, options: Options) -> Figure:
               for v in data.values(chart.points, options["x"])] or [(None, list(chart.points))]
     heights = [HEADING_IN + ROW_IN * max(1, len(points)) + FOOT_IN for _, points in panels]
     legend = 0.36
-    sheet = sheet_of(result, options, chart.notes(), style.WIDTH_IN, sum(heights) + legend)
+    sheet = sheet_of(result, options, chart.points, chart.notes(), style.WIDTH_IN, sum(heights) + legend)
     figure = sheet.figure()
     names = min(1.9, widest((p.label for p in chart.points), 7.0) + 0.08)
     top = legend
