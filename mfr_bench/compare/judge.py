@@ -12,6 +12,7 @@ from typing import Any
 
 from ..report.data import Point, percent
 from ..stats import Interval
+from ..store import failed_trials
 from ..store.status import EXACT_ERROR
 from .few import Frames, log_ratio
 from .noise import Noise, Shift, estimate
@@ -37,10 +38,14 @@ RMSE_GROWTH = 1.1  # a larger error: methods with races have another one in ever
 
 @dataclass(frozen=True)
 class Change:
-    """Something counted that is not as it was. `worse`: None where it is neither better nor worse."""
+    """Something counted that is not as it was. `worse`: None where it is neither better nor worse.
+
+    trials: the self-tests that the device fails on one side, where that is why the status is another one.
+    """
 
     text: str
     worse: bool | None
+    trials: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -355,10 +360,10 @@ def _changes(before: Entry, after: Entry) -> list[Change]:
     b, a = before.point, after.point
     found = []
     if b.status != a.status:
-        failed = b.ending.failed, a.ending.failed
-        worse = True if failed == (False, True) else False if failed[0] else None
+        failed, refused = (b.ending.failed, a.ending.failed), failed_trials(a.cell)
+        worse = True if failed == (False, True) else False if failed[0] and not refused else None
         reason = f" ({a.cell['reason']})" if a.cell.get("reason") and failed[1] else ""
-        found.append(Change(f"{b.sign} -> {a.sign}{reason}", worse))
+        found.append(Change(f"{b.sign} -> {a.sign}{reason}", worse, tuple(refused or failed_trials(b.cell))))
     found += _error_changes(b.row, a.row)
     if None not in (m := (b.row["memory_bytes"], a.row["memory_bytes"])) and m[0] != m[1]:
         found.append(Change(f"memory {m[0]:,} -> {m[1]:,} bytes", m[1] > m[0]))

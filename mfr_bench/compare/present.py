@@ -125,7 +125,9 @@ def _interval(ratio: Interval) -> str:
 
 
 def _lists(found: Comparison) -> Iterable[tuple[str, list[str]]]:
-    changes = [f"{_sign(c.worse)}{v.experiment}: {v.name}: {c.text}" for v in found.verdicts for c in v.changes]
+    changes = [f"{_sign(c.worse)}{v.experiment}: {v.name}: {c.text}" for v in found.verdicts for c in v.changes
+               if not c.trials]
+    changes += _of_devices(found)
     why = Counter(f"{v.verdict}: {v.reason}" for v in found.verdicts if v.reason)
     unsteady = [*found.before.unsteady, *found.after.unsteady]
     for title, lines in (("Why", [f"{count} {reason}" for reason, count in why.most_common()]),
@@ -135,6 +137,14 @@ def _lists(found: Comparison) -> Iterable[tuple[str, list[str]]]:
                          ("Where they were measured", found.environment), ("Unsteady runs", unsteady)):
         if lines:
             yield title, lines
+
+
+def _of_devices(found: Comparison) -> list[str]:
+    """A line for all cells that have another status because their device fails self-tests."""
+    cells = Counter(c for v in found.verdicts for c in v.changes if c.trials)
+    return [f"{_sign(c.worse)}{count} {'cell' if count == 1 else 'cells'}: {c.text}, where the device fails the "
+            f"{'trial' if len(c.trials) == 1 else 'trials'} {', '.join(c.trials)}: see mfr-bench doctor"
+            for c, count in cells.most_common()]
 
 
 def _sign(worse: bool | None) -> str:

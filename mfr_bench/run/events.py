@@ -133,7 +133,8 @@ class Synced:
 class Finished:
     """A cell's row, but for what the parent knows better. `details`: warm-ups, samples, passes, buffers.
 
-    `arrays`: those that the cell keeps, as the contents of a .npz.
+    `arrays`: those that the cell keeps, as the contents of a .npz. `failed_trials`: the self-tests that the device
+    fails, for which the cell is unsupported.
     """
 
     key: str
@@ -142,6 +143,7 @@ class Finished:
     values: Mapping[str, Any]
     details: Mapping[str, Any] = field(default_factory=dict)
     arrays: bytes = b""
+    failed_trials: tuple[str, ...] = ()
     noise_floor_rel: float | None = None
 
 

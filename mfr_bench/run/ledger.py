@@ -135,6 +135,7 @@ class Ledger:
             "reason": finished.reason, "values": values, "glsl_hash": job.glsl_hash,
             "device": {name: self.device.get(name) for name in ("slug", "renderer", "version", "uuid", "pci")},
             "measured": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()), **finished.details,
+            **({"failed_trials": list(finished.failed_trials)} if finished.failed_trials else {}),
             **{name: dict(package) for name in PACKAGES if (package := getattr(job, name))},
         }
         for sheet in self.sheets:

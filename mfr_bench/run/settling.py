@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..plan import CellOutcome, Outcomes
-from ..store import ResultFolder
+from ..store import ResultFolder, failed_trials
 from ..store.status import STATUSES
 from .sheet import Sheet
-from .trust import DOCTOR
 
 Row = dict[str, Any]
 
@@ -98,4 +97,4 @@ def final(folder: ResultFolder, key: str, keep_failed: bool) -> Row | None:
 
 def _retried(row: Row) -> bool:
     """Whether the cause may have gone. A device may pass its self-tests under the same name and version later."""
-    return STATUSES[row["status"]].retried or str(row.get("reason") or "").endswith(DOCTOR)
+    return STATUSES[row["status"]].retried or bool(failed_trials(row))

@@ -165,7 +165,7 @@ class Supervisor:
 
     def _refused(self, left: dict[str, Job], ledger: Ledger) -> bool:
         """Whether the device fails its self-tests; the rows of the cells that are left are then written."""
-        if not self._trust.lacks:
+        if not self._trust.failed:
             return False
         for key in list(left):
             ledger.write(left.pop(key), self._trust.refused(key))

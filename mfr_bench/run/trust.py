@@ -9,7 +9,6 @@ from .device_process import DeviceProcess
 from .events import Finished, Ready, SelfTested
 
 AGAINST = ("wrong", "crashed")  # statuses that a device which fails such a test gives methods that are right
-DOCTOR = "see mfr-bench doctor, and measure again once the device passes"  # ends the reason of every cell it refuses
 UNTOLD = ("{what}, and whether the device is to blame cannot be told: its self-tests did not end; see "
           "mfr-bench doctor")
 FAILS = "{device} fails self-tests without which any image may be wrong: {names}; {so}; see mfr-bench doctor"
@@ -21,14 +20,14 @@ class Trust:
     """The trust in the device of the kind `want`, which lasts until a self-test fails. The device is asked once.
 
     stop: whether to wait for no answer any more. tell: receives a line where the trust has ended, or cannot be told.
-    lacks: the reason why no cell can be measured any more; None while the device is trusted.
+    failed: what each self-test that the device fails has seen, by its name: no cell can be measured any more.
     """
 
     def __init__(self, want: str, stop: Callable[[], bool]):
         self._want, self._stop = want, stop
         self._known = False
         self.tell: Callable[[str], None] = lambda line: None
-        self.lacks: str | None = None
+        self.failed: Mapping[str, str] = {}
 
     def held(self, finished: Finished, ready: Ready) -> Finished | None:
         """The row of a cell: as it is where the device is trusted, else unsupported; None while that is not known."""
@@ -37,11 +36,11 @@ class Trust:
         self._known = self._known or self._ask(finished.status, ready)
         if not self._known:
             return None
-        return self.refused(finished.key) if self.lacks else finished
+        return self.refused(finished.key) if self.failed else finished
 
     def refused(self, key: str) -> Finished:
         """The row of a cell that a device without trust is not asked to draw."""
-        return Finished(key, "unsupported", self.lacks, {})
+        return Finished(key, "unsupported", _reason(self.failed), {}, failed_trials=tuple(self.failed))
 
     def _ask(self, status: str, ready: Ready) -> bool:
         """Run the self-tests in a process of their own. Whether there was time for that."""
@@ -50,8 +49,8 @@ class Trust:
             return False
         if line := _told(tested, f"a cell is {status}", "what is not measured yet is unsupported"):
             self.tell(line)
-        if tested and tested[1].failed:
-            self.lacks = _reason(tested[1].failed)
+        if tested:
+            self.failed = tested[1].failed
         return True
 
     def _tested(self, timer: str) -> Tested | None:
@@ -98,4 +97,5 @@ def _reason(failed: Mapping[str, str]) -> str:
     first, detail = next(iter(failed.items()))
     more = f" and {len(failed) - 1} more" if len(failed) > 1 else ""
     seen = " ".join(detail.split())
-    return f"needs OpenGL as it is specified, which fails the trial {first!r} ({seen}){more}; {DOCTOR}"
+    return (f"needs OpenGL as it is specified, which fails the trial {first!r} ({seen}){more}; see mfr-bench doctor, "
+            "and measure again once the device passes")

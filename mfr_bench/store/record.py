@@ -19,7 +19,8 @@ SCHEMA = 1
 HISTORY = {  # of the format: a new schema is one that programs of the one before cannot read
     1: "the first layout. Added since, and missing in earlier folders: `cells.zip` (the packed form), `methods` in the "
        "manifest, `tables/summary.csv` (before: `tables/results.csv`). `also` of a cell: "
-       "further places, each a label and a point, of entries of the config that meet in it. "
+       "further places, each a label and a point, of entries of the config that meet in it. `failed_trials` of a cell: "
+       "the self-tests that its device fails, for which it is unsupported. "
        "`lost_fragments` was the sum of all frames. `tied_error` and `order_error`: before, `max_abs_error` left out "
        "all pixels with equal depths in scenes that a device rasterizes, and none on flat quads.",
 }
@@ -42,6 +43,8 @@ MEMBER = re.compile(r'"([a-z_]+)": ')  # the start of a line that `text` writes
 # Members that are alike in many records of a folder.
 ALIKE = frozenset(("schema", "experiment", "label", "point", "method", "params", "scene", "measure", "status",
                    "glsl_hash", "device"))
+TRIAL_IN_REASON = re.compile(r"fails the trial '([^']+)' .*; see mfr-bench doctor, and measure again once the device "
+                             r"passes$", re.DOTALL)
 KEY_FILE = re.compile(rf"[0-9a-f]{{{KEY_DIGITS}}}\.json")
 
 
@@ -280,6 +283,9 @@ def _wrong_parts(cell: Cell) -> str | None:
     wrong += [name for name in ("reason", "glsl_hash", "measured") if not isinstance(cell.get(name), (str, type(None)))]
     wrong += [name for name in ("buffers", "work") if not isinstance(cell.get(name), (dict, type(None)))]
     wrong += [name for name in PACKAGES if not _is_package(cell.get(name))]
+    trials = cell.get("failed_trials")
+    if not (trials is None or (isinstance(trials, list) and all(isinstance(name, str) for name in trials))):
+        wrong.append("failed_trials")
     device = cell.get("device")
     if not (device is None or isinstance(device, str)
             or (isinstance(device, dict) and all(isinstance(v, (str, type(None))) for v in device.values()))):
@@ -300,6 +306,15 @@ def _wrong_lists(cell: Cell) -> str | None:
     if not (isinstance(also, list) and all(map(_is_place, also))):
         return "also: not a list of places with label and point"
     return None
+
+
+def failed_trials(cell: Mapping[str, Any]) -> list[str]:
+    """The self-tests that the cell's device fails, for which the cell is unsupported; empty where it is not for that.
+
+    A record of before this member names one of them in its reason.
+    """
+    before = TRIAL_IN_REASON.search(str(cell.get("reason") or ""))
+    return list(cell.get("failed_trials") or (before.groups() if before else ()))
 
 
 def places(cell: Cell) -> list[Cell]:

@@ -5,6 +5,7 @@ import pytest
 from mfr_bench.compare import compare
 from mfr_bench.compare.judge import FASTER, SAME, SLOWER, UNCLEAR
 from mfr_bench.compare.noise import Shift, estimate
+from mfr_bench.compare.present import as_text
 from mfr_bench.errors import UsageError
 
 from ..report.planted import spread
@@ -112,6 +113,18 @@ def test_status_image_and_memory_are_compared_too(parts, text, worse):
     assert found.regressed == bool(worse)
     back = compare(side(cells(**parts)), side(cells()))
     assert not (back.regressed and worse)
+
+
+def test_cells_of_a_device_that_fails_self_tests_are_one_line():
+    refused = {"status": "unsupported", "reason": "needs OpenGL as it is", "failed_trials": ["blending", "queries"]}
+    found = compare(side(cells()), side(cells(**refused)))
+    said = " ".join(as_text(found, 500).split())
+    assert said.count("-> unsupported") == 1
+    assert (f"- {len(found.verdicts)} cells: ok -> unsupported, where the device fails the trials blending, queries: "
+            "see mfr-bench doctor") in said
+    assert [len(record["changes"]) for record in found.records()] == [1] * len(found.verdicts)
+    wrong = side(cells(status="wrong", reason="lost"))
+    assert "better" not in as_text(compare(wrong, side(cells(**refused))), 500)
 
 
 def test_what_is_wrong_has_no_time_to_compare():

@@ -136,9 +136,10 @@ def test_skipped_cells_are_listed_with_their_reasons(tmp_path):
     folder = planted.folder(tmp_path, [
         at(4), at(8), *(at(k, "kb-mdt64", "KB-MDT₆₄", None, status="unsupported", reason="needs int64")
                         for k in (4, 8)),
+        *(at(k, "atomic", "64-bit", None, status="unsupported", reason="needs int64") for k in (4, 8)),
         at(4, "kb-ll", "KB-LL"), at(8, "kb-ll", "KB-LL", None, status="over_budget", reason=reason)], [FIGURE])
     lines = section(tables.terminal_table(folder), "Not ok, or not measured")
-    assert lines[1:] == ["- KB-MDT₆₄, every cell: unsupported: needs int64",
+    assert lines[1:] == ["- KB-MDT₆₄, 64-bit, every cell: unsupported: needs int64",
                          f"- KB-LL at k = 8: over budget: {reason}"]
 
 
@@ -199,6 +200,19 @@ def test_lines_fit_a_terminal_and_no_column_is_lost(tmp_path, ks):
     assert max(map(len, text.splitlines())) <= tables.WIDTH
     for k in ks:
         assert f"k = {k} " in text or f"k = {k}\n" in text
+
+
+def test_an_interval_wider_than_the_time_is_called_noisy_and_the_note_says_what_to_do(tmp_path):
+    def told(name, high_ms):
+        cells = [cell("ab-ll", "AB_LL", 4.0),
+                 cell("ab-sb", "AB_SB", 5.0, values={"time_ms_low": 4.0, "time_ms_high": high_ms})]
+        return " ".join(tables.markdown(data.load(planted.folder(tmp_path / name, cells))).split())
+
+    said = told("noisy", 40.0)
+    assert "| 5.00 noisy |" in said and "700 %" not in said
+    assert "run --force while the machine does nothing else" in said
+    said = told("calm", 10.0)
+    assert "5.00 ±100 %" in said and "noisy" not in said
 
 
 def test_markdown_has_the_passes_and_escapes_bars(tmp_path):

@@ -7,14 +7,15 @@ import pytest
 from mfr_bench.run import device_process as processes
 from mfr_bench.run.events import Begun, Ended, Failed, Finished, Group, SelfTest, SelfTested, Synced
 from mfr_bench.run.settling import final
-from mfr_bench.run.trust import DOCTOR, blame
+from mfr_bench.run.trust import blame
+from mfr_bench.store import failed_trials
 
 from ..cli.conftest import apart, cells, sabotaged
 from .acting import CELLS, CRASH, Actor, cell, finished, well
 
 FAILING = {"blending": "3 of 9 ways right\nand six wrong", "queries": "0 samples counted"}
 REASON = ("needs OpenGL as it is specified, which fails the trial 'blending' (3 of 9 ways right and six wrong) and 1 "
-          f"more; {DOCTOR}")
+          "more; see mfr-bench doctor, and measure again once the device passes")
 ALL = [*CELLS, cell("floor", n=9)]  # of two scenes, the small one first
 
 
@@ -75,9 +76,18 @@ def test_where_the_self_tests_do_not_end_the_row_stands_and_a_line_says_so(play,
 
 def test_such_cells_are_measured_by_the_next_run_unless_failed_ones_are_kept(play):
     before = play(ALL, Actor(draws_nothing), tester=finds(FAILING))
-    key = next(row["key"] for row in before.rows().values() if row["status"] == "unsupported")
+    row = next(row for row in before.rows().values() if row["status"] == "unsupported")
+    assert row["failed_trials"] == ["blending", "queries"]
+    key = row["key"]
     assert final(before.sheet.folder, key, keep_failed=True)["status"] == "unsupported"
     assert {row["status"] for row in play(ALL, Actor(well)).rows().values()} == {"ok"}
+
+
+@pytest.mark.parametrize(("row", "trials"), [
+    ({"reason": REASON}, ["blending"]), ({"reason": REASON, "failed_trials": ["blending", "queries"]}, None),
+    ({"reason": "needs atomics64, which fails the trial '64-bit atomics' (0 of 9 right)"}, []), ({"reason": None}, [])])
+def test_a_record_of_before_names_one_of_the_trials_in_its_reason(row, trials):
+    assert failed_trials(row) == (row["failed_trials"] if trials is None else trials)
 
 
 def test_a_user_who_stops_meanwhile_gets_no_row_of_what_is_not_known(play):

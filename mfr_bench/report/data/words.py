@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any
 
@@ -50,6 +50,12 @@ def number(value: float | None, digits: int = 3) -> str:
 def percent(share: float, sign: str = "") -> str:
     """'2.5 %', '38 %', '210 %'; with `sign` '+', also those that grow have theirs."""
     return f"{100 * share:{sign}{'.0f' if abs(share) >= 0.1 else '.2g'}} %"
+
+
+def listed(labels: Iterable[str]) -> str:
+    """Labels, each once, so that they can be told apart: some have commas themselves."""
+    found = list(dict.fromkeys(labels))
+    return (" and " if any("," in label for label in found) else ", ").join(found)
 
 
 def figure_of(source: Mapping[str, Any]) -> str:

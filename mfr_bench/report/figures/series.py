@@ -130,7 +130,7 @@ def gaps(points: Sequence[Point], x: str, panels: str | None) -> list[str]:
     for (label, sign), cells in missing.items():
         where = _at(x, cells, panels, [p for p in points if p.label == label])
         told.setdefault(f"{sign}{where}", []).append(label)
-    texts = [f"{listed(labels)}: {what}" for what, labels in told.items()]
+    texts = [f"{data.listed(labels)}: {what}" for what, labels in told.items()]
     return [f"Not drawn: {'; '.join(texts)}."] if texts else []
 
 
@@ -167,15 +167,9 @@ def refusals(points: Iterable[Point]) -> list[str]:
             lacking.setdefault(reason, []).append(p.label)
         elif p.ending.image == "wrong":
             wrong.setdefault(LOSES_TIES if p.method in tie_losers() else "", []).append(p.label)
-    told = [f"{listed(labels)}{f' ({reason})' if reason else ''}" for reason, labels in lacking.items()]
-    said = [f"{listed(labels)}{f' ({why})' if why else ''}" for why, labels in wrong.items()]
+    told = [f"{data.listed(labels)}{f' ({reason})' if reason else ''}" for reason, labels in lacking.items()]
+    said = [f"{data.listed(labels)}{f' ({why})' if why else ''}" for why, labels in wrong.items()]
     return [f"{sign}: {'; '.join(found)}." for sign, found in (("Unsupported", told), ("Wrong image", said)) if found]
-
-
-def listed(labels: Iterable[str]) -> str:
-    """Labels, each once, so that they can be told apart: some have commas themselves."""
-    found = list(dict.fromkeys(labels))
-    return (" and " if any("," in label for label in found) else ", ").join(found)
 
 
 @cache

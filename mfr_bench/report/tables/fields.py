@@ -13,14 +13,20 @@ RATIO_NOTE = ("time / time of the same geometry with plain blending, ± half of 
               "≈ r [low, high]: not told from 1, which the interval or the noise floor holds")
 FASTEST_NOTE = ("of the methods that show every fragment: time / the fastest's, ± half of its 95 % interval; "
                 "≈ r [low, high]: not told from the fastest's, for the interval or the noise floor holds 1")
+NOISY = "noisy"  # instead of half an interval that is wider than the value itself
+NOISY_NOTE = ("noisy: uncertain by more than the value itself, as other work on the machine makes it; measured again "
+              "by run --force while the machine does nothing else")
 MEMORY_NOTE = "measured / by the paper's formula"
 
 
 def spread(interval: data.Interval) -> str:
+    """Half of an interval in percent of its middle; NOISY where that tells nothing of the value."""
     low, middle, high = interval
     if low is None or high is None or not middle:
         return "±?"
     percent = 100 * max(high - middle, middle - low) / middle
+    if percent > 100:
+        return NOISY
     return f"±{percent:.1f} %" if percent < 9.95 else f"±{percent:.0f} %"
 
 

@@ -18,13 +18,15 @@ WIDTH = 120  # columns of a terminal
 
 
 def _skipped(result: Result) -> list[str]:
-    """A line for each method, status and reason that kept cells from being ok."""
+    """A line for each status and reason that kept cells from being ok; methods of which the same is to say share it."""
     groups: dict[tuple[str, str, str], list[Point]] = {}
     for p in result.points:
         if p.status != "ok":
             groups.setdefault((p.label, p.sign, p.cell.get("reason") or ""), []).append(p)
-    lines = [f"{label}{_places(result, label, points)}: {sign}{f': {reason}' if reason else ''}"
-             for (label, sign, reason), points in groups.items()]
+    told: dict[tuple[str, str], list[str]] = {}
+    for (label, sign, reason), points in groups.items():
+        told.setdefault((_places(result, label, points), f"{sign}{f': {reason}' if reason else ''}"), []).append(label)
+    lines = [f"{data.listed(labels)}{where}: {what}" for (where, what), labels in told.items()]
     if result.unmeasured:
         lines.append(f"{data.without_record(result.unmeasured)} yet; run the same command again")
     return [*lines, result.foreign] if result.foreign else lines

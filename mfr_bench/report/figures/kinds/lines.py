@@ -15,7 +15,7 @@ from ..fits import DEGREES, Fit, draw_fit, fits_of, room_for
 from ..kind import FLOOR, GAIN_OF, LOG, LOG_BASE, PANELS, PASSES, PRINTED, X_LABEL, Y_LABEL, Key, Kind
 from ..marks import Guide, Mark, draw_guides, draw_marks, guides_of, marks_of
 from ..scales import log_axes, log_axis, log_base, nothing, tick, y_label
-from ..series import Options, axis_label, gaps, labels_of, listed, panels_of, refusals, series_of, y_text
+from ..series import Options, axis_label, gaps, labels_of, panels_of, refusals, series_of, y_text
 from ..sheet import EDGE, HEADING_IN, LEFT, LONG_LABEL, fitted, sheet_of, text_width, widest
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ class LineChart:
         for label, line in lines.items():
             group = next((g for g in groups if all(_one_line(line, lines[other], scale) for other in g)), None)
             groups.append([label]) if group is None else group.append(label)
-        told = [listed(group) for group in groups if len(group) > 1]
+        told = [data.listed(group) for group in groups if len(group) > 1]
         return [f"On one line: {'; '.join(told)}."] if told else []
 
     @property
