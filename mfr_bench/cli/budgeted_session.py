@@ -27,7 +27,7 @@ class BudgetedSession(Session):
         self.budget = budget
         self.cut: list[str] = []
 
-    def _deadlines(self, parts: Sequence[Part]) -> tuple[float, float]:
+    def _deadlines(self, groups, parts: Sequence[Part]) -> tuple[float, float]:
         return self.budget.stop, self.budget.last
 
     def _at_the_end(self, parts: Sequence[Part]) -> None:
@@ -42,7 +42,7 @@ class BudgetedSession(Session):
     def _tell(self, part: Part) -> None:
         self.folder, self.late = part.folder, left_out(part.sheet)
         part.manifest["left_out"] = self.late
-        if self.budget.room_for(SAFE * reports_s(1, len(part.experiment.figures), len(part.sheet.jobs))):
+        if self.budget.room_for(SAFE * reports_s(1, len(part.experiment.figures), len(part.sheet.statuses))):
             self._report(part)
         else:
             part.folder.write_manifest(part.manifest)

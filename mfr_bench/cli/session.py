@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
@@ -154,7 +155,7 @@ class Session:
 
         ledger, budget_s = self.ledger, self.choices.budget_s
         groups = ledger.groups(coarse_first=budget_s is not None)
-        deadlines = self._deadlines(parts)
+        deadlines = self._deadlines(groups, parts)
         measuring = [part for part in parts if part.sheet.pending]
         name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
         try:
@@ -179,14 +180,19 @@ class Session:
         except DeviceError as error:
             raise DeviceError(f"{error}; {self._kept(parts)}") from None
 
-    def _deadlines(self, parts: Sequence[Part]) -> tuple[float, float]:
-        """The times of the monotonic clock at which to stop measuring, and to end the process that measures."""
+    def _deadlines(self, groups, parts: Sequence[Part]) -> tuple[float, float]:
+        """The times of the monotonic clock at which to stop measuring, and to end the process that measures.
+
+        What follows is foretold for the cells that have ended and those that can be measured, in the groups' order.
+        """
         from ..plan.budget import TimeBudget
+        from ..plan.ending import measurable
 
         if self.choices.budget_s is None:
             return float("inf"), float("inf")
-        stop = TimeBudget(self.choices.budget_s, self.started).deadline(
-            self._ends_s(parts, sum(len(part.sheet.jobs) for part in parts)))
+        to_come = [job.key for group in groups for job in group]
+        keys = set(to_come[:measurable(len(to_come), self.choices.budget_s, self.slowness)])
+        stop = TimeBudget(self.choices.budget_s, self.started).deadline(self._ends_s(parts, keys))
         return time.monotonic() - time.perf_counter() + stop, float("inf")
 
     def _foretold(self, groups, parts: Sequence[Part]):
@@ -212,17 +218,20 @@ class Session:
         code = {key: code_of_programs(Fitted(catalog()[cell.method].variant(cell.params), expected_stats(cell.scene),
                                              ready.limits.features)) for key, cell in cells.items()}
         return TimeLeft(forecast, cells, {key: drawn for key, (drawn, _) in code.items()},
-                        {key: counted for key, (_, counted) in code.items()}, self._ends_s(parts, len(cells)),
+                        {key: counted for key, (_, counted) in code.items()}, self._ends_s(parts, cells.keys()),
                         self.slowness, forecast.rates.looks_s)
 
-    def _ends_s(self, parts: Sequence[Part], cells: int) -> float:
-        """Seconds that should follow the last of so many cells."""
+    def _ends_s(self, parts: Sequence[Part], keys: AbstractSet[str]) -> float:
+        """Seconds that should follow the last of the cells of these keys, with those that have ended before."""
         from ..environment import usable_cores
         from ..plan.ending import ending_s, reports_s
 
-        figures = sum(len(part.experiment.figures) for part in parts) if self.choices.drawn else 0
-        reports = reports_s(len(parts), figures, cells, (usable_cores() or 1) if len(parts) >= MANY else 1)
-        return ending_s(reports, self.supervisor.ready().calibrated_s if cells else 0.0, self.slowness)
+        cells = [len(part.sheet.statuses.keys() | (keys & part.sheet.jobs.keys())) for part in parts]
+        told = [part for part, count in zip(parts, cells, strict=True) if count]
+        figures = sum(len(part.experiment.figures) for part in told) if self.choices.drawn else 0
+        processes = (usable_cores() or 1) if len(parts) >= MANY else 1
+        reports = reports_s(len(told), figures, sum(cells), processes, empty=len(parts) - len(told))
+        return ending_s(reports, self.supervisor.ready().calibrated_s if keys else 0.0, self.slowness)
 
     def _at_the_end(self, parts: Sequence[Part]) -> None:
         """The state to compare with the start of the run: the timer and the device's speed, load and clocks."""

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import math
+
 # Of a quiet machine, by the manifests of 39 runs.
 TABLES_S = 0.3  # of an experiment, with the imports of what draws
 FIGURE_S = 0.25
 CELL_S = 0.005  # of tables and figures, for each cell
+EMPTY_S = 0.1  # of tables and figures of an experiment without any cell
+LEAST_S = 0.1  # to measure a cell: 24 s for 146 of them, programs compiled, with the start of the command
 SAFE = 2.5  # times what it should take is set aside for it, where it has to be in time
 
 
-def reports_s(experiments: int, figures: int, cells: int, processes: int = 1) -> float:
+def reports_s(experiments: int, figures: int, cells: int, processes: int = 1, empty: int = 0) -> float:
     """Seconds that tables and figures take on a quiet machine.
 
-    figures: of all experiments, drawn by so many processes.
+    figures: of all these experiments, drawn by so many processes. empty: further experiments, which have no cell.
     """
-    return TABLES_S * experiments + (FIGURE_S * figures + CELL_S * cells) / processes
+    return TABLES_S * experiments + (FIGURE_S * figures + CELL_S * cells + EMPTY_S * empty) / processes
+
+
+def measurable(cells: int, seconds: float, slowness: float) -> int:
+    """How many of these cells, at most, can be measured in so many seconds; slowness as in `ending_s`."""
+    return min(cells, math.ceil(seconds / (slowness * LEAST_S)))
 
 
 def ending_s(reports: float, calibrated_s: float, slowness: float) -> float:

@@ -1,12 +1,16 @@
 """Time budgets: what is measured first, and when measuring has to stop."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import pytest
 
+from mfr_bench.cli.session import Choices, Session
 from mfr_bench.config.model import Measure, Scene
 from mfr_bench.methods import catalog
 from mfr_bench.plan import Cell
 from mfr_bench.plan.budget import TimeBudget, bisection, coarseness
-from mfr_bench.plan.ending import SAFE, ending_s, reports_s
+from mfr_bench.plan.ending import SAFE, ending_s, measurable, reports_s
 from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger
 from mfr_bench.run.sheet import Sheet
@@ -62,3 +66,27 @@ def test_what_is_set_aside_is_no_less_than_reports_took_before_they_were_timed(c
                                                                                figures, cells, least_s):
     end_s = ending_s(reports_s(experiments, figures, cells), calibrated_s, slowness)
     assert SAFE * end_s >= least_s
+
+
+@pytest.mark.parametrize(("cells", "seconds", "slowness", "most"), [
+    (2699, 30.0, 1.0, 300), (2699, 30.0, 3.0, 100), (40, 30.0, 1.0, 40), (0, 30.0, 1.0, 0)])
+def test_no_more_cells_are_counted_than_can_be_measured(cells, seconds, slowness, most):
+    assert measurable(cells, seconds, slowness) == most
+    aside_s = SAFE * (ending_s(reports_s(1, 0, most), 0.0, slowness) - ending_s(reports_s(1, 0, 0), 0.0, slowness))
+    assert aside_s <= seconds / 8 + 0.01  # so that cells take no more than an eighth of any budget
+
+
+@pytest.mark.parametrize(("budget_s", "told", "empty", "rows"), [
+    (1.0, 1, 2, 10),  # of the experiment whose scenes come first
+    (2.0, 2, 1, 20), (3600.0, 3, 0, 30)])
+def test_the_end_is_foretold_by_the_cells_that_can_be_measured(tmp_path, monkeypatch, budget_s, told, empty, rows):
+    scenes = [[Scene(size=(8, 8), depth_complexity=n, seed=seed) for seed in range(10)] for n in (1, 2, 3)]
+    sheets = [Sheet(ResultFolder(tmp_path / str(n)), jobs([replace(cell(n), scene=scene) for scene in found], catalog(),
+                                                          DEVICE, "wall")) for n, found in enumerate(scenes)]
+    parts = [SimpleNamespace(sheet=sheet, experiment=SimpleNamespace(figures=[1, 2])) for sheet in sheets]
+    session = Session(SimpleNamespace(ready=lambda: SimpleNamespace(calibrated_s=0.0)), lambda: False,
+                      Choices(None, False, False, False, budget_s=budget_s), 0.0)
+    session.slowness, asked = 1.0, []
+    monkeypatch.setattr("mfr_bench.plan.ending.reports_s", lambda *given, empty: asked.append((*given, empty)) or 0.0)
+    session._deadlines(Ledger(sheets, DEVICE).groups(coarse_first=True), parts)
+    assert asked == [(told, 2 * told, rows, 1, empty)]
