@@ -11,19 +11,22 @@ from ..methods.spec import IMAGE, Pass, Variant
 DIAGNOSTICS_BINDING = 7  # GL guarantees eight storage blocks to a fragment shader
 DIAGNOSTICS = ("lost_fragments", "shaded_fragments", "stored_fragments")  # counters outside every method's memory
 
-# The uniform block `Frame`, one uint each, in order.
-FRAME_FIELDS = ("width", "height", "pixels", "capacity", "seed", "keep_threshold", "chosen_k")
+# The uniform block `Frame`, one uint each, in order, and what follows in it for compute passes with `region`, which no
+# scissor bounds: its edges in pixels, right and top exclusive.
+FRAME_FIELDS = ("width", "height")
+EDGE_FIELDS = ("region_left", "region_bottom", "region_right", "region_top")
 FRAME_BINDING = 0
+# What shaders read for each fragment, a uint each in a block of its own: llvmpipe 22.3 reads the first word of a block
+# once for a vector of pixels, and any other word pixel by pixel. The last three tell the rectangle that bounds the
+# geometry, whose first pixel would have the index region_first if the rectangle began at the origin.
+ALONE_FIELDS = ("pixels", "capacity", "seed", "keep_threshold", "chosen_k", "region_first", "region_columns",
+                "region_pixels")
+ALONE_BINDING = 3  # of the first of these blocks; the others follow
+ALONE_BYTES = 256  # from one of them to the next in their buffer, an alignment that every device takes
 TEXELS_UNIT = 14  # of the first buffer that a pass reads through a texture; others have the units below
 OPAQUE_UNIT = 15  # of the scene's opaque depth: GL guarantees sixteen texture units to a fragment shader
 COLOURS_BINDING = 1  # of the uniform block `Colours`: the base colours of a payload of two channels, as light
 COLOURS_BYTES = 32  # two vec4
-# Fields after these, for methods that plan their frames: the rectangle that bounds the geometry, whose first pixel
-# would have the index region_first if the rectangle began at the origin.
-REGION_FIELDS = ("region_first", "region_columns", "region_pixels")
-# Fields after these, for compute passes with `region`, which no scissor bounds: its edges in pixels, right and top
-# exclusive.
-EDGE_FIELDS = ("region_left", "region_bottom", "region_right", "region_top")
 # The uniform block `Box`, declared by shaders that name its fields: the depths of a box around the scene, as the bits
 # of floats. A block of its own leaves the text of all other shaders, and with it the keys of their cells, as they are.
 BOX_FIELDS = ("box_near", "box_far")

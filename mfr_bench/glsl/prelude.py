@@ -21,13 +21,14 @@ from ..methods.spec import (
     Decided,
     Fitted,
     Pass,
-    Planned,
     SceneStats,
     Target,
     Variant,
 )
 from . import counters
 from .bindings import (
+    ALONE_BINDING,
+    ALONE_FIELDS,
     BOX_BINDING,
     BOX_FIELDS,
     COLOURS_BINDING,
@@ -37,7 +38,6 @@ from .bindings import (
     FRAME_BINDING,
     FRAME_FIELDS,
     OPAQUE_UNIT,
-    REGION_FIELDS,
     Binding,
     buffer_bindings,
     colour_refs,
@@ -299,8 +299,9 @@ def source(fitted: Fitted, step: Pass, entry: str | None = None, counted: bool =
     body = body.replace(WINDOW_DEPTH, depth.name) if depth else body
     clearing = _clear_macro(fitted.variant, step)
     words = _words_used(body, clearing, depth)
+    macros = _macros(fitted, step, words, depth)
     lines = [*_version(fitted.variant, words, () if is_vertex else step.fetched),
-             *_macros(fitted, step, words, depth), *_uniform_blocks(fitted.variant, step, words)]
+             *macros, *_uniform_blocks(step, words.union(*map(_words, macros)))]
     if not is_vertex:
         lines += _resources(fitted, step, words)
         lines += _readers(fitted, step, words, texels and not counted)
@@ -351,9 +352,12 @@ def _macros(fitted: Fitted, step: Pass, words: frozenset[str], depth: Macro | No
     return [*lines, *TYPES[fitted.variant.payload_words], *([depth.definition] if depth else [])]
 
 
-def _uniform_blocks(variant: Variant, step: Pass, words: frozenset[str]) -> list[str]:
+def _uniform_blocks(step: Pass, words: frozenset[str]) -> list[str]:
     """The block `Frame`, and those of the others that the shader reads."""
-    blocks = [_uniform_block(FRAME_BINDING, "Frame", _frame_fields(variant, step))]
+    edges = EDGE_FIELDS if step.kind == "compute" and step.region else ()
+    blocks = [_uniform_block(FRAME_BINDING, "Frame", FRAME_FIELDS + edges)]
+    blocks += [_uniform_block(binding, f"Alone_{field}", (field,))
+               for binding, field in enumerate(ALONE_FIELDS, ALONE_BINDING) if field in words]
     blocks += [_uniform_block(BOX_BINDING, "Box", BOX_FIELDS)] if words.intersection(BOX_FIELDS) else []
     if "base_a" in words:
         blocks.append(f"layout(std140, binding = {COLOURS_BINDING}) uniform Colours {{ vec4 base_a; vec4 base_b; }};")
@@ -375,13 +379,6 @@ def _resources(fitted: Fitted, step: Pass, words: frozenset[str]) -> list[str]:
     if fitted.stats.occluded and "opaque_depth" in words:
         lines.append(f"layout(binding = {OPAQUE_UNIT}) uniform sampler2D opaque_depth;")
     return lines + [f"uniform uint {length_name(b.name)};" for b in bound if length_name(b.name) in words]
-
-
-def _frame_fields(variant: Variant, step: Pass) -> tuple[str, ...]:
-    """The fields of the uniform block `Frame` that the stages of a pass declare."""
-    if step.kind == "compute" and step.region:
-        return FRAME_FIELDS + REGION_FIELDS + EDGE_FIELDS
-    return FRAME_FIELDS + (REGION_FIELDS if isinstance(variant.method.capacity, Planned) else ())
 
 
 def _outputs(fitted: Fitted, step: Pass) -> list[str]:

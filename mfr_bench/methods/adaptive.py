@@ -79,7 +79,7 @@ MEMORY_MB = Param("memory_mb", 0.0, "most memory in MiB; where it does not hold 
 
 MOST_GUESSED_BYTES = 2**27  # what a storage block holds on every driver at hand
 
-SPARE_MEMORY = Param("spare_memory", 8.0, "most memory that cells for as many layers as the frame before had may take "
+SPARE_MEMORY = Param("spare_memory", 16.0, "most memory that cells for as many layers as the frame before had may take "
                      "in addition to exact ranges, as a multiple of these; 0: always exact ranges", real=True, low=0,
                      high=1024, off=0.0)
 

@@ -63,6 +63,13 @@ def test_a_guess_keeps_within_its_memory(spare, path):
     assert plan(KNOWN, {SPARE_MEMORY.name: spare}).path == path
 
 
+def test_needles_of_256_layers_find_room_by_default():
+    """Cells for 256 layers of every pixel of their rectangle take 8.03 times as much memory more as exact ranges."""
+    needles = Known(3000, 5184, 9216, 138735, deepest=256)
+    assert plan(needles, {}).path == DENSE
+    assert plan(needles, {SPARE_MEMORY.name: 8.0}).path == RANGES
+
+
 def test_a_budget_that_holds_every_layer_leaves_the_guess_and_another_gets_bands():
     assert plan(replace(KNOWN, room=5000), {}).guessed
     assert plan(replace(KNOWN, room=4999), {}).banded

@@ -87,9 +87,9 @@ def test_the_share_that_is_hidden_is_that_behind_the_first_opaque_fragment(opaqu
 
 def test_memory_is_bounded_by_all_fragments_that_are_to_be_expected():
     """Pixels of 12 layers take 16 cells side by side; what is in front alone, 40 fragments, leaves them no room."""
-    known = replace(KNOWN, fragments=40)
-    assert plan(known, {}).path == DENSE and plan(known, {}).guessed
-    assert plan(replace(known, draws_in_parts=False), {}).path == RANGES
+    known, params = replace(KNOWN, fragments=40), {"spare_memory": 8.0}
+    assert plan(known, params).path == DENSE and plan(known, params).guessed
+    assert plan(replace(known, draws_in_parts=False), params).path == RANGES
 
 
 @pytest.mark.parametrize("triangles", [False, True], ids=["strips", "triangles"])
