@@ -143,8 +143,8 @@ class Finished:
     values: Mapping[str, Any]
     details: Mapping[str, Any] = field(default_factory=dict)
     arrays: bytes = b""
-    failed_trials: tuple[str, ...] = ()
     noise_floor_rel: float | None = None
+    failed_trials: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
