@@ -16,7 +16,7 @@ from .targets import Canvas
 
 COPY_BYTES = 2**25  # beyond the last cache of most devices, below a storage block of every one
 SIDE = 1024  # pixels of the target that is filled
-LONG_ENOUGH_S = 0.04  # compared with which a round trip to the device is short
+LONG_ENOUGH_S = 0.01  # compared with which a round trip to the device is short
 FILL = Method(id="fill", name="fill", family="probe", source="", summary="", guarantee="none", words="0", ties="",
               steps=(Pass("fill", "fullscreen", "probe/fill.frag", into=(IMAGE,)),))
 

@@ -127,11 +127,14 @@ class Calibration:
     gpu_ms: tuple[float, ...]
     reason: str
     resolution_ms: dict[str, float | None] = field(default_factory=dict)  # tick of each timer's clock
-    rates: dict[str, float] = field(default_factory=dict)  # see `gpu.rates`
+    rates: dict[str, float] = field(default_factory=dict)  # see `gpu.rates`; empty of a calibration made again
 
 
-def calibrate(device: Device) -> Calibration:
-    """Time fullscreen work of growing size by both timers; a GPU's count where they agree with the wall clock."""
+def calibrate(device: Device, again: bool = False) -> Calibration:
+    """Time fullscreen work of growing size by both timers; a GPU's count where they agree with the wall clock.
+
+    again: whether this is compared with an earlier one, for which rates are not needed.
+    """
     bench = ProbeBench(device, WORK)
     wall, gpu = WallTimer(device), GpuTimer(device)
     wall_ms: list[float] = []
@@ -146,7 +149,7 @@ def calibrate(device: Device) -> Calibration:
         rounds *= 2
     bench.release()
     ticks_ms = {timer.name: timer.resolution_ms for timer in (wall, gpu)}
-    return Calibration(*_verdict(device.kind, wall_ms, gpu_ms), ticks_ms, rates(device))
+    return Calibration(*_verdict(device.kind, wall_ms, gpu_ms), ticks_ms, {} if again else rates(device))
 
 
 def _verdict(kind: str, wall_ms: list[float],

@@ -27,10 +27,11 @@ class Turn:
 class Watch:
     """Times a reference frame before and after each turn of samples.
 
-    draw_ms: draws the reference frame and returns its time in ms. clock, sleep: in seconds.
+    draw_ms: draws the reference frame, as often as the best time so far asks for, and returns its time in ms. clock,
+    sleep: in seconds.
     """
 
-    def __init__(self, draw_ms: Callable[[], float], clock: Callable[[], float] = time.monotonic,
+    def __init__(self, draw_ms: Callable[[float], float], clock: Callable[[], float] = time.monotonic,
                  sleep: Callable[[float], None] = time.sleep):
         self._draw_ms, self._clock, self._sleep = draw_ms, clock, sleep
         self.best_ms = math.inf  # of the reference so far
@@ -39,7 +40,7 @@ class Watch:
 
     def look(self) -> float:
         """The time of the reference now, in ms; the more often it is looked at, the surer is its best."""
-        now_ms = self._draw_ms()
+        now_ms = self._draw_ms(self.best_ms)
         self._last = self._clock(), now_ms
         self.best_ms = min(self.best_ms, now_ms)
         return now_ms

@@ -27,7 +27,7 @@ OWN = (MEASURED, IN_HAND := "by its samples so far")  # sources that know how mu
 PASS_FRAMES = 7  # whose passes are timed, where a time is told with an interval
 PASS_SHARE = 0.25  # of the time limit, at most, that they take
 FIRST_FRAMES = 1.4  # until a cell is prepared, beside what is compiled
-OTHER_FRAMES = 2  # last check, counted fragments
+OTHER_FRAMES = 2  # counted fragments, and the last, which cells draw whose last sample was not checked
 WARMUP_MS, WARMUP_POWER = 15, 0.45  # frames of 1 ms that warm up, and how fewer longer ones take
 WARMUP_SHARE = 0.2  # of the time limit, at most
 LEAST_WARMUP, MOST_WARMUP = 2, 32  # frames
@@ -48,7 +48,7 @@ OTHER_PARAMS = 1.5  # logarithm of a ratio of works, that other parameters count
 FIXED_ROUNDS = 1e6  # and a frame of about five passes, however little they draw
 MOST_FIXED = 0.7  # share of a frame that this may be
 REFERENCE_ROUNDS = 1.2e6  # and the reference frame
-REFERENCES = 20  # of a cell: four after each of four turns, and four before the first
+REFERENCES = 10  # of a cell: two after each of four turns, and two before the first
 
 Identity = tuple[str, str, str]  # of what was measured: the method, and the texts of its parameters and of the scene
 

@@ -54,6 +54,7 @@ class CellWork:
         self.references_ms: list[float] = []  # of the reference frame around the turn of each sample
         self.done = False  # nothing more is drawn for it
         self.postponed = False  # the last turn is to be taken again: the device was slower
+        self._last_checked = False  # whether the image of the last sample is checked
         self.repeats = 1  # frames in a sample
         self.pass_frames = pass_frames(job.cell.measure)  # frames whose passes are timed
         self._emitted = len(self.sampler.samples_ms)  # samples already sent
@@ -119,6 +120,7 @@ class CellWork:
         """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed."""
         self._phases.begin(BETWEEN)
         first, watch = len(sampler.samples_ms), self._watch
+        self._last_checked = self._last_checked and sampler is not self.sampler
         with self.bench.paused():
             with self.bench.split.work("reference"), watch.turn() as turn, self._phases.within("sampling"):
                 self._take(sampler)
@@ -128,8 +130,13 @@ class CellWork:
             elif sampler is self.sampler and turn.reference_ms is not None:
                 self.references_ms += [round(turn.reference_ms, 4)] * (len(sampler.samples_ms) - first)
             with self._phases.within("sampling"):
+                ends = sampler is self.sampler and not (sampler.wanted or self.postponed)
+                image = self.images.of_sample() if ends else None
                 passes = self._time_passes(1) if sampler.warm and not self.postponed else {}
         self._emit_new(passes)
+        if image is not None:
+            self.images.check(image)
+            self._last_checked = True
 
     def _take(self, sampler: Sampler) -> None:
         """Draw the frames of one turn, the first of which find the samplers as those of any turn do."""
@@ -197,14 +204,18 @@ class CellWork:
         if samples or passes:
             self.bench.emit(Sampled(self.job.key, tuple(samples), passes))
 
+    @property
+    def _lacks_passes(self) -> bool:
+        """Whether passes are to be timed in more frames, and time is left for one."""
+        done = len(next(iter(self.passes.values()), ()))
+        return done < self.pass_frames and self.passes_s <= PASS_SHARE * self.job.cell.measure.time_limit_s
+
     def _time_passes(self, frames: int) -> dict[str, tuple[float, ...]]:
         """Time the passes in frames of their own, between the batches, so that drift hits both alike."""
-        limit_s = PASS_SHARE * self.job.cell.measure.time_limit_s
-        done = len(next(iter(self.passes.values()), ()))
         new: dict[str, tuple[float, ...]] = {}
         with self.bench.split.work("passes"):
-            for _ in range(min(frames, self.pass_frames - done)):
-                if self.passes_s > limit_s:
+            for _ in range(frames):
+                if not self._lacks_passes:
                     break
                 self.frame.show(self.scene.show(len(self.sampler.samples_ms)))
                 times = self.bench.timer.passes_ms(self.frame.draw)
@@ -214,16 +225,25 @@ class CellWork:
                     new[name] = (*new.get(name, ()), time_ms)
         return new
 
+    def time_passes(self) -> None:
+        """Time the passes in as many frames as the batches have left to do."""
+        self._phases.begin(BETWEEN)
+        if self._lacks_passes:
+            with self.bench.paused():
+                self._phases.begin("passes")
+                self.bench.device.settle()
+                self._time_passes(self.pass_frames)
+            self._phases.begin(BETWEEN)
+
     def end(self) -> None:
         """Time the passes and draw the last images; nothing is drawn for the cell afterwards."""
-        self._phases.begin(BETWEEN)
-        with self.bench.paused():
-            self._phases.begin("passes")
-            self.bench.device.settle()
-            self._time_passes(self.pass_frames)
+        self.time_passes()
         self._phases.begin("last frames")
         with self.bench.split.work("last frames"):
-            self.images.draw_again()
+            self.frame.show(self.scene.show(0))
+            if not self._last_checked:
+                self.images.draw_again()
+            self.images.count_lost()
             self.images.draw_several()
             self.images.keep()
             if self.fitted.stats.effect.msaa > 1:

@@ -32,33 +32,41 @@ class Images:
         self._bench, self._phases, self._scene, self._measure = bench, phases, scene, job.cell.measure
         self._method, self._variant, self._frame = job.cell.method, variant, frame
         self.promised = variant.guarantee != "none"
+        self._keeps_image = self.promised and bool(set(OF_IMAGES).intersection(self._measure.keep))
         self._compared: list[Pending[Compared]] = []  # the first with the errors against all fragments
         self._packed: Pending[Packed] | None = None
         self._edges: Pending[int] | None = None
         self._several = False  # whether images of one scene were drawn to see whether they differ
         image = self._read()
         self.lost = frame.lost_in_a_frame()
-        self._compare(image, quality=True, flip=not self._measure.eliminate)
+        self.check(image, quality=True, flip=not self._measure.eliminate)
 
     def _read(self) -> np.ndarray:
         with self._bench.split.work("read-back"):
             return self._frame.image()
 
-    def _compare(self, image: np.ndarray, **more: bool) -> None:
+    def check(self, image: np.ndarray, **more: bool) -> None:
+        """Begin to compare an image of the first scene with the promise, if there is any; more: as of `SceneWork`."""
         if self.promised:
             with self._phases.apart(CHECK):
                 self._compared.append(self._scene.compare(self._variant, image, **more))
 
     # --- the last frames -------------------------------------------------------------------------
 
+    def of_sample(self) -> np.ndarray | None:
+        """Read the image of the frame that was just timed; None where it is compared with none.
+
+        One that is to be kept is drawn at the end.
+        """
+        if self.promised and self._scene.shows_first and not self._keeps_image:
+            return self._read()
+        return None
+
     def draw_again(self) -> None:
-        """Draw and check another frame, the last: it must be as right as the first."""
-        self._frame.show(self._scene.show(0))
+        """Draw and check another frame of the scene on the device, the last."""
         self._frame.draw()
-        self._count_lost()
-        self._bench.device.check(f"{self._method}: sampling")
         if self.promised:
-            self._compare(self._read())
+            self.check(self._read())
 
     def draw_several(self) -> None:
         """Draw the scene on the device again where more than one image is asked for and images compare.
@@ -78,14 +86,14 @@ class Images:
             with self._phases.apart(CHECK):
                 images.add(hashlib.sha256(image).digest())
             if len(images) > seen:
-                self._compare(image)
-        self._count_lost()
+                self.check(image)
+        self.count_lost()
 
     def keep(self) -> None:
         """Begin to pack the arrays that `measure.keep` asks for and the method has: of the last image and the scene."""
         wanted = self._measure.keep
         admitted = admitted_map(self._frame) if "discarded" in wanted else None
-        image = self._read() if self.promised and set(OF_IMAGES).intersection(wanted) else None
+        image = self._read() if self._keeps_image else None
         if "fragments" in wanted or admitted is not None or image is not None:
             with self._phases.apart(CHECK):
                 self._packed = self._scene.keep(self._variant, wanted, image, admitted)
@@ -95,8 +103,10 @@ class Images:
         with self._phases.apart(CHECK):
             self._edges = self._scene.edge_pixels()
 
-    def _count_lost(self) -> None:
+    def count_lost(self) -> None:
+        """Count the fragments that frames lost since the first one; a cell has its worst frames."""
         self.lost = max(self.lost, self._frame.lost_in_a_frame())
+        self._bench.device.check(f"{self._method}: sampling")
 
     # --- what was found --------------------------------------------------------------------------
 

@@ -197,7 +197,7 @@ class Measuring:
         """
         if running and running[0].job.cell.measure.eliminate:
             rounds = Rounds(running, self._guarded, self._shuffle, lambda: self.bench.emit(Synced()), self._deadline)
-            rounds.run(self._finish)
+            rounds.run(self._finish_apart)
             running = rounds.apart
         entries = [(cell, cell.sampler) for cell in running]
         while entries:
@@ -205,11 +205,12 @@ class Measuring:
             for cell, sampler in entries:
                 self._guarded(cell, partial(self._batch, sampler=sampler))
             self._start_pairs(running)
-            self.bench.emit(Synced())
+            ending = [cell for cell in running if not (cell.done or cell.wanted or cell.take_again())]
+            for step in (CellWork.time_passes, self._finish):  # while the last frames are drawn, rows may be written
+                for cell in ending:
+                    self._guarded(cell, step)
             self._tell_ended()
-            for cell in running:
-                if not cell.wanted:
-                    self._guarded(cell, self._finish_unless_slow)
+            self.bench.emit(Synced())
             entries = [(cell, s) for cell in running if not cell.done for s in cell.samplers if s.wanted]
             if entries and all(cell.postponed for cell, _ in entries):
                 self._guarded(entries[0][0], CellWork.wait)
@@ -240,9 +241,10 @@ class Measuring:
         if sampler.wanted:
             cell.batch(sampler)
 
-    def _finish_unless_slow(self, cell: CellWork) -> None:
-        if not cell.take_again():
-            self._finish(cell)
+    def _finish_apart(self, cell: CellWork) -> None:
+        """End a cell while others are sampled: its row is written before they go on."""
+        self._finish(cell)
+        self.bench.emit(Synced())
 
     def _finish(self, cell: CellWork) -> None:
         cell.end()
@@ -252,13 +254,15 @@ class Measuring:
 
     def _tell_ended(self, wait: bool = False) -> None:
         """Emit the rows of the cells whose images are compared, or with `wait` of all that have ended."""
-        for cell in list(self._ended):
-            if wait or cell.ready:
-                self._ended.remove(cell)
-                try:
-                    self._tell(cell.finished())
-                except Exception as error:  # noqa: BLE001 - as above
-                    self._fail(cell.job, error, scene_values(cell.fitted))
+        told = [cell for cell in self._ended if wait or cell.ready]
+        for cell in told:
+            self._ended.remove(cell)
+            try:
+                self.bench.emit(cell.finished())
+            except Exception as error:  # noqa: BLE001 - as above
+                self._fail(cell.job, error, scene_values(cell.fitted))
+        if wait and told:
+            self.bench.emit(Synced())
 
     def _fail(self, job: Job, error: Exception, values: Mapping[str, object]) -> None:
         """The cell's row; after an error that may be the device's, whether that is still there."""

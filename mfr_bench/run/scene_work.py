@@ -55,6 +55,11 @@ class SceneWork:
         return list(self._stats.values())
 
     @property
+    def shows_first(self) -> bool:
+        """Whether the first frame is on the device, which images are compared of."""
+        return self.scene_buffer.scene is self.scenes[0]
+
+    @property
     def shown(self) -> SceneStats:
         """The statistics of the scene on the device now."""
         return self._stats[id(self.scene_buffer.scene)]

@@ -95,7 +95,7 @@ def answer(link: Connection, bench: Bench) -> NoReturn:
         group = link.recv()
         if isinstance(group, Calibrate):
             with bench.paused():
-                link.send(Calibrated(asdict(calibrate(bench.device))))
+                link.send(Calibrated(asdict(calibrate(bench.device, again=True))))
             continue
         if isinstance(group, SelfTest):
             link.send(SelfTested({found.name: found.detail for found in self_tests(bench.device) if found.harmful}))

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from random import Random
 
-from mfr_bench.gpu.reference import TRIES
+from mfr_bench.gpu.reference import shortest_ms
 from mfr_bench.measure.sampling import Sampler
 from mfr_bench.measure.watch import Watch
 
@@ -58,7 +58,8 @@ class Host:
 
     def watch(self) -> Watch:
         """Look at the reference as a run does."""
-        return Watch(lambda: min(self.frame(REFERENCE_MS) for _ in range(TRIES)), lambda: self.now_ms / 1e3, self.sleep)
+        return Watch(lambda best_ms: shortest_ms(lambda: self.frame(REFERENCE_MS), best_ms),
+                     lambda: self.now_ms / 1e3, self.sleep)
 
 
 def run(seed: int, method: int = 0, scene: int = 0, factor: float = 1.0, wait_s: float = 0.0):

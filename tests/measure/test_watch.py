@@ -15,7 +15,7 @@ class Machine:
     def __init__(self, *schedule):
         self.now_s, self.schedule = 0.0, schedule
 
-    def reference_ms(self):
+    def reference_ms(self, best_ms):
         return next(ms for since_s, ms in reversed(self.schedule) if self.now_s >= since_s)
 
     def sleep(self, seconds):
@@ -51,7 +51,7 @@ def test_a_burst_that_began_or_ended_within_the_turn_is_seen():
 
 def test_the_look_after_a_turn_is_that_before_the_next_one_but_not_for_long():
     machine, looks = Machine((0, 0.3)), []
-    watch = Watch(lambda: looks.append(machine.now_s) or 0.3, lambda: machine.now_s, machine.sleep)
+    watch = Watch(lambda best_ms: looks.append(machine.now_s) or 0.3, lambda: machine.now_s, machine.sleep)
     took(machine, watch, 1.0)
     machine.now_s += RECENT_S / 2
     took(machine, watch, 1.0)

@@ -16,13 +16,14 @@ from mfr_bench.oracle import truth
 from mfr_bench.run import answers, measuring
 from mfr_bench.run.bench import Bench, Phases
 from mfr_bench.run.events import BETWEEN, CHECK, Begun, Finished, Sampled, Synced
+from mfr_bench.run.images import Images
 from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger
 from mfr_bench.run.sheet import Sheet
 from mfr_bench.store import ResultFolder
 from mfr_bench.store.arrays import read_arrays
 
-from .planted_cells import MEASURE, Clock, Run, cell
+from .planted_cells import MEASURE, SCENE, Clock, Run, cell
 
 
 def test_a_row_has_everything_that_was_measured(run, tmp_path):
@@ -226,7 +227,7 @@ def test_phases_and_samples_come_as_they_happen(run):
         assert order[0] is Begun and order[-1] is Finished and order.count(Sampled) > 1
     phases = [event.phase for event in made.events if isinstance(event, Begun) and event.key == seen[-1][1]]
     assert phases[:3] == [BETWEEN, "compile", "first frame"]
-    assert phases.index("sampling") < phases.index("passes")
+    assert phases.index("sampling") < phases.index("last frames")
 
 
 def test_what_is_no_time_of_a_method_is_done_between_its_steps(run, monkeypatch):
@@ -322,3 +323,31 @@ def test_images_are_compared_in_a_phase_of_their_own_and_frames_drawn_outside_it
     assert {phase for what, phase in seen if what == "compared"} == {CHECK}
     assert CHECK not in {phase for what, phase in seen if what == "drawn"}
     assert [what for what, _ in seen].count("compared") == 2
+
+
+class OfTheLastSample(Clock):
+    """Remembers how many frames the cell had drawn when the latest was timed."""
+
+    drawn = None
+
+    def frame_ms(self, draw, repeats=1):
+        time_ms = super().frame_ms(draw, repeats)
+        self.drawn = draw.__self__.drawn
+        return time_ms
+
+
+def test_a_last_sample_whose_image_is_wrong_is_found(run, monkeypatch):
+    clock, image = OfTheLastSample(), Frame.image
+    monkeypatch.setattr(Frame, "image", lambda self: image(self) + np.float32(self.drawn == clock.drawn))
+    _, made = run([cell()], clock)
+    assert made.sheet.counts == {"wrong": 1}
+
+
+@pytest.mark.parametrize(("scene", "keep", "again"), [
+    (SCENE, (), 0), (SCENE, ("fragments",), 0), (SCENE, ("image",), 1), (replace(SCENE, animate=True), (), 1)])
+def test_one_more_frame_is_drawn_where_the_last_sample_shows_another_scene_or_an_image_is_kept(
+        run, monkeypatch, scene, keep, again):
+    drawn, draw_again = [], Images.draw_again
+    monkeypatch.setattr(Images, "draw_again", lambda self: (drawn.append(self), draw_again(self)))
+    _, made = run([cell(scene=scene, measure=replace(MEASURE, keep=keep))])
+    assert made.sheet.counts == {"ok": 1} and len(drawn) == again

@@ -34,7 +34,7 @@ class Host:
         draw(None)
         return time_ms
 
-    def reference_ms(self):
+    def reference_ms(self, best_ms):
         self.looks += 1
         return SLOW_MS if self.slow else QUIET_MS
 
