@@ -1,22 +1,22 @@
 // Copies the fragments of a pixel into the local array and returns their number. With SELECT only the nearest KEEP are
 // copied (kplus_2015 §3.3, §5.1.1). A fragment that should be in the array but finds no room is counted as lost.
 #include "common/local.glsl"
+#if SELECT
+#include "common/nearest.glsl"
+#endif
 
 uint gather(uint p) {
     const uint room = uint(min(LOCAL, KEEP));
+#if SELECT
+    uint left;
+    uint seen = min(select_nearest(p, 0u, room, left), uint(KEEP));
+#else
     uint seen = 0u;
     FRAGMENT fragment;
-    for (fetch_begin(p); fetch_next(fragment); ++seen) {
-#if SELECT
-        offer(fragment, seen, room);
-#else
+    for (fetch_begin(p); fetch_next(fragment); ++seen)
         if (seen < room) fragments[seen] = fragment;
 #endif
-    }
     uint kept = min(seen, room);
-#if SELECT
-    seen = min(seen, uint(KEEP));
-#endif
     if (seen > kept) atomicAdd(lost_fragments, seen - kept);
     return kept;
 }

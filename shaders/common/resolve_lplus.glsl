@@ -5,24 +5,9 @@
 // because the driver limits iterations are counted as lost, as in common/resolve_local.glsl.
 // Source: kplus_2015 §4.4, Alg. 4, which loses fragments of equal depth at a boundary.
 #include "common/accumulate.glsl"
-#include "common/local.glsl"
+#include "common/nearest.glsl"
 #include "common/sort.glsl"
 #include "common/enough.glsl"
-
-// Selects the nearest `room` fragments at depth `from` or behind it. Returns how many there are in all; `left` is the
-// nearest depth that is left out.
-uint choose_batch(uint p, uint from, uint room, out uint left) {
-    uint offered = 0u;
-    left = EMPTY;
-    for (uint i = room; i < MOST_CHOSEN; ++i) fragments[i] = FIRST_FRAGMENT;
-    FRAGMENT fragment;
-    for (fetch_begin(p); fetch_next(fragment);) {
-        if (fragment.x < from) continue;
-        left = min(left, offer(fragment, offered, room));
-        ++offered;
-    }
-    return offered;
-}
 
 // Composites at most `room` fragments of one depth; returns their number.
 uint composite_depth(uint p, uint depth, uint room, inout vec4 colour) {
@@ -51,7 +36,7 @@ vec4 resolve_pixel(uint p) {
     uint from = 0u, done = 0u, expected = 0u, offered, left, room;
     do {
         room = min(uint(LOCAL), uint(KEEP) - done);
-        offered = choose_batch(p, from, room, left);
+        offered = select_nearest(p, from, room, left);
         if (done == 0u) expected = min(offered, uint(KEEP));
         uint count = min(offered, room);
         sort_fragments(count);

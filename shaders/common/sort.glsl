@@ -19,11 +19,11 @@ void insertion_sort(uint count) {
     sort_by_gap(count, 1u);
 }
 
-// Shell sort with the gaps of Ciura 2001.
-void shell_sort(uint count) {
-    const uint GAPS[7] = uint[](301u, 132u, 57u, 23u, 10u, 4u, 1u);
-    for (int i = 0; i < 7; ++i)
-        if (GAPS[i] < count || GAPS[i] == 1u) sort_by_gap(count, GAPS[i]);
+// The rounds of a shell sort before its last, which is an insertion sort. Gaps: Ciura 2001.
+void sort_coarsely(uint count) {
+    const uint GAPS[6] = uint[](301u, 132u, 57u, 23u, 10u, 4u);
+    for (int i = 0; i < 6; ++i)
+        if (GAPS[i] < uint(LOCAL) && GAPS[i] < count) sort_by_gap(count, GAPS[i]);
 }
 
 // Each round moves the furthest of the unsorted fragments to their end.
@@ -41,14 +41,14 @@ void bubble_sort(uint count) {
 }
 
 void sort_fragments(uint count) {
-#if SORT_INSERTION
-    insertion_sort(count);
-#elif SORT_SHELL
-    shell_sort(count);
-#elif SORT_BUBBLE
+#if SORT_BUBBLE
     bubble_sort(count);
 #else
-    if (count <= 16u) insertion_sort(count);
-    else shell_sort(count);
+#if SORT_SHELL
+    sort_coarsely(count);
+#elif !SORT_INSERTION
+    if (LOCAL > 16 && count > 16u) sort_coarsely(count);
+#endif
+    insertion_sort(count);
 #endif
 }

@@ -62,7 +62,7 @@ def outcome(device, name):
     ("uniform blocks after a dispatch", "probe/after_dispatch.frag", "float(height)", "float(height + 1u)", "0 of 480"),
     ("points after a dispatch", "common/list_tiles.comp", "if (tile_has_fragments(tile)) list(tile)", "",
      "pixels right"),
-    ("nearest 33 in registers", "common/local.glsl", "fragment.x >= furthest", "fragment.x < furthest", "pixels right"),
+    ("nearest 33 in registers", "common/nearest.glsl", "fragment.x < from", "fragment.x >= from", "pixels right"),
     ("triangles", "scene/triangle.vert", "gl_Position = in_corner;", "gl_Position = in_corner + vec4(0.004, 0, 0, 0);",
      "impossible"),
     ("triangles", "scene/triangle.vert", "gl_Position = in_corner;",

@@ -11,11 +11,15 @@ from ..spec import IMAGE, Params, Pass, State, Target
 from .counting import count_stored
 from .options import SORT
 
-RESOLVERS = {"lplus": "common/resolve_lplus.glsl", "register": "common/resolve_register.glsl"}
+RESOLVERS = {"lplus": "common/resolve_lplus.glsl", "register": "common/resolve_register.glsl",
+             "bubble_block": "common/resolve_bubble.glsl"}
 RESOLVER = "common/resolve_local.glsl"  # every other sort works in one local array
-# The fastest exact sort by the length of the local array, measured on llvmpipe (docs/fairness.md).
-REGISTERS_UP_TO = 512  # fragments
-AUTOMATIC = (("register", f"{{}} <= {REGISTERS_UP_TO}"), ("hybrid", f"{{}} > {REGISTERS_UP_TO}"))
+BLOCKS = ("register", "bubble_block")  # sorts of whole blocks in registers
+# The ways of a sort by the length of the local array. `auto`: the fastest exact one, measured on llvmpipe
+# (docs/fairness.md). `bubble`: the same steps in registers, for as many fragments as compilers unroll its loops for.
+REGISTERS_UP_TO, BUBBLES_UP_TO = 512, 16  # fragments
+WAYS = {"auto": (("register", f"{{}} <= {REGISTERS_UP_TO}"), ("hybrid", f"{{}} > {REGISTERS_UP_TO}")),
+        "bubble": (("bubble_block", f"{{}} <= {BUBBLES_UP_TO}"), ("bubble", f"{{}} > {BUBBLES_UP_TO}"))}
 LPLUS = 32  # l of the l+-depth-sorting (kplus_2015 §4.4)
 NARROWEST, WIDEST = 8, 32  # fragments of the smallest and the largest sorting network
 TILE = 8  # pixels, side of the square that a work group of the compute resolve shades
@@ -71,11 +75,19 @@ def _resolve_passes(step: Pass, scope: Params, hazards: bool) -> tuple[Pass, ...
 
 
 def _sorted(step: Pass, scope: Params, sort: str, length: str) -> tuple[Pass, ...]:
-    """The resolve by a sort whose local array has this length, or by the one of AUTOMATIC that is for it."""
-    if sort == "auto":
-        return tuple(p for chosen, where in AUTOMATIC
-                     for p in _sorted(_where(step, where.format(length)), scope, chosen, length))
-    if sort == "register":
+    """The resolve by a sort of so many fragments, in the way of WAYS that is for them.
+
+    A bubble sort whose local array has a length that the user gives stays in it.
+    """
+    if sort not in WAYS or (sort == "bubble" and scope.get("local_array")):
+        return _by(step, scope, sort, length)
+    return tuple(p for way, where in WAYS[sort]
+                 for p in _by(_where(step, where.format(length)), scope, way, length))
+
+
+def _by(step: Pass, scope: Params, sort: str, length: str) -> tuple[Pass, ...]:
+    """The resolve in one way, whose local array has this length, or that of whole blocks."""
+    if sort in BLOCKS:
         length = f"ceil({length}/{_network(length)})*{_network(length)}"
     defines = {**step.defines, "LOCAL": length, "NETWORK": _network(length), f"SORT_{sort.upper()}": 1}
     return _staged(replace(step, resolver=RESOLVERS.get(sort, RESOLVER), defines=defines), scope)
