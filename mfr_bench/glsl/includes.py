@@ -10,6 +10,7 @@ from functools import cache, cached_property, lru_cache
 from ..errors import ShaderError
 from ..methods.outside import shader_folders
 from ..resources import shaders_dir
+from .branches import compiled
 from .code import code_of
 from .counters import is_counter
 
@@ -31,8 +32,13 @@ class StageSource:
 
     @cached_property
     def code(self) -> str:
-        """The text without comments: stages with the same code make the same program."""
+        """The text without comments, by which a measured cell knows its shaders."""
         return code_of(self.text)
+
+    @property
+    def compiled(self) -> str:
+        """What is left of the code once branches are chosen: stages with the same make the same program."""
+        return compiled(self.code)
 
     def located(self, log: str) -> str:
         """A driver's log with encoded lines as file:line. Mesa writes `0:300014(3):`, NVIDIA `0(300014) :`."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -172,16 +172,29 @@ class Device:
 
     def program(self, sources: tuple[StageSource, ...], owner: str):
         """The linked program of the stages, compiled unless kept. `owner` (method and pass) is named in errors."""
-        return self.programs.get(tuple(s.code for s in sources), lambda: self._compile(sources, owner))
+        return self.programs.get(tuple(s.compiled for s in sources), lambda: self._compile(sources, owner))
 
     def _compile(self, sources: tuple[StageSource, ...], owner: str):
-        texts = {"vert": "vertex_shader", "frag": "fragment_shader"}
         try:
-            if sources[0].entry.endswith(".comp"):
-                return self.ctx.compute_shader(sources[0].text)
-            return self.ctx.program(**{texts[s.entry.rsplit(".", 1)[1]]: s.text for s in sources})
+            return self._link(sources, [s.compiled for s in sources])
         except moderngl.Error as error:
-            raise ShaderError(compile_message(str(error), sources, owner)) from None
+            log = self._log_by_line(sources) or str(error)
+        raise ShaderError(compile_message(log, sources, owner))
+
+    def _log_by_line(self, sources: tuple[StageSource, ...]) -> str | None:
+        """The compiler's log of the whole text, which has the lines of files; None where that compiles."""
+        try:
+            self._link(sources, [s.text for s in sources])
+        except moderngl.Error as error:
+            return str(error)
+        return None
+
+    def _link(self, sources: tuple[StageSource, ...], texts: Sequence[str]):
+        if sources[0].entry.endswith(".comp"):
+            return self.ctx.compute_shader(texts[0])
+        kinds = {"vert": "vertex_shader", "frag": "fragment_shader"}
+        return self.ctx.program(**{kinds[s.entry.rsplit(".", 1)[1]]: text
+                                   for s, text in zip(sources, texts, strict=True)})
 
     def finish(self) -> None:
         self.gl.glFinish()

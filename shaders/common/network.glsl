@@ -1,64 +1,94 @@
-// Sorting network over registers: sorts block[0 .. NETWORK) by depth, nearest first, without loops and without variable
-// indices, so that the compiler keeps the block in registers. NETWORK is a power of two up to 32, or 64 for two blocks.
+// Sorting network over registers: SORT_BLOCK sorts the fragments block0, block1, … by depth, nearest first, without
+// loops and without variable indices, so that the compiler keeps them in registers. There are NETWORK of them, a power
+// of two up to 32, or 64 for two blocks. Each is a variable of its own, which macros name by its number: elements of an
+// array take compilers twice as long.
 // Source: odd-even merge sort and bitonic merge, Batcher 1968; use of registers, Knowles, Leach and Zambetta 2014
 // (kplus_2015 [34]).
-FRAGMENT block[NETWORK];
+#define COMPARE(a, b) \
+    if (block##b.x < block##a.x) { \
+        FRAGMENT further = block##a; \
+        block##a = block##b; \
+        COUNT(moved, 2u) \
+        block##b = further; }
 
-#define COMPARE(a, b) { \
-    FRAGMENT low = block[a], high = block[b]; \
-    bool swapped = high.x < low.x; \
-    COUNT(moved, swapped ? 2u : 0u) \
-    block[a] = swapped ? high : low; \
-    block[b] = swapped ? low : high; }
+// MERGEn sorts n fragments of which the first and the second half are sorted already; those at even and those at odd
+// places are merged first.
+#define MERGE4(a, b, c, d) COMPARE(a, c) COMPARE(b, d) COMPARE(b, c)
+#define MERGE8(a, b, c, d, e, f, g, h) MERGE4(a, c, e, g) MERGE4(b, d, f, h) COMPARE(b, c) COMPARE(d, e) COMPARE(f, g)
+#define MERGE16(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p) \
+    MERGE8(a, c, e, g, i, k, m, o) MERGE8(b, d, f, h, j, l, n, p) COMPARE(b, c) COMPARE(d, e) COMPARE(f, g) \
+    COMPARE(h, i) COMPARE(j, k) COMPARE(l, m) COMPARE(n, o)
+#define MERGE32(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, A, B, C, D, E, F, G, H, I, J, K, L, M, N, O, P) \
+    MERGE16(a, c, e, g, i, k, m, o, A, C, E, G, I, K, M, O) MERGE16(b, d, f, h, j, l, n, p, B, D, F, H, J, L, N, P) \
+    COMPARE(b, c) COMPARE(d, e) COMPARE(f, g) COMPARE(h, i) COMPARE(j, k) COMPARE(l, m) COMPARE(n, o) COMPARE(p, A) \
+    COMPARE(B, C) COMPARE(D, E) COMPARE(F, G) COMPARE(H, I) COMPARE(J, K) COMPARE(L, M) COMPARE(N, O)
 
-// MERGEn(a, s) sorts the n fragments a, a + s, a + 2s, …, both halves of which are sorted already.
-#define MERGE2(a, s) COMPARE(a, (a) + (s))
-#define MERGE4(a, s) MERGE2(a, 2 * (s)) MERGE2((a) + (s), 2 * (s)) COMPARE((a) + (s), (a) + 2 * (s))
-#define PAIRS2(a, s) COMPARE(a, (a) + (s)) COMPARE((a) + 2 * (s), (a) + 3 * (s))
-#define PAIRS4(a, s) PAIRS2(a, s) PAIRS2((a) + 4 * (s), s)
-#define PAIRS8(a, s) PAIRS4(a, s) PAIRS4((a) + 8 * (s), s)
-#define MERGE8(a, s) MERGE4(a, 2 * (s)) MERGE4((a) + (s), 2 * (s)) \
-    PAIRS2((a) + (s), s) COMPARE((a) + 5 * (s), (a) + 6 * (s))
-#define MERGE16(a, s) MERGE8(a, 2 * (s)) MERGE8((a) + (s), 2 * (s)) \
-    PAIRS4((a) + (s), s) PAIRS2((a) + 9 * (s), s) COMPARE((a) + 13 * (s), (a) + 14 * (s))
-#define MERGE32(a) MERGE16(a, 2) MERGE16((a) + 1, 2) \
-    PAIRS8((a) + 1, 1) PAIRS4((a) + 17, 1) PAIRS2((a) + 25, 1) COMPARE((a) + 29, (a) + 30)
+#define SORT4(a, b, c, d) COMPARE(a, b) COMPARE(c, d) MERGE4(a, b, c, d)
+#define SORT8(a, b, c, d, e, f, g, h) SORT4(a, b, c, d) SORT4(e, f, g, h) MERGE8(a, b, c, d, e, f, g, h)
+#define SORT16(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p) \
+    SORT8(a, b, c, d, e, f, g, h) SORT8(i, j, k, l, m, n, o, p) \
+    MERGE16(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p)
+#define SORT32(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, A, B, C, D, E, F, G, H, I, J, K, L, M, N, O, P) \
+    SORT16(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p) SORT16(A, B, C, D, E, F, G, H, I, J, K, L, M, N, O, P) \
+    MERGE32(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, A, B, C, D, E, F, G, H, I, J, K, L, M, N, O, P)
 
-#define SORT4(a) MERGE2(a, 1) MERGE2((a) + 2, 1) MERGE4(a, 1)
-#define SORT8(a) SORT4(a) SORT4((a) + 4) MERGE8(a, 1)
-#define SORT16(a) SORT8(a) SORT8((a) + 8) MERGE16(a, 1)
-#define SORT32(a) SORT16(a) SORT16((a) + 16) MERGE32(a)
+// CLEANn sorts n fragments that are a bitonic sequence: increasing then decreasing, or reversed.
+#define CLEAN4(a, b, c, d) COMPARE(a, c) COMPARE(b, d) COMPARE(a, b) COMPARE(c, d)
+#define CLEAN8(a, b, c, d, e, f, g, h) \
+    COMPARE(a, e) COMPARE(b, f) COMPARE(c, g) COMPARE(d, h) CLEAN4(a, b, c, d) CLEAN4(e, f, g, h)
+#define CLEAN16(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p) \
+    COMPARE(a, i) COMPARE(b, j) COMPARE(c, k) COMPARE(d, l) COMPARE(e, m) COMPARE(f, n) COMPARE(g, o) COMPARE(h, p) \
+    CLEAN8(a, b, c, d, e, f, g, h) CLEAN8(i, j, k, l, m, n, o, p)
+#define CLEAN32(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p, A, B, C, D, E, F, G, H, I, J, K, L, M, N, O, P) \
+    COMPARE(a, A) COMPARE(b, B) COMPARE(c, C) COMPARE(d, D) COMPARE(e, E) COMPARE(f, F) COMPARE(g, G) COMPARE(h, H) \
+    COMPARE(i, I) COMPARE(j, J) COMPARE(k, K) COMPARE(l, L) COMPARE(m, M) COMPARE(n, N) COMPARE(o, O) COMPARE(p, P) \
+    CLEAN16(a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p) CLEAN16(A, B, C, D, E, F, G, H, I, J, K, L, M, N, O, P)
 
-// CLEANn(a) sorts the n fragments from a on if they are a bitonic sequence: increasing then decreasing, or reversed.
-#define APART4(a, s) COMPARE(a, (a) + (s)) COMPARE((a) + 1, (a) + 1 + (s)) \
-    COMPARE((a) + 2, (a) + 2 + (s)) COMPARE((a) + 3, (a) + 3 + (s))
-#define CLEAN4(a) COMPARE(a, (a) + 2) COMPARE((a) + 1, (a) + 3) COMPARE(a, (a) + 1) COMPARE((a) + 2, (a) + 3)
-#define CLEAN8(a) APART4(a, 4) CLEAN4(a) CLEAN4((a) + 4)
-#define CLEAN16(a) APART4(a, 8) APART4((a) + 4, 8) CLEAN8(a) CLEAN8((a) + 8)
-#define CLEAN32(a) APART4(a, 16) APART4((a) + 4, 16) APART4((a) + 8, 16) APART4((a) + 12, 16) \
-    CLEAN16(a) CLEAN16((a) + 16)
+// EACHn(DO) expands to DO(0) … DO(n - 1), NEXT16 to the sixteen behind those, NEXT32 to the 32 of the second block.
+#define EACH2(DO) DO(0) DO(1)
+#define EACH4(DO) EACH2(DO) DO(2) DO(3)
+#define EACH8(DO) EACH4(DO) DO(4) DO(5) DO(6) DO(7)
+#define EACH16(DO) EACH8(DO) DO(8) DO(9) DO(10) DO(11) DO(12) DO(13) DO(14) DO(15)
+#define NEXT16(DO) \
+    DO(16) DO(17) DO(18) DO(19) DO(20) DO(21) DO(22) DO(23) DO(24) DO(25) DO(26) DO(27) DO(28) DO(29) DO(30) DO(31)
+#define EACH32(DO) EACH16(DO) NEXT16(DO)
+#define NEXT32(DO) \
+    DO(32) DO(33) DO(34) DO(35) DO(36) DO(37) DO(38) DO(39) DO(40) DO(41) DO(42) DO(43) DO(44) DO(45) DO(46) DO(47) \
+    DO(48) DO(49) DO(50) DO(51) DO(52) DO(53) DO(54) DO(55) DO(56) DO(57) DO(58) DO(59) DO(60) DO(61) DO(62) DO(63)
 
-// EACH(DO) expands to DO(0) … DO(NETWORK - 1).
-#define EACH4(DO, a) DO(a) DO((a) + 1) DO((a) + 2) DO((a) + 3)
-#define EACH8(DO, a) EACH4(DO, a) EACH4(DO, (a) + 4)
-#define EACH16(DO, a) EACH8(DO, a) EACH8(DO, (a) + 8)
-#define EACH32(DO, a) EACH16(DO, a) EACH16(DO, (a) + 16)
+#define FIRST32(SORT) SORT(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, \
+    16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31)
+#define SECOND32(SORT) SORT(32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, \
+    48, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63)
 
+// OPPOSITE(DO) expands to DO(i, 63 - i) for each i of the first block.
+#define OPPOSITE(DO) \
+    DO(0, 63) DO(1, 62) DO(2, 61) DO(3, 60) DO(4, 59) DO(5, 58) DO(6, 57) DO(7, 56) DO(8, 55) DO(9, 54) DO(10, 53) \
+    DO(11, 52) DO(12, 51) DO(13, 50) DO(14, 49) DO(15, 48) DO(16, 47) DO(17, 46) DO(18, 45) DO(19, 44) DO(20, 43) \
+    DO(21, 42) DO(22, 41) DO(23, 40) DO(24, 39) DO(25, 38) DO(26, 37) DO(27, 36) DO(28, 35) DO(29, 34) DO(30, 33) \
+    DO(31, 32)
+
+#define DECLARE(i) FRAGMENT block##i;
 #if NETWORK == 64
 // Two blocks of 32: the including file sorts the parts that it needs.
+EACH32(DECLARE)
+NEXT32(DECLARE)
 #elif NETWORK == 2
-#define EACH(DO) DO(0) DO(1)
+#define EACH(DO) EACH2(DO)
 #define SORT_BLOCK COMPARE(0, 1)
 #elif NETWORK == 4
-#define EACH(DO) EACH4(DO, 0)
-#define SORT_BLOCK SORT4(0)
+#define EACH(DO) EACH4(DO)
+#define SORT_BLOCK SORT4(0, 1, 2, 3)
 #elif NETWORK == 8
-#define EACH(DO) EACH8(DO, 0)
-#define SORT_BLOCK SORT8(0)
+#define EACH(DO) EACH8(DO)
+#define SORT_BLOCK SORT8(0, 1, 2, 3, 4, 5, 6, 7)
 #elif NETWORK == 16
-#define EACH(DO) EACH16(DO, 0)
-#define SORT_BLOCK SORT16(0)
+#define EACH(DO) EACH16(DO)
+#define SORT_BLOCK SORT16(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15)
 #else
-#define EACH(DO) EACH32(DO, 0)
-#define SORT_BLOCK SORT32(0)
+#define EACH(DO) EACH32(DO)
+#define SORT_BLOCK FIRST32(SORT32)
+#endif
+#if NETWORK < 64
+EACH(DECLARE)
 #endif

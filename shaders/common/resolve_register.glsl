@@ -6,35 +6,39 @@
 #include "common/network.glsl"
 #include "common/enough.glsl"
 
-// A fetch without FETCH_COUNT contains a loop, which is too much code to repeat for every register.
+// A fetch without FETCH_COUNT contains a loop, which is too much code to repeat for every register: its fragments, and
+// those that are selected, are gathered in the local array first.
 #if SELECT || !defined(FETCH_COUNT)
 #define GATHERED 1
 #include "common/gather.glsl"
 
-uint source_at, source_end;
+uint gathered;
 
 void source_begin(uint p) {
-    source_at = 0u;
-    source_end = gather(p);
+    gathered = gather(p);
 }
 
-bool source_next(out FRAGMENT fragment) {
-    if (source_at >= source_end) return false;
-    fragment = fragments[source_at++];
-    return true;
+#define LOAD(i) \
+    block##i = NO_FRAGMENT; \
+    if (base + uint(i) < gathered) block##i = fragments[base + uint(i)];
+
+// Sorts the block of fragments from `base` on in registers; tells whether there may be more behind it.
+bool sorted_block(uint base) {
+    EACH(LOAD)
+    SORT_BLOCK
+    return base + uint(NETWORK) < gathered;
 }
+
+void count_lost() {}  // gather has counted them
 #else
 #define GATHERED 0
 #define source_begin fetch_begin
-#define source_next fetch_next
-#endif
-
 #define LOAD(i) \
-    found = found && source_next(fragment); \
-    block[i] = found ? fragment : NO_FRAGMENT;
+    found = found && fetch_next(fragment); \
+    block##i = found ? fragment : NO_FRAGMENT;
 
-// Sorts the next block of fragments in registers; returns false if the fragments ended within it.
-bool sorted_block() {
+// Sorts the next block of fragments in registers; tells whether there may be more behind it.
+bool sorted_block(uint base) {
     bool found = true;
     FRAGMENT fragment;
     EACH(LOAD)
@@ -45,18 +49,19 @@ bool sorted_block() {
 void count_lost() {
     uint lost = 0u;
     FRAGMENT fragment;
-    while (source_next(fragment)) ++lost;
+    while (fetch_next(fragment)) ++lost;
     if (lost > 0u) atomicAdd(lost_fragments, lost);
 }
+#endif
 
 #if LOCAL == NETWORK
 
-#define COMPOSITE(i) colour = onto(colour, colour_of(block[i]));
+#define COMPOSITE(i) colour = onto(colour, colour_of(block##i));
 
 vec4 resolve_pixel(uint p) {
     source_begin(p);
     vec4 colour = nothing_yet();
-    if (sorted_block()) count_lost();
+    if (sorted_block(0u)) count_lost();
     EACH(COMPOSITE)
     return composited(colour);
 }
@@ -67,11 +72,11 @@ vec4 resolve_pixel(uint p) {
 FRAGMENT fragments[LOCAL];
 #endif
 
-#define KEEP_BLOCK(i) fragments[base + uint(i)] = block[i];
+#define KEEP_BLOCK(i) fragments[base + uint(i)] = block##i;
 
 uint sort_blocks() {
     for (uint base = 0u; base < uint(LOCAL); base += uint(NETWORK)) {
-        bool more = sorted_block();
+        bool more = sorted_block(base);
         EACH(KEEP_BLOCK)
         if (!more) return base + uint(NETWORK);
     }

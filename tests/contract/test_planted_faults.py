@@ -61,7 +61,7 @@ OPTION_FAULTS = [
     ("ab-array", {"sort": "shell"}, "common/sort.glsl", "hole >= gap", "hole > gap"),
     ("ab-array", {"sort": "bubble"}, "common/resolve_bubble.glsl", "COMPARE(1, 2)", ""),
     ("ab-array", {"sort": "bubble", "local_array": 64}, "common/sort.glsl", "met.x >= carried.x", "met.x <= carried.x"),
-    ("ab-array", {"sort": "register"}, "common/network.glsl", "high.x < low.x", "high.x > low.x"),
+    ("ab-array", {"sort": "register"}, "common/network.glsl", "block##b.x < block##a.x", "block##b.x > block##a.x"),
     ("ab-array", {"bma": "on"}, "common/classify.frag", "findMSB(count - 1u) - 2", "findMSB(count - 1u) - 3"),
     ("ab-array", {"payload": "rgba16f"}, "common/payload.glsl", "rgba8 >> 16 & 255u", "rgba8 >> 24 & 255u"),
     ("ab-array", {"resolve": "compute"}, "common/resolve.comp", "xy.y * width + xy.x", "xy.y * width"),

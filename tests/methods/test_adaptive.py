@@ -174,13 +174,13 @@ def test_stacks_of_every_network_of_several_sweeps_and_of_merged_blocks(device, 
 
 
 @pytest.mark.parametrize(("shader", "right", "wrong", "back"), [
-    ("halves.glsl", "COMPARE(i, 63 - (i))", "COMPARE(i, 32 + (i))", 0),
-    ("halves.glsl", "CLEAN32(32)", "", 0),
-    ("nearest.glsl", "nodes[at] = block[32 + (i)]", "nodes[at] = block[i]", 0),
+    ("halves.glsl", "OPPOSITE(COMPARE)", "", 0),
+    ("halves.glsl", "SECOND32(CLEAN32)", "", 0),
+    ("nearest.glsl", "nodes[at] = block##i", "nodes[at] = block0", 0),
     ("nearest.glsl", "& 31u) == 0u", "& 31u) == 1u", 0),
     ("nearest.glsl", "depths[b] >= depth", "depths[b] <= depth", 0),
     ("nearest.glsl", "fragment.x >= from", "fragment.x > from", 8),
-    ("nearest.glsl", "block[63 - (i)].x < block[i].x", "block[32 + (i)].x < block[i].x", 8)])
+    ("nearest.glsl", "block##b.x < block##a.x", "block##b.x > block##a.x", 8)])
 def test_a_wrong_line_of_a_deep_resolve_is_seen(device, plant, shader, right, wrong, back):
     """In stacks of 40 and of 100, faint in front of as many opaque layers as are said, submitted first."""
     def wrong_images() -> bool:

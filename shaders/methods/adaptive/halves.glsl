@@ -5,24 +5,22 @@
 // Source: use of registers, Knowles, Leach and Zambetta 2014 (kplus_2015 [34]); bitonic merge, Batcher 1968.
 #include "methods/adaptive/registers.glsl"
 
-#define PART(i) COMPARE(i, 63 - (i))
-
 vec4 resolve_pixel() {
     vec4 colour = NOTHING;
     uint at = first_cell;
-    LOAD16(0) LOAD16(16)
-    SORT32(0)
+    LOAD_BLOCK
+    FIRST32(SORT32)
     bool more = at < end_cell;
     if (more) {
-        LOAD16(32) LOAD16(48)
-        SORT32(32)
-        EACH32(PART, 0)
-        CLEAN32(0)
+        LOAD_SECOND
+        SECOND32(SORT32)
+        OPPOSITE(COMPARE)
+        FIRST32(CLEAN32)
     }
-    EACH32(COMPOSITE, 0)
+    EACH32(COMPOSITE)
     if (more && colour.a > MAX_ERROR) {
-        CLEAN32(32)
-        EACH32(COMPOSITE, 32)
+        SECOND32(CLEAN32)
+        NEXT32(COMPOSITE)
     }
     return colour;
 }

@@ -15,30 +15,30 @@
 #define SWEEPS 3.0  // from this many sweeps on, merging takes less time
 
 #define LOAD(i) \
-    block[32 + (i)] = NO_FRAGMENT; \
+    block##i = NO_FRAGMENT; \
     if (at < end_cell) { \
         FRAGMENT fragment = nodes_at(at); \
         if (fragment.x >= from) { \
-            block[32 + (i)] = fragment; \
+            block##i = fragment; \
             ++met; \
         } \
     } \
     at += STEP(i);
-#define EMPTY_PLACE(i) block[i] = NO_FRAGMENT;
-#define KEEP_NEARER(i) if (block[63 - (i)].x < block[i].x) block[i] = block[63 - (i)];
-#define PUT_BACK(i) if (at < end_cell) nodes[at] = block[32 + (i)]; at += STEP(i);
-#define COMPOSITE(i) if (block[i].x < limit) colour = behind_of(colour, colour_of(block[i]));
+#define EMPTY_PLACE(i) block##i = NO_FRAGMENT;
+#define KEEP_NEARER(a, b) if (block##b.x < block##a.x) block##a = block##b;
+#define PUT_BACK(i) if (at < end_cell) nodes[at] = block##i; at += STEP(i);
+#define COMPOSITE(i) if (block##i.x < limit) colour = behind_of(colour, colour_of(block##i));
 
-// Leaves the nearest 32 fragments with a depth of at least `from` in block[0 .. 32), nearest first. Returns the number
+// Leaves the nearest 32 fragments with a depth of at least `from` in block0 to block31, nearest first. Returns the number
 // of all fragments with such a depth.
 uint sweep(uint from) {
     uint met = 0u;
-    EACH32(EMPTY_PLACE, 0)
+    EACH32(EMPTY_PLACE)
     for (uint at = first_cell; at < end_cell;) {
-        EACH32(LOAD, 0)
-        SORT32(32)
-        EACH32(KEEP_NEARER, 0)
-        CLEAN32(0)
+        NEXT32(LOAD)
+        SECOND32(SORT32)
+        OPPOSITE(KEEP_NEARER)
+        FIRST32(CLEAN32)
     }
     return met;
 }
@@ -67,12 +67,12 @@ vec4 merge() {
     uint heads[MERGED], depths[MERGED], blocks = 0u;
     for (uint start = first_cell; start < end_cell; start = cell_of(32u * blocks)) {
         uint at = start, met = 0u;
-        EACH32(LOAD, 0)
-        SORT32(32)
+        NEXT32(LOAD)
+        SECOND32(SORT32)
         at = start;
-        EACH32(PUT_BACK, 0)
+        NEXT32(PUT_BACK)
         heads[blocks] = 32u * blocks;
-        depths[blocks++] = block[32].x;
+        depths[blocks++] = block32.x;
     }
     while (colour.a > MAX_ERROR) {
         uint depth = EMPTY, nearest = 0u;
@@ -97,9 +97,9 @@ vec4 resolve_pixel() {
     bool more = first_cell < end_cell;
     while (more) {
         more = sweep(from) > 32u;
-        uint limit = more ? block[31].x : EMPTY;
-        EACH32(COMPOSITE, 0)
-        if (more && block[0].x == limit) {
+        uint limit = more ? block31.x : EMPTY;
+        EACH32(COMPOSITE)
+        if (more && block0.x == limit) {
             colour = composite_alike(colour, limit);
             ++limit;
         }

@@ -15,8 +15,8 @@ void fetch_begin(uint p) {
 }
 
 bool fetch_next(out FRAGMENT fragment) {
-    if (fetch_slot >= fetch_end) return false;
-    fragment = nodes_at(PLACE(fetch_pixel, fetch_slot));
+    bool found = fetch_slot < fetch_end;
+    if (found) fragment = nodes_at(PLACE(fetch_pixel, fetch_slot));
     ++fetch_slot;
-    return true;
+    return found;
 }

@@ -10,7 +10,8 @@ void fetch_begin(uint p) {
 }
 
 bool fetch_next(out FRAGMENT fragment) {
-    if (fetch_at >= fetch_end) return false;
-    fragment = nodes_at(fetch_at++);
-    return true;
+    bool found = fetch_at < fetch_end;
+    if (found) fragment = nodes_at(fetch_at);
+    ++fetch_at;
+    return found;
 }

@@ -1,0 +1,107 @@
+"""What the compiler goes on with: chosen branches, macros in use; all of it where the compiler alone can choose."""
+
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from mfr_bench.config.model import Scene
+from mfr_bench.glsl import stages
+from mfr_bench.glsl.branches import active_lines, compiled
+from mfr_bench.methods import catalog
+from mfr_bench.methods.spec import Fitted
+from mfr_bench.plan import expected_stats
+
+CHOSEN = """#define K 4u
+#define ROOM 2
+#if K > 3 && !defined(LOOPS) || ROOM == 9
+a K
+#ifdef ROOM
+b
+#endif
+#elif K == 4
+c
+#else
+d
+#endif
+#ifndef ROOM
+e
+#elif (ROOM + 2 * 3) != 8
+f
+#elif !(ROOM == 2)
+g
+#else
+h
+#endif"""
+OPEN = """#define LINE 1
+#if LINE == 2
+a
+#elif defined(GL_EXT_x)
+#define K 2
+b
+#else
+c
+#endif
+#if K == 2
+d
+#endif
+#if GL_EXT_y
+#if LINE
+e
+#else
+f
+#endif
+#endif"""
+
+
+def test_lines_of_branches_that_are_not_chosen_are_left_out():
+    assert compiled(CHOSEN).splitlines() == ["#define K 4u", "a K", "b", "h"]
+
+
+def test_branches_that_the_compiler_chooses_stay():
+    kept = ["#if defined(GL_EXT_x)", "#define K 2", "b", "#else", "c", "#endif", "#if K == 2", "d", "#endif",
+            "#if GL_EXT_y", "e", "#endif"]
+    assert compiled(OPEN).splitlines() == kept
+
+
+@pytest.mark.parametrize("condition", ["K % 2", "SQUARE(K)", "0x10", "K ? 1 : 0", "__VERSION__ >= 430", "K +", "(K"])
+def test_a_condition_that_is_not_read_stays(condition):
+    text = f"#define K 2\n#define SQUARE(x) (x)*(x)\n#if {condition}\na\n#else\nb\n#endif"
+    assert active_lines(text)[2:] == [f"#if {condition}", "a", "#else", "b", "#endif"]
+
+
+def test_a_macro_that_is_undefined_holds_no_more():
+    assert active_lines("#define K 1\n#undef K\n#if K\na\n#endif\n#ifdef K\nb\n#endif") == ["#define K 1", "#undef K"]
+
+
+def test_macros_that_only_macros_out_of_use_name_are_left_out():
+    text = "#define QUADS 16\n#define LAYERS (QUADS + 1)\n#define SORT(a) MERGE(a)\n#define MERGE(a) a\nvoid main() {}"
+    assert compiled(text) == "void main() {}"
+    assert compiled(f"{text} // SORT(1)").startswith("#define SORT(a) MERGE(a)\n#define MERGE(a) a\n")
+
+
+@pytest.mark.skipif(not shutil.which("cpp"), reason="no C preprocessor")
+@pytest.mark.parametrize("method", ["ab-ll-bucket", "adaptive", "kplus-array", "mboit", "open-pre", "peel-kplus"])
+def test_a_preprocessor_makes_the_same_of_both(method):
+    """Of every pass with default parameters, by C's, which has the same directives; extensions count as absent."""
+    fitted = Fitted(catalog()[method].variant({}), expected_stats(Scene(size=(24, 20), depth_complexity=12)))
+    for step in fitted.variant.passes:
+        for stage in stages(fitted, step) if step.kind != "clear" else ():
+            assert preprocessed(stage.compiled) == preprocessed(stage.code)
+
+
+def preprocessed(text: str) -> list[str]:
+    bare = re.sub(r"^#(version|extension).*$", "", text, flags=re.MULTILINE)
+    return subprocess.run(["cpp", "-P", "-undef", "-w"], input=bare, capture_output=True, text=True,
+                          check=True).stdout.split()
+
+
+def test_one_program_serves_scenes_that_differ_in_a_number_it_does_not_use():
+    """A store that rejects nothing names the scene's number of quads in a branch alone that is not chosen."""
+    method = catalog()["ab-ll"]
+    few, many = (Fitted(method.variant({}), expected_stats(Scene(size=(24, 20), depth_complexity=n))) for n in (8, 9))
+    store = next(step for step in method.variant({}).passes if step.name == "store")
+    one, other = (stages(fitted, store)[1] for fitted in (few, many))
+    assert one.code != other.code
+    assert one.compiled == other.compiled
