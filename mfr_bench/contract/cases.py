@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 
 from ..config import Scene as SceneConfig
@@ -15,7 +16,8 @@ from ..scene.geometry import Geometry
 from ..scene.kinds import kind_of
 from .variants import label
 
-N = 9  # most scenes share a depth complexity, so that their programs are shared too
+N = 7  # most scenes have as many fragments at most in a pixel, so that their programs are shared too
+TWO_CLASSES = 9  # layers of which backwards memory allocation makes two classes of pixels
 
 SCENES = {
     "flat": SceneConfig(size=(32, 24), depth_complexity=1),
@@ -25,20 +27,23 @@ SCENES = {
     "reverse-sorted": SceneConfig(size=(97, 71), depth_complexity=N, order="back_to_front", pixel_density=0.93),
     "sparse": SceneConfig(size=(97, 71), depth_complexity=N, pixel_density=0.11, seed=3),
     "tiles": SceneConfig(size=(97, 71), depth_complexity=N, pixel_density=0.4, layout="tiles", seed=4),
-    "rejecting": SceneConfig(size=(97, 71), depth_complexity=N, fragment_probability=0.25, seed=5),
+    "rejecting": SceneConfig(size=(97, 71), depth_complexity=N, fragment_probability=0.25, seed=4),
     "uneven": SceneConfig(size=(97, 71), depth_complexity=N, least_depth=0.3, fragment_probability=0.8, seed=5),
-    "scattered": SceneConfig(size=(64, 48), depth_complexity=5, layout="random", quad_size=(11, 7), seed=6),
+    "scattered": SceneConfig(size=(64, 48), depth_complexity=2, layout="random", quad_size=(11, 7), seed=7),
     "opaque": SceneConfig(size=(40, 40), depth_complexity=N, alpha=(1.0, 1.0), seed=7),
 }
-DEEP = {f"{layout} {order}": SceneConfig(size=(31, 13), depth_complexity=128, layout=layout, order=order, seed=8,
-                                         pixel_density=0.6, quad_size=(9, 5) if layout == "random" else None)
+# 128 fragments at most in a pixel of every layout, 44 in the mean of the last.
+DEPTHS = {"block": {"depth_complexity": 128}, "tiles": {"depth_complexity": 128},
+          "random": {"depth_complexity": 44, "quad_size": (9, 5)}}
+DEEP = {f"{layout} {order}": SceneConfig(size=(31, 13), layout=layout, order=order, seed=3, pixel_density=0.6,
+                                         **DEPTHS[layout])
         for layout in ("block", "tiles", "random") for order in ("random", "front_to_back", "back_to_front")}
 SLANTED = {
     "hairball": SceneConfig(kind="hairball", size=(48, 40), depth_complexity=N, mean_depth=4, seed=9),
     "crossing": SceneConfig(size=(48, 40), depth_complexity=N, slant=0.7, layout="mixed", mean_depth=5, seed=10),
     "rejecting needles": SceneConfig(kind="needles", size=(48, 40), depth_complexity=N, fragment_probability=0.5),
 }
-ALIKE = ("reverse-sorted", "tiles")  # of one depth complexity: what options are tested on
+ALIKE = ("reverse-sorted", "tiles")  # what options are tested on
 KS = (1, 4, 32)  # the Z-buffer's, fewer than the fragments, more than the fragments
 
 
@@ -62,6 +67,16 @@ class Stage(Shown):
     def __init__(self, device, config: SceneConfig):
         super().__init__(device, scene(config))
         self.answer = cache(self.truth.answer)
+
+
+def layers_for(variant: Variant) -> int:
+    """N, or as many layers as make two classes of pixels where the variant has classes."""
+    return TWO_CLASSES if variant.params.get("bma") == "on" else N
+
+
+def alike(variant: Variant) -> dict[str, SceneConfig]:
+    """The scenes that a choice of one parameter is tested on."""
+    return {name: replace(SCENES[name], depth_complexity=layers_for(variant)) for name in ALIKE}
 
 
 STAGES: dict[tuple[SceneConfig, str], Stage] = {}  # kept: captures and images are the same for every method

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from functools import cache
 from typing import get_args
 
 from ..config import Scene
@@ -84,9 +85,10 @@ def atomics_declared(variants: Iterable[Variant]) -> Iterator[str]:
 
     Mesa lets an atomic through on a readonly buffer, and a barrier would then be missing.
     """
+    atomics = cache(lambda text: frozenset(ATOMIC.findall(active(text))))  # variants share most of their stages
     for variant in variants:
         for step, found in stages_of(variant):
-            touched = {name for stage in found for name in ATOMIC.findall(active(stage.text))}
+            touched = {name for stage in found for name in atomics(stage.text)}
             written = {ref.partition(".")[0] for ref in step.writes}
             yield from (f"{label(variant)}, pass {step.name}: an atomic on {name}, which the pass does not write"
                         for name in sorted(touched - written))

@@ -21,15 +21,15 @@ WORDS = 4032  # behind each buffer, and bound with it: a driver may check bounds
 GUARD = np.full(WORDS, 0xA5C3F00D, dtype=np.uint32).tobytes()
 PIXELS = (13, 7)
 SCENES = {
-    "one pixel has all": SceneConfig(size=PIXELS, depth_complexity=40, pixel_density=1 / 91, seed=1),
+    "one pixel has all": SceneConfig(size=PIXELS, depth_complexity=8, pixel_density=1 / 91, seed=1),
     "every pixel has one": SceneConfig(size=PIXELS, depth_complexity=1, seed=2),
-    "exactly full": SceneConfig(size=PIXELS, depth_complexity=8, seed=3),
-    "one over": SceneConfig(size=PIXELS, depth_complexity=9, seed=4),
+    "exactly full": SceneConfig(size=PIXELS, depth_complexity=7, seed=3),
+    "one over": SceneConfig(size=PIXELS, depth_complexity=8, seed=4),
     "nothing": SceneConfig(size=PIXELS, depth_complexity=0, seed=5),
-    "equal depths": SceneConfig(size=PIXELS, depth_complexity=9, depth_copies=9, seed=6),
-    "far corners": SceneConfig(size=PIXELS, depth_complexity=9, overhang=2**20, odd_depth="nan", seed=7),
+    "equal depths": SceneConfig(size=PIXELS, depth_complexity=8, depth_copies=8, seed=6),
+    "far corners": SceneConfig(size=PIXELS, depth_complexity=8, overhang=2**20, odd_depth="nan", seed=7),
 }
-K = 8
+K = 7
 
 
 class Guarded(Allocation):

@@ -12,7 +12,7 @@ from ..methods import catalog
 from ..methods.spec import Fitted, Method, Variant
 from ..plan import Cell, judge
 from ..store.status import EXACT_ERROR
-from .cases import ALIKE, DEEP, KS, SCENES, SLANTED, Drawn, runs_here, stats_in
+from .cases import ALIKE, DEEP, KS, SCENES, SLANTED, Drawn, alike, runs_here, stats_in
 from .variants import label, with_k
 
 SOME_EXACT = ("flat", "opaque", "rejecting")  # scenes in which a condition of exactness may hold
@@ -95,7 +95,7 @@ def slanted(device, variants: Iterable[Variant]) -> Iterator[str]:
 def option(device, variant: Variant) -> Iterator[str]:
     """One choice of one parameter."""
     if runs_here(device, variant):
-        yield from Held(device, with_k(variant, 4), {name: SCENES[name] for name in ALIKE}).faults
+        yield from Held(device, with_k(variant, 4), alike(variant)).faults
 
 
 def deep_variants(method: Method) -> list[Variant]:

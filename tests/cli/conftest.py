@@ -9,6 +9,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -48,16 +49,22 @@ class Ended:
         return line
 
 
+AT_START = Path(__file__).with_name("at_start")
+CALIBRATIONS = TemporaryDirectory(prefix="calibrations-")  # gone when this process ends
+
+
 def environment(**more: str) -> dict[str, str]:
+    """The environment of a command, whose processes calibrate no device that another command has calibrated before."""
     root = str(Path(mfr_bench.__file__).parent.parent)
-    path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
-    return {name: value for name, value in os.environ.items() if name != "COLUMNS"} | {"PYTHONPATH": path} | more
+    path = os.pathsep.join(filter(None, [str(AT_START), root, os.environ.get("PYTHONPATH")]))
+    kept = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+    return kept | {"PYTHONPATH": path, "MFR_BENCH_CALIBRATIONS": CALIBRATIONS.name} | more
 
 
 def sabotaged(folder: Path, code: str) -> dict[str, str]:
     """The environment that lets every process, the one that measures included, run this code when it starts."""
     folder.mkdir(exist_ok=True)
-    (folder / "sitecustomize.py").write_text(code)
+    (folder / "sitecustomize.py").write_text("import calibrated\n" + code)
     return {"PYTHONPATH": os.pathsep.join([str(folder), environment()["PYTHONPATH"]])}
 
 

@@ -30,6 +30,7 @@ sweep: {scene.depth_complexity: [8, 12]}
 measure: {target_rel_ci: 1.0e-6, min_samples: 6, max_samples: 100000, time_limit_s: 0.2}
 """
 SLOW_CELLS = 6
+SAMPLES = 150  # of a cell that is to be killed before it has them
 
 
 def begun(*arguments, **options):
@@ -89,12 +90,17 @@ def processes_below(number):
     return found
 
 
+def wait_for_samples(process, journal):
+    """Wait until some cell of a run has samples and no row yet."""
+    while not any(partial.samples_ms for partial in Journal(journal).partials.values()):
+        assert process.poll() is None
+        time.sleep(0.005)
+
+
 def test_a_signal_to_every_process_of_a_job_leaves_no_cell_as_crashed(here):
     (here / "slow.yaml").write_text(SLOW.replace("100000, time_limit_s: 0.2", "100000, time_limit_s: 60"))
     process = begun("run", "slow.yaml", "--out", "out")
-    journal = here / "out" / "unfinished.jsonl"
-    while not any(partial.samples_ms for partial in Journal(journal).partials.values()):
-        assert process.poll() is None
+    wait_for_samples(process, here / "out" / "unfinished.jsonl")
     for number in processes_below(process.pid):
         os.kill(number, signal.SIGTERM)
     time.sleep(0.5)  # a scheduler reaches one process before the other
@@ -105,13 +111,12 @@ def test_a_signal_to_every_process_of_a_job_leaves_no_cell_as_crashed(here):
 
 
 def test_a_run_that_was_killed_goes_on_within_its_cells(here):
-    (here / "slow.yaml").write_text(SLOW.replace("100000, time_limit_s: 0.2", "300, time_limit_s: 60"))
+    (here / "slow.yaml").write_text(SLOW.replace("100000, time_limit_s: 0.2", f"{SAMPLES}, time_limit_s: 60"))
     process = begun("run", "slow.yaml", "--out", "out")
-    journal = here / "out" / "unfinished.jsonl"
-    while not any(partial.samples_ms for partial in Journal(journal).partials.values()):
-        assert process.poll() is None
+    wait_for_samples(process, here / "out" / "unfinished.jsonl")
     process.kill()
     process.communicate()
+    journal = here / "out" / "unfinished.jsonl"
     before = Journal(journal).partials
 
     assert apart("run", "slow.yaml", "--out", "out").status == 0
@@ -120,7 +125,7 @@ def test_a_run_that_was_killed_goes_on_within_its_cells(here):
     for key, partial in before.items():
         assert partial.samples_ms == [] or after[key]["values"]["sessions"] == 2
         assert after[key]["samples_ms"][:len(partial.samples_ms)] == partial.samples_ms
-    assert all(len(cell["samples_ms"]) == cell["values"]["samples"] == 300 for cell in after.values())
+    assert all(len(cell["samples_ms"]) == cell["values"]["samples"] == SAMPLES for cell in after.values())
     assert not journal.exists()
 
 

@@ -3,7 +3,20 @@
 from __future__ import annotations
 
 from mfr_bench.contract import variants as of_any
-from mfr_bench.contract.cases import ALIKE, DEEP, KS, SCENES, SLANTED, Drawn, N, runs_here, stage, stats_in
+from mfr_bench.contract.cases import (
+    ALIKE,
+    DEEP,
+    KS,
+    SCENES,
+    SLANTED,
+    TWO_CLASSES,
+    Drawn,
+    N,
+    layers_for,
+    runs_here,
+    stage,
+    stats_in,
+)
 from mfr_bench.contract.variants import label, with_k
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Method, Variant
@@ -14,10 +27,12 @@ __all__ = [
     "KS",
     "SCENES",
     "SLANTED",
+    "TWO_CLASSES",
     "Drawn",
     "N",
     "every_method",
     "label",
+    "layers_for",
     "options",
     "runs_here",
     "stage",

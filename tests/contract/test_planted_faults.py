@@ -7,7 +7,7 @@ from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Buffer, Method, Pass
 from mfr_bench.store.status import EXACT_ERROR
 
-from .cases import SCENES, Drawn, with_k
+from .cases import DEEP, SCENES, Drawn, with_k
 
 FAULTS = [
     ("zbuffer", "scene/quad.vert", "? in_depth : 2.0 * in_depth - 1.0", "? 1.0 - in_depth : 1.0 - 2.0 * in_depth"),
@@ -82,20 +82,21 @@ OPTION_FAULTS = [
     ("kb-multi", {"occupancy": 32}, "common/occupancy/cull.frag", "wanted > 1u", "wanted > 2u"),
     ("kb-ab-sb", {"occupancy": 64}, "common/occupancy/mark.frag", "1u << (interval % 32u)", "3u << (interval % 32u)"),
 ]
+SEEN_IN = ("sorted", "reverse-sorted", "tiles", "scattered", "random random")  # no more are drawn than it takes
 IN_ORDER_OF_ARRIVAL = [("kb-sr", {}, "methods/routing/start.frag", "-1 << instance", "1 << instance")]
 
 
 @pytest.mark.parametrize(("method", "path", "right", "wrong"), FAULTS, ids=lambda text: text.replace("/", "."))
 def test_a_wrong_line_of_glsl_is_seen(device, plant, method, path, right, wrong):
     plant(path, right, wrong)
-    assert seen(device, method, {}, ("sorted", "reverse-sorted", "tiles", "scattered"))
+    assert seen(device, method, {}, SEEN_IN)
 
 
 @pytest.mark.parametrize(("method", "params", "path", "right", "wrong"), OPTION_FAULTS,
                          ids=[f"{m}-{'-'.join(map(str, params.values()))}" for m, params, *_ in OPTION_FAULTS])
 def test_a_wrong_line_in_an_option_is_seen(device, plant, method, params, path, right, wrong):
     plant(path, right, wrong)
-    assert seen(device, method, params, ("sorted", "reverse-sorted", "tiles", "scattered"))
+    assert seen(device, method, params, SEEN_IN)
 
 
 @pytest.mark.parametrize(("method", "params", "path", "right", "wrong"), IN_ORDER_OF_ARRIVAL, ids=["kb-sr"])
@@ -108,7 +109,7 @@ def test_a_wrong_line_of_routing_is_seen_where_order_of_arrival_is_order(device,
 
 def seen(device, method, params, scenes) -> bool:
     """Whether an image is not the promised one, or a loss is counted, in any of the scenes."""
-    drawn = [Drawn(device, with_k(catalog()[method].variant(params), 4), SCENES[name]) for name in scenes]
+    drawn = (Drawn(device, with_k(catalog()[method].variant(params), 4), (SCENES | DEEP)[name]) for name in scenes)
     return any(d.error > EXACT_ERROR or d.lost for d in drawn)
 
 

@@ -16,6 +16,7 @@ from .drawing import SIZE, assert_shows, drawn, stack
 
 RANDOM = np.random.default_rng(4)
 MIXED = generate(SceneConfig(size=(33, 21), depth_complexity=70, fragment_probability=0.6, pixel_density=0.8, seed=2))
+SHALLOW = generate(SceneConfig(size=(33, 21), depth_complexity=8, fragment_probability=0.6, pixel_density=0.8, seed=2))
 SORTS = SORT.choices
 
 
@@ -54,7 +55,7 @@ def test_every_sort_gives_the_k_nearest_of_a_full_list(device, sort, k):
 
 
 @pytest.mark.parametrize("sort", SORTS)
-@pytest.mark.parametrize("depths", [[0.5] * 66, [0.25] * 20 + [0.5] * 26 + [0.75] * 20, [0.0] * 33 + [1.0] * 33,
+@pytest.mark.parametrize("depths", [[0.5] * 96, [0.25] * 20 + [0.5] * 56 + [0.75] * 20, [0.0] * 48 + [1.0] * 48,
                                     [0.25] * 5 + [0.5] * 70 + [0.75] * 21],
                          ids=["one depth", "three depths", "both ends", "more than a batch between others"])
 def test_no_sort_loses_fragments_of_equal_depth(device, sort, depths):
@@ -92,10 +93,14 @@ def test_lplus_needs_no_more_than_its_batches(device, length):
 @pytest.mark.parametrize("stage", ["fragment", "compute"])
 @pytest.mark.parametrize("method", ["ab-array", "ab-ll", "kplus-array"])
 def test_each_class_of_pixels_is_resolved_once(device, method, stage):
-    """Pixels at both ends of every class up to 128 fragments, and empty ones."""
+    """Pixels at both ends of every class up to 128 fragments, and empty ones.
+
+    Where the default sorts in registers, which takes seconds to compile for all classes, is tested of one method.
+    """
     counts = [0] + [c for bound in CLASS_BOUNDS[:5] for c in (bound - 1, bound, bound + 1)] + [0, 1]
     scene = staircase(counts)
-    image = image_of(device, method, scene, bma="on", resolve=stage, k=200)
+    sort = "auto" if (method, stage) == ("ab-array", "fragment") else "insertion"
+    image = image_of(device, method, scene, bma="on", resolve=stage, sort=sort, k=200)
     np.testing.assert_allclose(image, composite(scene), rtol=0, atol=1e-5)
 
 
@@ -113,8 +118,8 @@ def test_only_the_classes_that_a_frame_can_have_are_drawn():
 @pytest.mark.parametrize("method", ["ab-array", "ab-ll", "ab-sb", "ab-precalc", "lin-post", "kplus-array",
                                     "kplus-heap"])
 def test_half_floats_keep_8_bit_colours(device, method):
-    plain = image_of(device, method, MIXED, k=100)
-    wide = image_of(device, method, MIXED, k=100, payload="rgba16f")
+    plain = image_of(device, method, SHALLOW, k=100)
+    wide = image_of(device, method, SHALLOW, k=100, payload="rgba16f")
     np.testing.assert_allclose(wide, plain, rtol=0, atol=1e-6)
 
 
@@ -130,8 +135,8 @@ def test_a_wide_payload_is_a_word_more_per_fragment(method):
 
 @pytest.mark.parametrize("method", ["ab-array", "ab-ll", "lin-pre", "ab-sb", "kplus-array", "kb-mdt32"])
 def test_compute_gives_the_image_of_the_draw(device, method):
-    in_draw = image_of(device, method, MIXED, k=9)
-    in_compute = image_of(device, method, MIXED, k=9, resolve="compute")
+    in_draw = image_of(device, method, SHALLOW, k=5)
+    in_compute = image_of(device, method, SHALLOW, k=5, resolve="compute")
     np.testing.assert_allclose(in_compute, in_draw, rtol=0, atol=1e-6)
 
 
@@ -169,7 +174,7 @@ def test_occupancy_reports_the_share_that_never_reaches_the_store(device):
 
 
 OCCUPANCY_METHODS = [m.id for m in catalog().values() if m.param("occupancy") and "k" in m.variant({}).params]
-LAYERED = generate(SceneConfig(size=(33, 21), depth_complexity=24, fragment_probability=0.4, layout="random",
+LAYERED = generate(SceneConfig(size=(33, 21), depth_complexity=8, fragment_probability=0.4, layout="random",
                                quad_size=(17, 13), seed=9))
 
 

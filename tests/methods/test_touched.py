@@ -20,17 +20,27 @@ from mfr_bench.scene import generate
 from mfr_bench.scene.quads import Quads
 from mfr_bench.store.status import EXACT_ERROR
 
-from ..contract.cases import Drawn, label, runs_here, stage, variants
+from ..contract.cases import TWO_CLASSES, Drawn, N, label, layers_for, runs_here, stage, variants
 
-BASE = SceneConfig(size=(75, 53), depth_complexity=9, seed=11)
-# All but the last have at most 9 fragments in a pixel, as the animation below has: their programs are the same ones.
-SCENES = {
-    **{f"{layout} {density}": replace(BASE, layout=layout, pixel_density=density)
-       for layout in ("block", "tiles") for density in (0.05, 1.0)},
-    "random": replace(BASE, layout="random", quad_size=(5, 3), depth_complexity=3, seed=23),
-    "crossing": SceneConfig(size=(48, 40), depth_complexity=9, slant=0.7, layout="mixed", mean_depth=5, seed=10),
-    "nothing": replace(BASE, depth_complexity=0),
-}
+BASE = SceneConfig(size=(75, 53), depth_complexity=N, seed=11)
+# Quads at random places of which a pixel has so many at most: those of the still scene, and those of the animation.
+RANDOM = {N: {"depth_complexity": 2, "seed": 9}, TWO_CLASSES: {"depth_complexity": 3, "seed": 23}}
+MOVING = {N: {"depth_complexity": 2, "seed": 7}, TWO_CLASSES: {"depth_complexity": 3, "seed": 8}}
+
+
+def scenes(layers: int) -> dict[str, SceneConfig]:
+    """Scenes that have at most so many fragments in a pixel, all but the last: their programs are the same ones."""
+    return {
+        **{f"{layout} {density}": replace(BASE, depth_complexity=layers, layout=layout, pixel_density=density)
+           for layout in ("block", "tiles") for density in (0.05, 1.0)},
+        "random": replace(BASE, layout="random", quad_size=(5, 3), **RANDOM[layers]),
+        "crossing": SceneConfig(size=(48, 40), depth_complexity=layers, slant=0.7, layout="mixed", mean_depth=5,
+                                seed=10),
+        "nothing": replace(BASE, depth_complexity=0),
+    }
+
+
+SCENES = scenes(N)
 # Parameters by which full-screen passes come and go, or clear and read other storage.
 OPTIONS = {"occupancy", "packed", "insert", "allocation", "scan", "reuse_count", "sync", "multisampling", "precision",
            "moments", "hash", "atomic64", "payload"}
@@ -62,9 +72,10 @@ def resolves(method, touched):
 
 def test_scenes_share_their_programs(device):
     """Programs are for the most fragments of a pixel: another number would compile all of them again."""
-    deepest = {name: stage(device, config).stats.n for name, config in SCENES.items()}
-    assert deepest == dict.fromkeys(SCENES, 9) | {"nothing": 1}
-    assert stats_of(animation()[0]).n == 9
+    for layers in (N, TWO_CLASSES):
+        deepest = {name: stage(device, config).stats.n for name, config in scenes(layers).items()}
+        assert deepest == dict.fromkeys(SCENES, layers) | {"nothing": 1}
+        assert stats_of(animation(layers)[0]).n == layers
 
 
 @pytest.mark.parametrize("method", catalog().values(), ids=lambda m: m.id)
@@ -87,7 +98,7 @@ def test_a_pass_that_touches_more_than_the_region_says_why(method):
 @pytest.mark.parametrize("method", EXACT, ids=lambda m: m.id)
 def test_every_resolve_by_tiles_is_exact(device, method):
     for variant in resolves(method, "tiles"):
-        for name, config in SCENES.items():
+        for name, config in scenes(layers_for(variant)).items():
             drawn = Drawn(device, variant, config, frames=2, probing=True)
             where = f"{label(variant)}, {name}"
             assert drawn.error <= EXACT_ERROR, where
@@ -102,12 +113,12 @@ def part(scene: Quads, left: int, bottom: int, right: int, top: int) -> Quads:
     return Quads(scene.viewport, window.astype(np.int32), scene.depth, scene.rgba, 1.0, scene.seed)
 
 
-def animation() -> list[Quads]:
+def animation(layers: int) -> list[Quads]:
     """Geometry over the whole viewport that shrinks, moves by part of a tile, vanishes, and comes back elsewhere.
 
-    At most 9 fragments lie in a pixel: longer sorts touch no other pixels, and take far longer to compile.
+    A pixel has few fragments: longer sorts touch no other pixels, and take far longer to compile.
     """
-    whole = generate(replace(BASE, layout="random", quad_size=(19, 17), depth_complexity=3, seed=8))
+    whole = generate(replace(BASE, layout="random", quad_size=(19, 17), **MOVING[layers]))
     windows = ((0, 0, 75, 53), (37, 9, 61, 30), (40, 15, 75, 47), (0, 0, 0, 0), (1, 1, 18, 16))
     return [part(whole, *window) for window in windows]
 
@@ -115,12 +126,12 @@ def animation() -> list[Quads]:
 @contextmanager
 def animated(device, *chosen):
     """The scenes of an animation with their buffer, and a frame of each variant."""
-    scenes = animation()
-    quads, canvas = SceneBuffer(device, scenes[0]), Canvas(device, BASE.size)
+    moving = animation(layers_for(chosen[0]))
+    quads, canvas = SceneBuffer(device, moving[0]), Canvas(device, BASE.size)
     stats = true_stats(device, quads, canvas)
     kept = [Frame(device, Fitted(variant, stats), quads, canvas) for variant in chosen]
     try:
-        yield scenes, *kept
+        yield moving, *kept
     finally:
         for thing in (*kept, canvas, quads):
             thing.release()
@@ -155,8 +166,8 @@ def shown(frame, scene) -> np.ndarray:
 def differences(device, variant) -> list[float]:
     """Deviation of each frame of the animation from that of the variant that touches the whole viewport."""
     whole = variant.method.variant(variant.params | {"touched": "off"})
-    with animated(device, variant, whole) as (scenes, frame, other):
-        return [float(np.abs(shown(frame, scene) - shown(other, scene)).max()) for scene in scenes]
+    with animated(device, variant, whole) as (moving, frame, other):
+        return [float(np.abs(shown(frame, scene) - shown(other, scene)).max()) for scene in moving]
 
 
 @EACH_CHOICE
@@ -218,10 +229,10 @@ def test_the_list_holds_each_tile_with_fragments_once(device, name):
 
 def stray_tiles(device) -> int:
     """Tiles that an empty and a small region list beside those with fragments, where all else is spoilt."""
-    with animated(device, in_few(catalog()["ab-sb"], touched="tiles")) as (scenes, frame):
-        shown(frame, scenes[3])
+    with animated(device, in_few(catalog()["ab-sb"], touched="tiles")) as (moving, frame):
+        shown(frame, moving[3])
         stray = len(listed(frame))
-        shown(frame, scenes[1])  # columns 32 to 64 and rows 9 to 30
+        shown(frame, moving[1])  # columns 32 to 64 and rows 9 to 30
         return stray + len(set(listed(frame)) - {row * 5 + column for row in (0, 1) for column in (2, 3)})
 
 

@@ -148,7 +148,7 @@ LOOP = '''    float endless = gl_FragCoord.x;
 '''
 includes.read = lambda p: real(p).replace("void main() {", "void main() {\\n" + LOOP) if "array/store" in p else real(p)
 """
-HANGS = CONFIG % "ab-array" + "profiles: {hang: {scene.size: [512, 512], measure.hard_limit_s: 15}}\n"
+HANGS = CONFIG % "ab-array" + "profiles: {hang: {scene.size: [512, 512], measure.hard_limit_s: 8}}\n"
 
 
 def children(pid: int) -> set[int]:
@@ -171,7 +171,7 @@ def test_a_shader_that_does_not_end_is_a_timeout(tmp_path):
     found = {method: cell for (method, _), cell in cells(tmp_path / "out").items()}
     assert set(found) == {"floor", "ab-array"}
     assert (found["ab-array"]["status"], found["ab-array"]["reason"]) == (
-        "timeout", "first frame: no end within 15 s (measure.hard_limit_s)")
+        "timeout", "first frame: no end within 8 s (measure.hard_limit_s)")
 
 
 def test_the_process_that_measures_dies_with_its_parent_in_the_midst_of_a_frame(tmp_path):
