@@ -17,7 +17,7 @@ name: faults
 title: Faults
 scene: {size: [32, 24], depth_complexity: 6}
 methods: [%s]
-measure: {target_rel_ci: 1.0e-9, min_samples: 20, max_samples: 20, time_limit_s: 5, hard_limit_mb: 1500}
+measure: {target_rel_ci: 1.0e-9, min_samples: 20, max_samples: 20, time_limit_s: 5, hard_limit_mb: 800}
 """
 
 # Runs when a process starts that measures: what becomes of a method's frame, by its id, from the ninth one on.
