@@ -9,14 +9,17 @@ which of two methods a paper has as the faster. scripts/differences.py measures 
 from __future__ import annotations
 
 import csv
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from statistics import geometric_mean
 
 from ..errors import StoreError
 from ..markdown import filled, markdown_table
 from ..resources import peers_dir
 
 ALIKE = (0.85, 1.15)  # ratios between which no reason is asked for
+MOST = 1.10  # the ratio that no row is to exceed
 # Of two ways: the first over the second.
 MEASURED = ("n", "k", "first_ms", "second_ms", "ratio", "ratio_low", "ratio_high", "device", "date")
 RANKED = ("source", "faster", "faster_with", "slower", "slower_with")
@@ -34,7 +37,9 @@ HEAD = """# Fair to every method
 
 `mfr-bench methods --fairness` prints this page from the tables in `results/peers`; a test compares the two.
 
-## Compared with independent implementations
+Times of the methods here over those of independent implementations, of which each has a table below:
+"""
+COMPARED = """## Compared with independent implementations
 
 The public code of others and the methods here drew the same quads in one process, frame by frame in turns, in random
 order. Times are CPU times of a frame in all threads of the process, medians of 9 rounds; a ratio is ours over theirs,
@@ -100,9 +105,8 @@ def as_markdown() -> str:
     """The page. Raises StoreError for tables whose columns are others, or for a ratio without its reason."""
     rows = list(table("measured.csv"))
     reasons = {(r["method"], r["parameters"], r["implementation"]): r["reason"] for r in table("reasons.csv")}
-    lines = [HEAD, *_measured(rows), "", REASONS, *_reasons(rows, reasons), "", OPEN, ALIKE_FOR_ALL, *_reads(), "",
-              DIFFERENCES]
-    lines += [*_differences(), "", RANKINGS, *_rankings()]
+    lines = [HEAD, *_overview(rows), "", COMPARED, *_measured(rows), REASONS, *_reasons(rows, reasons), "", OPEN,
+             ALIKE_FOR_ALL, *_reads(), "", DIFFERENCES, *_differences(), "", RANKINGS, *_rankings()]
     return "\n".join(lines) + "\n"
 
 
@@ -171,12 +175,35 @@ def table(name: str) -> Iterator[dict[str, str]]:
         yield from reader
 
 
-def _measured(rows: Iterable[dict[str, str]]) -> list[str]:
-    head = ("method", "parameters", "beside", "what", "pixels", "covered", "n", "k", "ours, ms", "theirs, ms", "ratio")
-    cells = ((f"`{r['method']}`", r["parameters"], f"{r['implementation']} {r['commit'][:8]}", r["measured"],
-              f"{r['width']}×{r['height']}", f"{100 * float(r['density']):.0f} %", r["n"], r["k"], r["ours_ms"],
-              r["theirs_ms"], f"{r['ratio']} [{r['ratio_low']}, {r['ratio_high']}]") for r in rows)
-    return markdown_table(head, cells)
+def _by_implementation(rows: Iterable[dict[str, str]]) -> dict[str, list[dict[str, str]]]:
+    """The rows of each implementation, in the order of the first of each."""
+    found: dict[str, list[dict[str, str]]] = {}
+    for row in rows:
+        found.setdefault(row["implementation"], []).append(row)
+    return found
+
+
+def _overview(rows: Iterable[dict[str, str]]) -> list[str]:
+    """A line for each implementation, with a link to its rows."""
+    cells = []
+    for name, of in _by_implementation(rows).items():
+        ratios = [float(row["ratio"]) for row in of]
+        anchor = re.sub(r"[^\w -]", "", name.lower()).replace(" ", "-")  # as GitHub makes it of a heading
+        cells.append((f"[{name}](#{anchor})", str(len(of)), f"{geometric_mean(ratios):.3f}", f"{min(ratios):.3f}",
+                      f"{max(ratios):.3f}", str(sum(ratio > MOST for ratio in ratios))))
+    return markdown_table(("beside", "rows", "geometric mean", "least", "greatest", f"above {MOST:.2f}"), cells, left=1)
+
+
+def _measured(rows: Iterable[dict[str, str]]) -> Iterator[str]:
+    """The rows, under a heading for each implementation."""
+    head = ("method", "parameters", "commit", "what", "device", "pixels", "covered", "n", "k", "ours, ms", "theirs, ms",
+            "ratio")
+    for name, of in _by_implementation(rows).items():
+        cells = ((f"`{r['method']}`", r["parameters"], r["commit"][:8], r["measured"],
+                  r["device"].removeprefix("llvmpipe-"), f"{r['width']}×{r['height']}",
+                  f"{100 * float(r['density']):.0f} %", r["n"], r["k"], r["ours_ms"], r["theirs_ms"],
+                  f"{r['ratio']} [{r['ratio_low']}, {r['ratio_high']}]") for r in of)
+        yield from (f"### {name}", "", *markdown_table(head, cells), "")
 
 
 def _reads() -> list[str]:

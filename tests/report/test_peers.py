@@ -66,6 +66,15 @@ def test_a_ratio_near_one_needs_none(tables, ratio):
     assert f"| {ratio} [1.19, 1.21] |" in peers.as_markdown()
 
 
+def test_the_page_opens_with_what_the_rows_of_each_implementation_give(tables):
+    others = {**ROW, "implementation": "a-b/c_d and e"}
+    tables("measured.csv", others | {"ratio": "0.9"}, ROW | {"ratio": "1.1"}, others | {"ratio": "1.111"})
+    page = peers.as_markdown().splitlines()
+    at = page.index("| [a-b/c_d and e](#a-bc_d-and-e) | 2 | 1.000 | 0.900 | 1.111 | 1 |")
+    assert page[at + 1] == "| [others](#others) | 1 | 1.100 | 1.100 | 1.100 | 0 |"
+    assert at < page.index("### a-b/c_d and e") < page.index("### others")
+
+
 def test_a_table_with_other_columns_is_refused(tables, tmp_path):
     (tmp_path / "reasons.csv").write_text("method,why\n")
     with pytest.raises(StoreError, match=r"reasons.csv: columns .*expected"):
