@@ -29,13 +29,20 @@ class Samplers:
         for unit in range(UNITS):
             self._sampler.use(unit)
         self._texture = ctx.texture((1, 1), 4, dtype="f4")
-        self._framebuffer = ctx.simple_framebuffer((1, 1), 4, dtype="f4")
-        self._array = ctx.vertex_array(ctx.program(vertex_shader=VERTEX, fragment_shader=FRAGMENT), [])
+        self._framebuffer = ctx.framebuffer([ctx.texture((1, 1), 4, dtype="f4")])  # without depths, whose test matters
+        self._ctx, self._array = ctx, ctx.vertex_array(ctx.program(vertex_shader=VERTEX, fragment_shader=FRAGMENT), [])
         self.settle()
 
     def settle(self) -> None:
-        """Draw one pixel with a program that reads plain textures: one that read several samples leaves another."""
+        """Draw one pixel with a program that reads plain textures: one that read several samples leaves another.
+
+        It blends, so that the program is compiled once and for no other blending that the pass before has left.
+        """
         self._framebuffer.use()
+        self._ctx.enable(moderngl.BLEND)
+        self._ctx.blend_equation = moderngl.FUNC_ADD
+        self._ctx.blend_func = moderngl.ONE, moderngl.ZERO
         for unit in range(READ):
             self._texture.use(unit)
         self._array.render(moderngl.TRIANGLES, vertices=3)
+        self._ctx.disable(moderngl.BLEND)

@@ -31,7 +31,7 @@ def test_images_are_the_same_to_the_bit(device, monkeypatch, method):
 
 
 @pytest.mark.parametrize(("twice", "timed", "layers", "blends"), [
-    (False, False, 20, False), (True, False, 5, True), (True, True, 5, False), (True, True, 20, True)])
+    (False, False, 20, False), (True, False, 5, True), (True, True, 15, False), (True, True, 16, True)])
 def test_where_passes_over_the_screen_blend(device, monkeypatch, twice, timed, layers, blends):
     """Only passes that sort many fragments in registers blend where times count: they take the compiler longest."""
     switched, begin = {}, PassRunner._begin
