@@ -4,6 +4,8 @@ import gc
 import os
 import signal
 
+os.environ["HYPOTHESIS_NO_PLUGINS"] = "1"  # above all that of trio, which takes each worker 0.3 s
+
 import pytest
 from hypothesis import settings
 
