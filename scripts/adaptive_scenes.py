@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 """Measures `adaptive` beside the fastest other exact method where geometry does not fill rectangles.
 
-scripts/adaptive_scenes.py FILE [--rounds 7] [--only TEXT] [--deep | --small] [--bound] [--table]
+scripts/adaptive_scenes.py FILE [--rounds 7] [--only TEXT] [--deep | --small | --opaque] [--bound] [--table]
 
 FILE is a CSV table with a row for each scene; a scene that has one is not measured again. All methods draw a scene in
 turns in one process, by its processor time; every image is compared with the oracle's. --only: scenes whose names have
 TEXT. --deep: the scenes with up to 1024 layers at 512x512 instead, --small: with 256 to 1024 layers at 96x96, which
-the arrays of all methods have room for. --bound: for meshes and their stand-ins measure, in
-the place of `adaptive`, the least that a method which stores each fragment can do: a counter and one store for each,
-and a resolve that reads them once and blends them as they come. --table: print FILE in Markdown, measure nothing. For
-a driver that draws on the CPU.
+the arrays of all methods have room for; --opaque: those with 10, 30 and 60 % of the primitives opaque. --bound: for
+meshes and their stand-ins measure, in the place of `adaptive`, the least that a method which stores each fragment can
+do: a counter and one store for each, and a resolve that reads them once and blends them as they come. --table: print
+FILE in Markdown, measure nothing. For a driver that draws on the CPU.
 """
 
 from __future__ import annotations
@@ -99,7 +99,8 @@ SCENES: Mapping[str, Scene] = {
     "tiles of quads, 4 layers in 1 %": tiles(4, 0.01),
     **{f"tiles of quads, {layers} layers": tiles(layers, 0.5) for layers in (4, 16, 64)},
 }
-PARTS = {"a third opaque": 1 / 3, "half opaque": 1 / 2}  # of the primitives, by the end of a scene's name
+PARTS = {"a third opaque": 1 / 3, "half opaque": 1 / 2, "10 % opaque": 0.1, "30 % opaque": 0.3,
+         "60 % opaque": 0.6}  # of the primitives, by the end of a scene's name
 DEEP: Mapping[str, Scene] = {
     f"{name}, {scene.depth_complexity} layers": replace(scene, size=(512, 512))
     for name, scene in {
@@ -114,6 +115,14 @@ SMALL: Mapping[str, Scene] = {
         "slanted quads": quads(layers, slant=0.7, pixel_density=0.25),
         "hairball": stand_in("hairball", layers, 0.3 * layers, 0.25),
         "needles": stand_in("needles", layers, 0.3 * layers, 0.25)}.items()}
+PARTLY_OPAQUE: Mapping[str, Scene] = {
+    f"{name}, {part} % opaque": scene
+    for part in (10, 30, 60)
+    for name, scene in {
+        **{f"{kind}, {most} layers": stand_in(kind, most, most / 2)
+           for kind in ("hairball", "needles", "temple") for most in (8, 16, 64)},
+        "mesh knot.obj": mesh("knot.obj"), "mesh solids.obj": mesh("solids.obj"),
+        "hair, 2 pixels wide": hair(2.0, "alpha")}.items()}
 
 
 def made(name: str, scene: Scene) -> Geometry:
@@ -268,11 +277,12 @@ def main() -> None:
     size = parser.add_mutually_exclusive_group()
     size.add_argument("--deep", action="store_true")
     size.add_argument("--small", action="store_true")
+    size.add_argument("--opaque", action="store_true")
     parser.add_argument("--bound", action="store_true")
     parser.add_argument("--table", action="store_true")
     given = parser.parse_args()
-    known = {name: scene for name, scene in (DEEP if given.deep else SMALL if given.small else SCENES).items()
-             if not given.bound or name.startswith(MESH_LIKE)}
+    chosen = DEEP if given.deep else SMALL if given.small else PARTLY_OPAQUE if given.opaque else SCENES
+    known = {name: scene for name, scene in chosen.items() if not given.bound or name.startswith(MESH_LIKE)}
     scenes = {name: scene for name, scene in known.items() if given.only in name}
     if not scenes:
         raise Misuse(f"--only {given.only}: no scene has this in its name; allowed: a part of {', '.join(known)}")
@@ -284,7 +294,7 @@ def main() -> None:
         for name, scene in scenes.items():
             if name not in done:
                 add_row(given.file, measured(device, name, scene, given.rounds, BOUND if given.bound else MINE))
-    order = {name: place for place, name in enumerate((*SCENES, *DEEP, *SMALL))}
+    order = {name: place for place, name in enumerate((*SCENES, *DEEP, *SMALL, *PARTLY_OPAQUE))}
     print(as_table(sorted(rows_of(given.file), key=lambda row: order.get(row["scene"], len(order)))))
 
 

@@ -120,10 +120,16 @@ def test_a_scene_that_has_a_row_is_not_measured_again(script, tmp_path, monkeypa
     assert "| mesh solids.obj | 2, 8 |" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(("name", "share"), [("a", 0.0), ("a, a third opaque", 1 / 3), ("a, half opaque", 1 / 2)])
+@pytest.mark.parametrize(("name", "share"), [("a", 0.0), ("a, a third opaque", 1 / 3), ("a, half opaque", 1 / 2),
+                                            ("a, 10 % opaque", 0.1)])
 def test_a_share_of_the_primitives_is_opaque_where_the_name_says_so(script, name, share):
     made = script.made(name, script.stand_in("hairball", 16, 8))
     assert made.opaque_primitives / len(made) == pytest.approx(share, abs=0.05)
+
+
+def test_scenes_in_part_opaque_say_how_much_in_their_names(script):
+    assert not script.PARTLY_OPAQUE.keys() & {*script.SCENES, *script.DEEP, *script.SMALL}
+    assert {name.rpartition(", ")[2] for name in script.PARTLY_OPAQUE} <= script.PARTS.keys()
 
 
 def test_small_scenes_have_as_many_layers_as_their_names_say(script):
