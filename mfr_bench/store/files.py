@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import fcntl
+import glob
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -11,6 +12,7 @@ from pathlib import Path
 
 from ..errors import StoreError
 
+HOST = os.uname().nodename  # part of a file's name until it is whole: a folder may be shared by machines
 WAITING = 16  # files that the disk is given at once
 
 
@@ -55,7 +57,7 @@ def write_files(folder: Path, files: Mapping[str, bytes]) -> None:
 
 
 def _replace(path: Path, content: bytes, durable: bool) -> None:
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    part = path.with_name(f".{path.name}.{HOST}.{os.getpid()}.part")
     try:
         with open(part, "wb") as file:
             file.write(content)
@@ -65,6 +67,13 @@ def _replace(path: Path, content: bytes, durable: bool) -> None:
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)
+
+
+def remove_parts(folder: Path) -> None:
+    """Remove what processes of this machine that were killed while they wrote have left in the folder."""
+    for path in folder.glob(f".*.{glob.escape(HOST)}.*.part"):
+        if not Path("/proc", path.name.split(".")[-2]).exists():
+            path.unlink(missing_ok=True)
 
 
 def make_folder(folder: Path) -> None:

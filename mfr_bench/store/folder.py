@@ -11,7 +11,7 @@ from typing import Any
 
 from ..errors import StoreError, UsageError, nearest
 from . import columns
-from .files import locked, write_file, write_files
+from .files import locked, remove_parts, write_file, write_files
 from .manifest import sound
 from .pack import Pack, remove, write_pack
 from .record import (
@@ -75,6 +75,8 @@ class ResultFolder:
         file, does = self.path / "manifest.json", "measures into this folder"
         with locked(file, does, "wait for its end, or choose another folder") as unlocked:
             self.refuse_newer()
+            for folder in (self.path, self.cells_path):
+                remove_parts(folder)
             yield unlocked
 
     # --- cells -----------------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 
@@ -12,7 +13,7 @@ from click.testing import CliRunner
 
 from mfr_bench import store
 from mfr_bench.cli.main import cli
-from mfr_bench.report import data, figures, style
+from mfr_bench.report import data, figures, style, tables
 from mfr_bench.report.figures import files, inputs
 from mfr_bench.report.figures.files import write_all
 from mfr_bench.report.reference import Printed
@@ -120,6 +121,31 @@ def test_what_an_interrupted_plot_has_not_drawn_is_drawn_by_the_next(folder, mon
     monkeypatch.undo()
     assert sorted(path.name for path in (folder.path / "figures").iterdir()) == ["planted-1.png", "planted-1.svg"]
     assert drawn(folder) == 1 and drawn(folder) == 0
+
+
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from mfr_bench.store import write_file
+os.replace = lambda *_: os.kill(os.getpid(), signal.SIGKILL)
+write_file(Path(sys.argv[1]), b"half")
+"""
+
+
+@pytest.mark.parametrize("place", ["figures/planted-1.png", "tables/results.md", "cells/0.json", "manifest.json"])
+def test_what_a_killed_process_left_half_written_is_removed_by_the_next(folder, place):
+    path = folder.path / place
+    subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False)
+    left, = path.parent.glob(".*.part")
+    of_another_machine = left.with_name(left.name.replace(store.files.HOST, "elsewhere"))
+    of_one_at_work = left.with_name(left.name.replace(left.name.split(".")[-2], str(os.getppid())))
+    for other in (of_another_machine, of_one_at_work):
+        other.write_bytes(b"half")
+    assert drawn(folder) == 0
+    tables.write_tables(folder)
+    with folder.lock():
+        pass
+    assert set(path.parent.glob(".*.part")) == {of_another_machine, of_one_at_work}
 
 
 def test_another_array_is_drawn_where_arrays_are(tmp_path):

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...environment import usable_cores
 from ...parallel import in_processes, uncollected
-from ...store import ResultFolder, write_file
+from ...store import ResultFolder, remove_parts, write_file
 from .. import data, style
 from ..data import Result
 from . import inputs
@@ -56,6 +56,7 @@ def write_figures(folder: ResultFolder, processes: int | None = 1, force: bool =
     see `inputs`. Files of this experiment's name that an earlier config left there are removed. With more
     `processes` these share the figures, see `in_processes`.
     """
+    remove_parts(folder.path / "figures")
     return _drawn(folder, processes, force).paths
 
 
@@ -94,6 +95,8 @@ def write_all(folders: Sequence[ResultFolder], processes: int | None = None, for
     Other processes draw a folder each, as many at a time as there are cores, those with the most cells first. Where
     none has a file without a mark, what is up to date is found out here.
     """
+    for folder in folders:
+        remove_parts(folder.path / "figures")
     count = min(processes or usable_cores() or 1, len(folders))
     known = [None if force or not _marked(folder) else _if_current(folder) for folder in folders]
     due = sorted((i for i, found in enumerate(known) if found is None), key=lambda i: -_size(folders[i]))

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ...store import Cell, ResultFolder, csv_text, write_file
+from ...store import Cell, ResultFolder, csv_text, remove_parts, write_file
 from .. import data
 from ..data import Point, Result
 from .pages import markdown
@@ -23,6 +23,7 @@ def write_tables(folder: ResultFolder, cells: Sequence[Cell] | None = None) -> l
     """
     result = data.load(folder, cells)
     target = folder.path / "tables"
+    remove_parts(target)
     contents = {"results.md": markdown(result).encode(), "summary.csv": _summary_csv(result),
                 "pass_times.csv": _passes_csv(result)}
     for name, content in contents.items():
