@@ -65,6 +65,11 @@ The others' shaders were used unchanged but for these:
 - of pknowles/oit backwards memory allocation leaves out its map of heat;
 - moments have the paper's overestimation of 0.25.
 
+Rows of `amd-epyc-2-cores-b` were measured on another host of the same name, on which other work ran, after the
+selection of batches and the bubble sort here had changed. Local arrays in memory take 1.5 to 2.5 times as long there,
+registers and stores 1.1 to 1.6 times, which moves ratios: compare rows of one device. Its rows of `peel-f2b` are
+medians of 7 rounds.
+
 Rows without the resolve are the same frames without their last pass. Times of lists vary most, and some of their
 intervals stay wide: they depend on whether both threads of llvmpipe ask for cells at the same time.
 """
@@ -73,7 +78,9 @@ REASONS = """Why a ratio lies outside 0.85 to 1.15:
 OPEN = """Not compared yet: of the authors' renderer k-buffers other than those above; of nvpro-samples loop64 and
 interlock, which need what llvmpipe lacks, and its simple array and linked list from 32 fragments on, whose bubble sort
 llvmpipe 22.3.6 compiles wrongly ([drivers.md](drivers.md)); Lefebvre's lists and hash tables, whose code is not
-available; and everything on a GPU.
+available; at 512×512 and n = 64 `hybrid`, `kplus-sb`, `mlab` with `stores: all` and Knowles's lists without classes,
+with all pixels covered `peel-f2b`, `kb-ll`, `ab-precalc-fixed` and the lists of PixelSyncOIT, with a quarter covered
+`peel-dual` and `kb-mdt32`; and everything on a GPU.
 """
 ALIKE_FOR_ALL = """## What is one decision for all methods
 
