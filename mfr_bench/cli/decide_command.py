@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from .endings import NOTHING_KEEPS, OUT_OF_TIME
+from .endings import NOTHING_KEEPS, UNTOLD
 from .mesh_scene import MESH_CONFIG, overrides_of, own_scene
 from .options import (
     DEVICE,
@@ -65,7 +65,8 @@ def decide(size: tuple[int, int] | None, layers: int | None, covered: float, mes
     Methods that cannot keep the bounds are excluded by what they declare. The others draw frames in turns; the clearly
     slower leave early, and the time goes to those that are close. What was measured on this device before is used.
     The command ends within --time-budget, on a loaded machine too; what this cut is listed with the answer.
-    Exit status 6: nothing keeps the bounds; 1: no candidate was measured within the time budget.
+    Exit status 6: nothing keeps the bounds; 1: no candidate was measured, for lack of time or on a device
+    that fails its self-tests.
 
     \b
     Examples:
@@ -85,7 +86,7 @@ def decide(size: tuple[int, int] | None, layers: int | None, covered: float, mes
         return 0
     answer = _raced(question, scene, whole, out, device)
     say(json.dumps(answer.record(), indent=2, ensure_ascii=False) if as_json else answer.text(width()))
-    return 0 if answer.best else OUT_OF_TIME if answer.untried else NOTHING_KEEPS
+    return 0 if answer.best else UNTOLD if answer.untried or answer.failed_trials else NOTHING_KEEPS
 
 
 def _asked(size: tuple[int, int] | None, layers: int | None, covered: float, own: list[str], config: str | None,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from .output import note
 
-OUT_OF_TIME = 1  # the time ended before anything could be told
+UNTOLD = 1  # the time ended, or the device failed its self-tests, before anything could be told
 WRONG = 3  # an image is wrong, a promise is broken, or a bundle is odd
 REGRESSION = 4  # something is slower, or newly wrong
 DOUBT = 5  # nothing could be told, or cells are missing

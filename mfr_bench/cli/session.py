@@ -337,7 +337,8 @@ def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
             "none was finished in this time: with a larger --time-budget the same command measures them")
         lines.append(f"left out for the time budget: {sum(left.values())} cells ({by_label}); {more}")
     if noise is not None:
-        lines.append(f"noise floor {percent(noise)}: the same method measured twice differs by that")
+        lines.append(f"noise floor {percent(noise)}: the same method measured twice differs by that"
+                     + "; measure again by --force while the machine does nothing else" * (noise > 1))
     for title, suffix in (("tables", ".md"), ("figures", ".png")):
         paths = [str(path) for path in written if path.suffix == suffix]
         lines += [f"{title if number == 0 else '':8}{path}" for number, path in enumerate(paths)]

@@ -14,6 +14,7 @@ from ..measure.elimination import CHANCE, LATE, Elimination
 from ..report import data
 from ..report.advice import chosen, written
 from ..report.data import Point, Result
+from ..store import failed_trials
 from .candidates import NOT_FINISHED, NOT_TRIED, Excluded
 from .question import Question
 
@@ -175,8 +176,16 @@ class Answer:
         return sum(reason in (NOT_TRIED, NOT_FINISHED) for _, reason in self.out)
 
     @property
+    def failed_trials(self) -> list[str]:
+        """The self-tests that the device fails, for which candidates have no time."""
+        return list(dict.fromkeys(name for p in self.result.points for name in failed_trials(p.cell)))
+
+    @property
     def _none(self) -> str:
         """The sentence for no answer."""
+        if self.failed_trials:
+            return ("No answer: the device fails self-tests without which any image may be wrong: "
+                    f"{', '.join(self.failed_trials)}; see mfr-bench doctor.")
         if self.untried:
             return (f"No answer: {_candidates(self.untried)} not measured within the time budget, and nothing else "
                     "keeps these bounds. A larger --time-budget, or a machine that does nothing else, may tell.")

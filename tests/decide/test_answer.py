@@ -45,6 +45,18 @@ def test_no_answer_says_whether_time_or_the_bounds_are_why(answer):
     assert "No answer: a candidate was not measured within the time budget" in found.text(200)
 
 
+def test_a_device_that_fails_self_tests_is_named_in_place_of_an_answer(answer):
+    """Neither the time nor the bounds are why."""
+    refused = [planted.cell(name, status="unsupported", reason="needs OpenGL", failed_trials=["queries", "blending"])
+               for name in ("ab-ll", "ab-sb")]
+    late = planted.cell("ab-dfb", status="timeout", reason=LATE)
+    for found in (answer(*refused), answer(*refused, late)):
+        assert found.failed_trials == ["queries", "blending"] and found.best is None
+        said = found.text(200)
+        assert "No answer: the device fails self-tests without which any image may be wrong: queries, blending;" in said
+        assert "--time-budget, or" not in said and "Nothing keeps" not in said
+
+
 def test_what_was_not_chosen_begins_with_the_nearest_to_the_answer(tmp_path):
     cells = [planted.cell("kb-mdt64", status="unsupported", reason="needs shader_atomic_int64"),
              raced("peel-f2b", [50.0] * 9, "eliminated after 9 frames: 5 times"), raced("ab-array", [10.0] * 9),
