@@ -18,6 +18,7 @@ from ..errors import StoreError
 from ..markdown import filled, markdown_table
 from ..resources import peers_dir
 
+USUAL = "llvmpipe-amd-epyc-2-cores"  # the device of a ratio that names none
 ALIKE = (0.85, 1.15)  # ratios between which no reason is asked for
 MOST = 1.10  # the ratio that no row is to exceed
 # Of two ways: the first over the second.
@@ -37,7 +38,8 @@ HEAD = """# Fair to every method
 
 `mfr-bench methods --fairness` prints this page from the tables in `results/peers`; a test compares the two.
 
-Times of the methods here over those of independent implementations, of which each has a table below:
+Times of the methods here over those of independent implementations, of which each has a table below. Rows of the two
+hosts, which "Compared with independent implementations" tells of, are kept apart:
 """
 COMPARED = """## Compared with independent implementations
 
@@ -49,9 +51,9 @@ fragments of a pixel come one by one: what contention costs on a GPU is not in t
 on a GPU.
 
 The images were compared first, and differ by at most 0.0034, the rounding of premultiplied 8-bit colours. The weights
-of weighted blending differ, so that its images were compared with theirs in the place of ours (0 and 0.0006). HT of
-PixelSyncOIT divides by zero where nothing covers a pixel, and backwards memory allocation of pknowles/oit draws nothing
-there: both were compared elsewhere.
+of weighted blending differ, so that its images were compared with theirs in the place of ours (0 and 0.0006). MLAB
+and HT of PixelSyncOIT divide by zero where nothing covers a pixel, and backwards memory allocation of pknowles/oit
+draws nothing there: these were compared elsewhere.
 
 The others' shaders were used unchanged but for these:
 
@@ -65,10 +67,11 @@ The others' shaders were used unchanged but for these:
 - of pknowles/oit backwards memory allocation leaves out its map of heat;
 - moments have the paper's overestimation of 0.25.
 
-Rows of `amd-epyc-2-cores-b` were measured on another host of the same name, on which other work ran, after the
-selection of batches and the bubble sort here had changed. Local arrays in memory take 1.5 to 2.5 times as long there,
-registers and stores 1.1 to 1.6 times, which moves ratios: compare rows of one device. Its rows of `peel-f2b` are
-medians of 7 rounds.
+Rows of `amd-epyc-2-cores-b` were measured later, on another host of the same name, on which other work ran. Those of
+`ab-array`, `ab-ll`, `ab-ll-paged`, `ab-precalc-fixed` and `kb-ab-sb` are of lists whose selection of batches, shell
+sort or bubble sort had changed here in between, or were missing before, as those of all other methods were. Local
+arrays in memory take 1.5 to 2.5 times as long on that host, registers and stores 1.1 to 1.6 times, which moves ratios:
+compare rows of one device. Its rows of `peel-f2b` are medians of 7 rounds, those without the resolve of 15.
 
 Rows without the resolve are the same frames without their last pass. Times of lists vary most, and some of their
 intervals stay wide: they depend on whether both threads of llvmpipe ask for cells at the same time.
@@ -98,7 +101,8 @@ Every method has a row for each difference that is known. Worth is a ratio of CP
 pixels, all of them covered by n fragments: the way here over that with the choice named, with the 95 % interval of the
 median of the ratios within rounds. The choice is the source's way unless the row says otherwise.
 `scripts/differences.py` measures them, a frame of each way in turns in one process, while the machine did other work
-beside it. Other figures are from trials of which the code is not kept. Where n = 64 is missing it was not measured.
+beside it; a ratio from the second of the hosts above names it. Other figures are from trials of which the code is not
+kept. Where n = 64 is missing it was not measured.
 """
 RANKINGS = """## What papers rank
 
@@ -161,8 +165,9 @@ def _way(row: Mapping[str, str], which: str) -> str:
 
 
 def _ratio(row: Mapping[str, str]) -> str:
-    """A ratio with its interval, and what it is of."""
-    of = ", ".join(filter(None, (f"n = {row['n']}", row["k"] and f"k = {row['k']}")))
+    """A ratio with its interval, and what it is of, with the device unless it is the usual one."""
+    device = row["device"].removeprefix("llvmpipe-") if row["device"] != USUAL else ""
+    of = ", ".join(filter(None, (f"n = {row['n']}", row["k"] and f"k = {row['k']}", device)))
     return f"{row['ratio']} [{row['ratio_low']}, {row['ratio_high']}] ({of})"
 
 
@@ -191,14 +196,17 @@ def _by_implementation(rows: Iterable[dict[str, str]]) -> dict[str, list[dict[st
 
 
 def _overview(rows: Iterable[dict[str, str]]) -> list[str]:
-    """A line for each implementation, with a link to its rows."""
+    """A line for each implementation and device, with a link to the rows of the implementation."""
     cells = []
     for name, of in _by_implementation(rows).items():
-        ratios = [float(row["ratio"]) for row in of]
         anchor = re.sub(r"[^\w -]", "", name.lower()).replace(" ", "-")  # as GitHub makes it of a heading
-        cells.append((f"[{name}](#{anchor})", str(len(of)), f"{geometric_mean(ratios):.3f}", f"{min(ratios):.3f}",
-                      f"{max(ratios):.3f}", str(sum(ratio > MOST for ratio in ratios))))
-    return markdown_table(("beside", "rows", "geometric mean", "least", "greatest", f"above {MOST:.2f}"), cells, left=1)
+        for device in dict.fromkeys(row["device"] for row in of):
+            ratios = [float(row["ratio"]) for row in of if row["device"] == device]
+            cells.append((f"[{name}](#{anchor})", device.removeprefix("llvmpipe-"), str(len(ratios)),
+                          f"{geometric_mean(ratios):.3f}", f"{min(ratios):.3f}", f"{max(ratios):.3f}",
+                          str(sum(ratio > MOST for ratio in ratios))))
+    head = ("beside", "device", "rows", "geometric mean", "least", "greatest", f"above {MOST:.2f}")
+    return markdown_table(head, cells, left=2)
 
 
 def _measured(rows: Iterable[dict[str, str]]) -> Iterator[str]:

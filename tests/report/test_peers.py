@@ -66,12 +66,14 @@ def test_a_ratio_near_one_needs_none(tables, ratio):
     assert f"| {ratio} [1.19, 1.21] |" in peers.as_markdown()
 
 
-def test_the_page_opens_with_what_the_rows_of_each_implementation_give(tables):
+def test_the_page_opens_with_what_the_rows_of_each_implementation_give_on_each_device(tables):
     others = {**ROW, "implementation": "a-b/c_d and e"}
-    tables("measured.csv", others | {"ratio": "0.9"}, ROW | {"ratio": "1.1"}, others | {"ratio": "1.111"})
+    tables("measured.csv", others | {"ratio": "0.9"}, ROW | {"ratio": "1.1"}, others | {"ratio": "1.111"},
+           others | {"ratio": "1.0", "device": "llvmpipe-b"})
     page = peers.as_markdown().splitlines()
-    at = page.index("| [a-b/c_d and e](#a-bc_d-and-e) | 2 | 1.000 | 0.900 | 1.111 | 1 |")
-    assert page[at + 1] == "| [others](#others) | 1 | 1.100 | 1.100 | 1.100 | 0 |"
+    at = page.index("| [a-b/c_d and e](#a-bc_d-and-e) | a device | 2 | 1.000 | 0.900 | 1.111 | 1 |")
+    assert page[at + 1] == "| [a-b/c_d and e](#a-bc_d-and-e) | b | 1 | 1.000 | 1.000 | 1.000 | 0 |"
+    assert page[at + 2] == "| [others](#others) | a device | 1 | 1.100 | 1.100 | 1.100 | 0 |"
     assert at < page.index("### a-b/c_d and e") < page.index("### others")
 
 
@@ -92,7 +94,7 @@ def test_every_time_is_of_a_difference():
 
 DIFFERENCE = {"method": "ab-ll", "source": "so", "here": "otherwise", "choice": "sort: hybrid", "note": ""}
 TIMES = {"n": "16", "k": "", "first_ms": "9.0", "second_ms": "10.0", "ratio": "0.9", "ratio_low": "0.89",
-         "ratio_high": "0.91", "device": "a device", "date": "2026-11-29"}
+         "ratio_high": "0.91", "device": peers.USUAL, "date": "2026-11-29"}
 WORTH = {"method": "ab-ll", "choice": "sort: hybrid", **TIMES}
 
 
@@ -100,8 +102,9 @@ def test_a_difference_has_a_time_or_a_note(tables):
     tables("differences.csv", DIFFERENCE)
     with pytest.raises(StoreError, match=r"ab-ll, so: neither measured nor with a note"):
         peers.as_markdown()
-    tables("worth.csv", WORTH, {**WORTH, "k": "8"})
-    assert "| 0.9 [0.89, 0.91] (n = 16); 0.9 [0.89, 0.91] (n = 16, k = 8) |" in peers.as_markdown()
+    tables("worth.csv", WORTH, {**WORTH, "k": "8"}, {**WORTH, "device": "llvmpipe-b"})
+    assert ("| 0.9 [0.89, 0.91] (n = 16); 0.9 [0.89, 0.91] (n = 16, k = 8); 0.9 [0.89, 0.91] (n = 16, b) |"
+            in peers.as_markdown())
     tables("differences.csv", {**DIFFERENCE, "choice": "", "note": "No choice gives it."})
     assert "| otherwise |  | No choice gives it. |" in peers.as_markdown()
 
