@@ -13,9 +13,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
-_NUMBER = re.compile(r"\d+[uU]?")
+_NUMBER = re.compile(r"(0|[1-9]\d*)[uU]?")
 _TOKEN = re.compile(r"\s*(\w+|\|\||&&|[=!<>]=|.)")
 _DEFINE = re.compile(r"\s*#\s*define\s+(\w+)(.*)")
+_PARAMETERS = re.compile(r"\s*#\s*define\s+\w+\(([^)]*)\)")
+_PASTED = re.compile(r"\w+(?:\s*##\s*\w+)+")
 _DIRECTIVE = re.compile(r"\s*#\s*(\w+)\s*(.*)")
 _OF_THE_COMPILER = ("GL_", "__")  # macros that it may define begin so
 _BINARY: Mapping[str, tuple[int, Callable[[int, int], int]]] = {
@@ -40,8 +42,29 @@ class _If:
 
 @lru_cache(maxsize=2048)
 def compiled(code: str) -> str:
-    """Code without comments and continued lines, less branches that are not chosen and macros that nothing names."""
-    return "\n".join(_in_use(active_lines(code)))
+    """Code without comments and continued lines, less branches that are not chosen and macros that nothing names.
+
+    All of the code where its branches do not pair, so that the compiler complains of it.
+    """
+    return "\n".join(_in_use(active_lines(code))) if _pairs(code) else code
+
+
+def _pairs(code: str) -> bool:
+    """Whether each #elif, #else and #endif has an #if, each #if an #endif, and no #else a further branch behind it."""
+    ended: list[bool] = []  # of each open #if: whether its #else has been
+    for line in code.splitlines():
+        match = _DIRECTIVE.match(line)
+        word = match[1] if match else ""
+        if word in ("if", "ifdef", "ifndef"):
+            ended.append(False)
+        elif word in ("elif", "else", "endif"):
+            if not ended or (word != "endif" and ended[-1]):
+                return False
+            if word == "endif":
+                ended.pop()
+            else:
+                ended[-1] = word == "else"
+    return not ended
 
 
 def active_lines(text: str) -> list[str]:
@@ -125,9 +148,13 @@ def _operand(tokens: list[str], macros: Mapping[str, str | None]) -> int:
         return inner
     if token == "defined":
         inside = [tokens.pop() for _ in range(3 if tokens and tokens[-1] == "(" else 1) if tokens]
-        return int(_known(inside[len(inside) // 2], macros) is not None)
+        name = inside[len(inside) // 2] if inside else ""
+        if not _WORD.fullmatch(name) or inside not in ([name], ["(", name, ")"]):
+            raise _Undecided
+        return int(_known(name, macros) is not None)
     if _WORD.fullmatch(token):
-        token = _known(token, macros) or "0"
+        known = _known(token, macros)
+        token = "0" if known is None else known
     if not _NUMBER.fullmatch(token):
         raise _Undecided
     return int(token.rstrip("uU"))
@@ -143,12 +170,23 @@ def _known(name: str, macros: Mapping[str, str | None]) -> str | None:
 
 
 def _in_use(lines: Iterable[str]) -> list[str]:
-    """The lines less definitions of macros that no other line names."""
+    """The lines less definitions of macros that no other line names, nor makes by ##."""
+    lines = list(lines)
+    pasted = [literals for line in lines if "##" in line for literals in _pasted(line)]
     words = {at: (line, _WORD.findall(line)) for at, line in enumerate(lines)}
     named = Counter(word for _, found in words.values() for word in set(found))
-    defined = {at: match[1] for at, (line, _) in words.items() if (match := _DEFINE.match(line))}
+    defined = {at: match[1] for at, (line, _) in words.items() if (match := _DEFINE.match(line))
+               and not any(all(part in match[1] for part in literals) for literals in pasted)}
     while unused := [at for at, name in defined.items() if named[name] == 1]:
         for at in unused:
             named.subtract(set(words.pop(at)[1]))
             del defined[at]
     return [line for line, _ in words.values()]
+
+
+def _pasted(line: str) -> list[list[str]]:
+    """Of each name that the line's macro makes by ##, the parts that are no parameters."""
+    match = _PARAMETERS.match(line)
+    parameters = set(_WORD.findall(match[1])) if match else set()
+    return [[part for part in re.split(r"\s*##\s*", name) if part not in parameters]
+            for name in _PASTED.findall(line)]

@@ -7,6 +7,7 @@ import pytest
 
 from mfr_bench.contract import declaration
 from mfr_bench.contract.declaration import SIZES
+from mfr_bench.contract.preprocess import active
 from mfr_bench.effects import EFFECTS, Settings
 from mfr_bench.glsl import stages
 from mfr_bench.gpu.scene_buffer import LAYOUTS
@@ -127,3 +128,8 @@ def test_shared_options_take_the_words_that_the_page_states():
     tiles = -(-SIZES.W // 16) * -(-SIZES.H // 16)
     assert sum(Fitted(array.variant({"touched": "tiles"}), SIZES).memory_bytes().values()) - plain == 4 * (tiles + 8)
     assert sum(Fitted(array.variant({"touched": "bounds"}), SIZES).memory_bytes().values()) == plain
+
+
+def test_atomics_are_found_in_code_that_a_compiler_would_refuse_or_alone_can_choose():
+    found = active("#define C counter\n#if SQUARE(2) % 2\natomicAdd(C[0], 1u);\n#endif\n#endif // one too many")
+    assert "atomicAdd(counter[0], 1u);" in found

@@ -65,10 +65,17 @@ def test_branches_that_the_compiler_chooses_stay():
     assert compiled(OPEN).splitlines() == kept
 
 
-@pytest.mark.parametrize("condition", ["K % 2", "SQUARE(K)", "0x10", "K ? 1 : 0", "__VERSION__ >= 430", "K +", "(K"])
+@pytest.mark.parametrize("condition", ["K % 2", "SQUARE(K)", "0x10", "010 == 8", "K ? 1 : 0", "__VERSION__ >= 430",
+                                       "K +", "(K", "NO_TEXT", "defined", "defined(", "defined(K", "defined()"])
 def test_a_condition_that_is_not_read_stays(condition):
-    text = f"#define K 2\n#define SQUARE(x) (x)*(x)\n#if {condition}\na\n#else\nb\n#endif"
-    assert active_lines(text)[2:] == [f"#if {condition}", "a", "#else", "b", "#endif"]
+    text = f"#define K 2\n#define SQUARE(x) (x)*(x)\n#define NO_TEXT\n#if {condition}\na\n#else\nb\n#endif"
+    assert active_lines(text)[3:] == [f"#if {condition}", "a", "#else", "b", "#endif"]
+
+
+@pytest.mark.parametrize("text", ["a\n#endif", "#else\na", "#elif 1\na", "#if 1\na", "#if 1\n#else\n#else\n#endif",
+                                  "#if GL_EXT_x\n#else\n#elif 1\n#endif", "#if 0\n#if 1\n#endif"])
+def test_branches_that_do_not_pair_are_left_to_the_compiler_to_complain_of(text):
+    assert compiled(text) == text
 
 
 def test_a_macro_that_is_undefined_holds_no_more():
@@ -79,6 +86,16 @@ def test_macros_that_only_macros_out_of_use_name_are_left_out():
     text = "#define QUADS 16\n#define LAYERS (QUADS + 1)\n#define SORT(a) MERGE(a)\n#define MERGE(a) a\nvoid main() {}"
     assert compiled(text) == "void main() {}"
     assert compiled(f"{text} // SORT(1)").startswith("#define SORT(a) MERGE(a)\n#define MERGE(a) a\n")
+
+
+@pytest.mark.parametrize("text", ["#define CAT(a, b) a##b\n#define XY 1\nint v = CAT(X, Y);",
+                                  "#define OF(n) SORT ## n ## _AT\n#define SORT8_AT 1\nint v = OF(8);"])
+def test_a_macro_whose_name_is_made_by_pasting_stays(text):
+    assert compiled(text) == text
+
+
+def test_a_macro_that_no_pasting_can_make_is_left_out():
+    assert compiled("#define OF(n) block##n\n#define OTHER 1\nOF(2)") == "#define OF(n) block##n\nOF(2)"
 
 
 @pytest.mark.skipif(not shutil.which("cpp"), reason="no C preprocessor")
