@@ -68,10 +68,10 @@ The others' shaders were used unchanged but for these:
 - moments have the paper's overestimation of 0.25.
 
 Rows of `amd-epyc-2-cores-b` were measured later, on another host of the same name, on which other work ran. Those of
-`ab-array`, `ab-ll`, `ab-ll-paged`, `ab-precalc-fixed` and `kb-ab-sb` are of lists whose selection of batches, shell
-sort or bubble sort had changed here in between, or were missing before, as those of all other methods were. Local
-arrays in memory take 1.5 to 2.5 times as long on that host, registers and stores 1.1 to 1.6 times, which moves ratios:
-compare rows of one device. Its rows of `peel-f2b` are medians of 7 rounds, those without the resolve of 15.
+AB_Array, AB_LL, LL-Paged, PreCalc of fixed size and KB-AB_SB are of lists whose selection of batches, shell sort or
+bubble sort had changed here in between, or were missing before, as those of all other methods were. Local arrays in
+memory take 1.5 to 2.5 times as long on that host, registers and stores 1.1 to 1.6 times, which moves ratios: compare
+rows of one device. Its rows of front-to-back peeling are medians of 7 rounds, those without the resolve of 15.
 
 Rows without the resolve are the same frames without their last pass. Times of lists vary most, and some of their
 intervals stay wide: they depend on whether both threads of llvmpipe ask for cells at the same time.
@@ -81,9 +81,8 @@ REASONS = """Why a ratio lies outside 0.85 to 1.15:
 OPEN = """Not compared yet: of the authors' renderer k-buffers other than those above; of nvpro-samples loop64 and
 interlock, which need what llvmpipe lacks, and its simple array and linked list from 32 fragments on, whose bubble sort
 llvmpipe 22.3.6 compiles wrongly ([drivers.md](drivers.md)); Lefebvre's lists and hash tables, whose code is not
-available; at 512×512 and n = 64 `hybrid`, `kplus-sb`, `mlab` with `stores: all` and Knowles's lists without classes,
-with all pixels covered `peel-f2b`, `kb-ll`, `ab-precalc-fixed` and the lists of PixelSyncOIT, with a quarter covered
-`peel-dual` and `kb-mdt32`; and everything on a GPU.
+available; at 512×512 and n = 64 what is not in the tables: KB-LL with all pixels covered does not fit the 128 MiB of
+llvmpipe's storage blocks; and everything on a GPU.
 """
 ALIKE_FOR_ALL = """## What is one decision for all methods
 
