@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 
-_CONTINUED = re.compile(r"\\\n\s*")
+_CONTINUED = re.compile(r"\\\n[ \t]*")
 _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _POSITION = re.compile(r"^\s*#line\b.*$", re.MULTILINE)
 

@@ -73,3 +73,7 @@ def test_scenes_share_the_programs_whose_constants_are_the_same(other, shared):
     one, two = (code_of_programs(Fitted(variant, expected_stats(s))) for s in (scene, replace(scene, **other)))
     assert one[0] and one[1] and not one[0].keys() & one[1].keys()
     assert (one == two) == shared
+
+
+def test_a_continued_line_ends_at_a_line_of_spaces():
+    assert code_of("#define A 1 \\\n    \n\n#define B 2\n") == "#define A 1\n#define B 2"
