@@ -1,4 +1,4 @@
-"""Decides from the samples so far whether a cell needs more: warm-up, a first batch in turns, growing batches, stop.
+"""Decides from the samples so far whether a cell needs more: warm-up, growing batches in three turns each, stop.
 
 A `Sampler` is fed one time after another and says what it wants next, so that the caller can interleave the
 frames of several methods.
@@ -19,7 +19,7 @@ WARMUP_SHARE = 0.2  # of the time limit, at most
 CONFIRMED = 3  # samples, at least, where the first that reached the time limit is not like the fastest frame
 LONE_FRAMES = 3  # to warm up, at most, where one sample follows: slow ones may be stalls, or compile
 STALLED = 2.0  # times the fastest frame, from which on a sample may be a stall
-TURNS = 3  # that the first batch takes: a burst of load that hits one of them leaves the median of its samples alone
+TURNS = 3  # that a batch takes: frames of one turn are alike, and a burst of load that hits one leaves the median alone
 SETTLED_MS = 10.0  # of a frame, from which on it hardly shows that other methods drew since the one before
 HALVES_AGREE = 0.05  # of the later half's fastest frame, by which that of the earlier may be slower
 
@@ -50,7 +50,7 @@ class Sampler:
     def __post_init__(self) -> None:
         self._goals = goals(self.measure.min_samples, self.measure.max_samples)
         self._goal = next(self._goals)
-        self._first = self._goal  # samples of the first batch
+        self._begun = 0  # samples before this batch
 
     @property
     def interval(self) -> Interval:
@@ -81,14 +81,14 @@ class Sampler:
         if not self.warm:
             return next(n for n in WARMUP_FRAMES if n > len(self.warmup_ms)) - len(self.warmup_ms)
         left = self._goal - len(self.samples_ms)
-        return min(left, math.ceil(self._first / TURNS)) if len(self.samples_ms) < self._first else left
+        return min(left, math.ceil((self._goal - self._begun) / TURNS))
 
     def turn(self) -> Iterator[None]:
-        """A frame at a time of one turn: all of the warm-up with a share of the first batch, another share, or a batch.
+        """A frame at a time of one turn: a third of a batch, the first one with all of the warm-up before it.
 
         So the batches of methods that take turns are drawn close to each other, however long each took to warm up, and
-        the first samples of short frames do not all fall into one burst of load. A short frame that follows those of
-        another method is slower than the next, and does not count.
+        samples do not all fall into one burst of load. A short frame that follows those of another method is slower
+        than the next, and does not count.
         """
         self._settling = self.warm and bool(self.wanted) and median(self.samples_ms or self.warmup_ms) < SETTLED_MS
         if self._settling:
@@ -115,11 +115,15 @@ class Sampler:
         self.samples_ms.append(time_ms)
 
     def set_aside(self, numbers: Collection[int]) -> None:
-        """Take back the samples of these numbers: something slowed the device down meanwhile."""
+        """Take back the samples of these numbers: something slowed the device down meanwhile.
+
+        Where samples of earlier batches are among them, the batch begins anew from what is left, in three turns again.
+        """
         taken_ms = [self.samples_ms[number] for number in numbers]
         self.samples_ms = [ms for number, ms in enumerate(self.samples_ms) if number not in numbers]
         self.aside_ms += taken_ms
         self.spent_s -= sum(taken_ms) / 1e3
+        self._begun = min(self._begun, len(self.samples_ms))
         self.stop_reason = None
 
     def interrupt(self) -> bool:
@@ -164,4 +168,4 @@ class Sampler:
         elif len(self.samples_ms) >= self.measure.max_samples:
             self.stop_reason = "most samples"
         else:
-            self._goal = next(self._goals)
+            self._begun, self._goal = self._goal, next(self._goals)

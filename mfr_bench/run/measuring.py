@@ -26,7 +26,7 @@ from .scene_work import SceneWork
 
 LIVE_BYTES = 4 * 2**30  # of methods that are interleaved; more are measured in turns
 PREPARING_SHARE = 0.6  # of the pooled time of an elimination, at most, to prepare cells
-SAMPLING_SHARE = 0.5  # of a cell's time limit, for its sampling: configs/smoke.yaml takes 0.58, whose limit is short
+SAMPLING_SHARE = 0.5  # of a cell's time limit, for its sampling: configs/smoke.yaml took 0.58 of 0.2 s, a short limit
 LIVE_SHARE = 0.5  # of the memory that the process may take, at most, for the same
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from mfr_bench.config.model import Measure
+from mfr_bench.measure import sampling
 from mfr_bench.measure.sampling import TURNS, WARMUP_FRAMES, Sampler, halves_agree
 from mfr_bench.stats import interleaved_ratio
 
@@ -82,14 +83,14 @@ def test_halves_agree_unless_the_later_has_a_frame_5_percent_faster(times, agree
     assert halves_agree(times) == agree
 
 
-def test_batches_grow():
+def test_batches_grow_and_take_three_turns_each():
     sampler = Sampler(Measure(target_rel_ci=1e-6, max_samples=60))
     times, ends = iter(noise(1, 0.1)), []
     while sampler.wanted:
         for _ in sampler.turn():
             sampler.add(next(times))
         ends.append(len(sampler.samples_ms))
-    assert ends == [4, 8, 10, 15, 22, 33, 49, 60]
+    assert ends == [4, 8, 10, 12, 14, 15, 18, 21, 22, 26, 30, 33, 39, 45, 49, 53, 57, 60]
     assert sampler.stop_reason == "most samples"
     assert sampler.noisy
 
@@ -135,14 +136,14 @@ def test_an_interruption_does_not_hide_why_it_had_stopped():
 
 
 @pytest.mark.parametrize(("frame_ms", "settling"), [(1.0, 1), (20.0, 0)])
-def test_a_turn_is_the_warm_up_with_a_share_of_the_first_batch_another_share_then_a_batch(frame_ms, settling):
+def test_a_turn_is_a_third_of_a_batch_the_first_with_the_warm_up_before_it(frame_ms, settling):
     """From the second turn on a short frame comes first that does not count."""
     sampler, turns = Sampler(Measure(target_rel_ci=1e-6)), []
     times = iter([9 * frame_ms, 5 * frame_ms, 3 * frame_ms, *(frame_ms * noise_of("lognormal", 0.1, 1)).tolist()])
-    while len(turns) < 6:
+    while len(turns) < 9:
         turns.append(sum(1 for _ in sampler.turn() if sampler.add(next(times)) is None))
-    warm = len(sampler.warmup_ms) - 5 * settling
-    assert turns == [warm + 4, *(settling + share for share in (4, 2, 5, 7, 11))]
+    warm = len(sampler.warmup_ms) - 8 * settling
+    assert turns == [warm + 4, *(settling + share for share in (4, 2, 2, 2, 1, 3, 3, 1))]
 
 
 def test_a_burst_of_load_that_a_turn_falls_into_does_not_move_the_median():
@@ -153,6 +154,69 @@ def test_a_burst_of_load_that_a_turn_falls_into_does_not_move_the_median():
             sampler.add(1.6 if number == 1 or (number and not at) else 1.0)
         number += 1
     assert number == 3 and sorted(sampler.samples_ms) == [1.0] * 4 + [1.6] * 3
+
+
+def shares(sampler):
+    """Samples of each turn from now on, of frames of other than one length."""
+    found, times = [], iter((LONG * noise_of("lognormal", 0.1, 1)).tolist())
+    while sampler.wanted:
+        before = len(sampler.samples_ms)
+        for _ in sampler.turn():
+            sampler.add(next(times))
+        found.append(len(sampler.samples_ms) - before)
+    return found
+
+
+@pytest.mark.parametrize(("earlier", "then"), [(0, [4, 4, 2, 2, 2, 1]), (8, [2, 2, 2, 1]), (10, [2, 2, 1]),
+                                               (12, [2, 1])])
+def test_batches_that_go_on_from_earlier_samples_have_the_shares_that_they_had(earlier, then):
+    sampler = Sampler(Measure(target_rel_ci=1e-6, max_samples=15))
+    sampler.resume((LONG * noise_of("lognormal", 0.1, 2))[:earlier].tolist())
+    assert shares(sampler) == then
+
+
+@pytest.mark.parametrize(("back", "then"), [
+    ([], [2, 2, 1]),
+    ([10, 11], [2, 2, 1]),  # the turn before
+    (range(8), [4, 4, 3]),  # most of the first batch, found out later
+    (range(12), [5, 5, 5]),
+])
+def test_a_batch_of_which_earlier_samples_are_taken_back_begins_anew_in_three_turns(back, then):
+    sampler = Sampler(Measure(target_rel_ci=1e-6, max_samples=15))
+    sampler.resume((LONG * noise_of("lognormal", 0.1, 2))[:12 if back else 10].tolist())
+    sampler.warm, sampler.warmup_ms = True, [LONG]
+    sampler.set_aside(back)
+    assert shares(sampler) == then
+
+
+BETWEEN_CV, WITHIN_CV = 0.092, 0.04  # of turns, and of frames of one turn: 84 and 16 % of the variance
+SPREAD_SAMPLES = 33
+
+
+def sampled_of_turns(seed):
+    """A cell on a host whose speed differs from turn to turn, and its number of turns; each has as many samples."""
+    random, turns = np.random.default_rng(seed), 0
+    sampler = Sampler(Measure(target_rel_ci=1e-6, max_samples=SPREAD_SAMPLES, time_limit_s=1000))
+    while sampler.wanted:
+        speed, turns = LONG * np.exp(BETWEEN_CV * random.standard_normal()), turns + 1
+        for _ in sampler.turn():
+            sampler.add(float(speed * np.exp(WITHIN_CV * random.standard_normal())))
+    return sampler, turns
+
+
+def spread_of_medians():
+    """The standard deviation of the logarithms of the medians of many such cells."""
+    return np.std([np.log(sampled_of_turns(seed)[0].interval[1]) for seed in range(TRIALS)])
+
+
+def test_short_turns_take_a_quarter_off_the_error_of_as_many_samples_where_turns_differ(monkeypatch):
+    sampler, turns = sampled_of_turns(1)
+    assert (len(sampler.samples_ms), turns) == (SPREAD_SAMPLES, 12)
+    short = spread_of_medians()
+    monkeypatch.setattr(sampling, "TURNS", 1)
+    sampler, turns = sampled_of_turns(1)
+    assert (len(sampler.samples_ms), turns) == (SPREAD_SAMPLES, 4)
+    assert short <= 0.75 * spread_of_medians()
 
 
 # --- planted noise: how often the interval holds the truth ---------------------------------------
