@@ -1,4 +1,4 @@
-"""Sorting networks of every size merge two sorted halves whatever of them is the nearer."""
+"""Sorting networks merge any two sorted halves, bubble sorts in registers turn any order round, at every size."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from mfr_bench.oracle.composite import composite
 from mfr_bench.scene.quads import Quads
 
-from .drawing import drawn
+from .drawing import assert_shows, drawn, stack
 
 
 def rotated(count: int) -> Quads:
@@ -39,3 +39,10 @@ def test_a_missing_comparison_of_two_halves_is_seen(device, plant, fault):
     scene = rotated(64)
     with drawn(device, "adaptive", scene) as frame:
         assert np.abs(frame.image() - composite(scene)).max() > 2e-6
+
+
+@pytest.mark.parametrize("count", [8, 16])
+def test_a_bubble_sort_takes_as_many_rounds_as_an_order_reversed_needs(device, count):
+    rgba = np.random.default_rng(count).integers(4, 40, (count, 4))
+    with drawn(device, "ab-array", stack([(i + 1) / 20 for i in reversed(range(count))], rgba), sort="bubble") as frame:
+        assert_shows(frame, rgba[::-1])
