@@ -12,6 +12,7 @@ from matplotlib.image import imread
 from mfr_bench.cli.device_commands import _first_cell
 from mfr_bench.cli.main import cli
 from mfr_bench.config import load
+from mfr_bench.glsl.branches import compiled
 from mfr_bench.glsl.code import code_of
 from mfr_bench.gpu.device import Listed
 from mfr_bench.gpu.single import shown
@@ -312,13 +313,13 @@ def test_set_wins_over_what_the_config_fixes_for_a_method(mfr, here):
 
 
 def test_what_is_printed_is_what_compiles(device, odd, here, mfr):
-    """The text that the device gets; programs are known by their code, without comments."""
+    """The text that the device gets; programs are known by what is left of its code: branches chosen, macros in use."""
     mfr("render", odd, "--method", "ab-array", "--out", "a.npy")
     text = mfr("shader", "ab-array", "--pass", "resolve", "--config", odd).out
-    compiled = [stage for key in device.programs for stage in key]
+    drawn = [stage for key in device.programs for stage in key]
     stages = text.split("// ab-array, pass resolve: ")[1:]
     assert len(stages) == 2
-    assert all(code_of(stage.partition("\n")[2].removesuffix("\n")) in compiled for stage in stages)
+    assert all(compiled(code_of(stage.partition("\n")[2].removesuffix("\n"))) in drawn for stage in stages)
 
 
 def test_glslang_accepts_what_is_printed(mfr, here):
