@@ -91,8 +91,8 @@ ALIKE_FOR_ALL = """## What is one decision for all methods
   them so large (GL_MAX_TEXTURE_BUFFER_SIZE), otherwise as it lies. llvmpipe reads a storage buffer lane by lane in a
   loop, and a texture for all lanes at once.
 
-CPU time of a frame through textures over that of buffers as they lie on llvmpipe, 256×256 pixels, all of them covered,
-with the 95 % interval of the median of 9 rounds; no GPU was measured:
+CPU time of a frame through textures over that of buffers as they lie on llvmpipe (the second of the hosts above, beside
+other work), 256×256 pixels, all of them covered, with the 95 % interval of the median of 9 rounds; no GPU was measured:
 """
 DIFFERENCES = """## Where methods differ from their sources, and what that is worth
 
