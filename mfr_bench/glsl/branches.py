@@ -185,7 +185,7 @@ def _in_use(lines: Iterable[str]) -> list[str]:
 
 
 def _pasted(line: str) -> list[list[str]]:
-    """Of each name that the line's macro makes by ##, the parts that are no parameters."""
+    """The parts that are no parameters, of each name that the line's macro makes by ##."""
     match = _PARAMETERS.match(line)
     parameters = set(_WORD.findall(match[1])) if match else set()
     return [[part for part in re.split(r"\s*##\s*", name) if part not in parameters]

@@ -37,7 +37,7 @@ class StageSource:
 
     @property
     def compiled(self) -> str:
-        """What is left of the code once branches are chosen: stages with the same make the same program."""
+        """The part of the code that the compiler goes on with: stages in which it is the same make the same program."""
         return compiled(self.code)
 
     def located(self, log: str) -> str:

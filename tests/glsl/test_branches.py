@@ -101,7 +101,7 @@ def test_a_macro_that_no_pasting_can_make_is_left_out():
 @pytest.mark.skipif(not shutil.which("cpp"), reason="no C preprocessor")
 @pytest.mark.parametrize("method", ["ab-ll-bucket", "adaptive", "kplus-array", "mboit", "open-pre", "peel-kplus"])
 def test_a_preprocessor_makes_the_same_of_both(method):
-    """Of every pass with default parameters, by C's, which has the same directives; extensions count as absent."""
+    """C's preprocessor leaves the same of every pass with default parameters; extensions count as absent."""
     fitted = Fitted(catalog()[method].variant({}), expected_stats(Scene(size=(24, 20), depth_complexity=12)))
     for step in fitted.variant.passes:
         for stage in stages(fitted, step) if step.kind != "clear" else ():

@@ -29,8 +29,8 @@
 #define PUT_BACK(i) if (at < end_cell) nodes[at] = block##i; at += STEP(i);
 #define COMPOSITE(i) if (block##i.x < limit) colour = behind_of(colour, colour_of(block##i));
 
-// Leaves the nearest 32 fragments with a depth of at least `from` in block0 to block31, nearest first. Returns the number
-// of all fragments with such a depth.
+// Leaves the nearest 32 fragments with a depth of at least `from` in block0 to block31, nearest first. Returns the
+// number of all fragments with such a depth.
 uint sweep(uint from) {
     uint met = 0u;
     EACH32(EMPTY_PLACE)
