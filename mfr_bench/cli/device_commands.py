@@ -307,10 +307,10 @@ def _png(image) -> bytes:
 @OUTSIDE
 def shader(method_id: str, pass_name: str | None, config: str, profile: str | None,
            overrides: tuple[str, ...], as_plan: bool, as_json: bool) -> None:
-    """Print the GLSL of METHOD as it is compiled.
+    """Print the GLSL of METHOD, with its includes and defines.
 
-    Includes are expanded, and defines in place. With --json: the passes in order, with their stages and what they
-    read and write, the buffers with their words, and the parameters.
+    The driver gets the same without comments, branches that are not chosen and unused macros. With --json: the passes
+    in order, with their stages and what they read and write, the buffers with their words, and the parameters.
 
     \b
     Example: mfr-bench shader kplus-array --pass store --set k=16
