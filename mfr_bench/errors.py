@@ -15,12 +15,12 @@ class MfrError(Exception):
 
 
 class UsageError(MfrError):
-    """The command or the config is wrong. `lines` has one complete message per mistake."""
+    """The command or the config is wrong. `lines` has one complete message per mistake, none twice."""
 
     exit_status = 2
 
     def __init__(self, lines: str | Iterable[str]):
-        self.lines = [lines] if isinstance(lines, str) else list(lines)
+        self.lines = [lines] if isinstance(lines, str) else list(dict.fromkeys(lines))
         super().__init__("\n".join(self.lines))
 
 
@@ -67,11 +67,18 @@ def nearest(word: str, allowed: Iterable[str]) -> str:
     return f"; nearest: {close[0]!r}" if close else ""
 
 
-SHORT = 30  # names: in a longer list the nearest stands first
+SHORT = 30  # names: of a longer list the nearest stand first, or alone
+MOST_NEAR = 3
 
 
-def one_of(word: str, allowed: Iterable[str]) -> str:
-    """Return 'allowed: A, B; nearest: B' for a `word` that is none of them. In a long list the nearest stands first."""
+def one_of(word: str, allowed: Iterable[str], listed_by: str = "") -> str:
+    """Return 'allowed: A, B; nearest: B' for a `word` that is none of them. In a long list the nearest stands first.
+
+    listed_by: a command that lists them all. A long list is then left to it, and up to three of the nearest are named.
+    """
     names = list(allowed)
+    if listed_by and len(names) > SHORT:
+        close = ", ".join(map(repr, difflib.get_close_matches(word, names, n=MOST_NEAR, cutoff=0.5)))
+        return f"{f'nearest: {close}; ' if close else ''}allowed: any of {len(names)}, which '{listed_by}' lists"
     close, listed = nearest(word, names), f"allowed: {', '.join(names) or 'nothing'}"
     return f"{close.removeprefix('; ')}; {listed}" if close and len(names) > SHORT else listed + close

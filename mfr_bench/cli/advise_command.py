@@ -78,7 +78,7 @@ def _found(context: click.Context, param: click.Parameter, targets: tuple[str, .
 @click.argument("folders", nargs=-1, required=True, metavar="CONFIG|DIR...", type=ConfigName(), callback=_found)
 @click.option("--max-error", type=Positive(LARGEST_ERROR), required=True, metavar="E",
               help="The error that an image may have against the float64 image of all fragments, as 0.01 or 1/255.")
-@click.option("--memory-mb", type=Positive(), metavar="M", help="The MiB that a method may allocate; default: any.")
+@click.option("--memory-mb", type=Positive(), metavar="MIB", help="The MiB that a method may allocate; default: any.")
 @click.option("--metric", type=OneOf(["rmse", "flip", "max"]), default="rmse", show_default=True,
               help="The error: root mean square, NVIDIA's FLIP, or the largest of any channel.")
 @click.option("--scene", "--like", "like", metavar="KEY=VALUE,...", type=SceneKeys(),

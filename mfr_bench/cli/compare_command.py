@@ -64,7 +64,7 @@ def compare(before: str, after: str, threshold: float, across_devices: bool, abs
 
     hold_one_form("compare", json=as_json, csv=as_csv, markdown=as_markdown)
     sides = _sides(before, after)
-    damaged = [line for side in sides for line in side.damaged]
+    damaged = list(dict.fromkeys(line for side in sides for line in side.damaged))
     if not all(side.entries for side in sides):
         _refuse_empty(sides, damaged)
     found = compared(*sides, threshold, across_devices, absolute)

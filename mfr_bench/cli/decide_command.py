@@ -38,13 +38,14 @@ def _error(context, param, value: str) -> float:
 
 @click.command()
 @click.option("--size", metavar="WxH", callback=pixels, help="Viewport in pixels, such as 1280x720.")
-@click.option("--layers", type=WholeRange(1, 4096), help="Most fragments of any pixel.")
-@click.option("--covered", type=NumberRange(0, 1, min_open=True), default=1.0, show_default=True,
+@click.option("--layers", metavar="N", type=WholeRange(1, 4096), help="Most fragments of any pixel.")
+@click.option("--covered", metavar="SHARE", type=NumberRange(0, 1, min_open=True), default=1.0, show_default=True,
               help="Share of the pixels with fragments.")
 @own_scene()
 @click.option("--config", metavar="CONFIG", type=ConfigName(),
               help="Take the scene of this config's first cell instead.")
-@click.option("--memory-mb", type=NumberRange(0, 2**24, min_open=True), help="Most memory of the method, in MiB.")
+@click.option("--memory-mb", metavar="MIB", type=NumberRange(0, 2**24, min_open=True),
+              help="Most memory of the method, in MiB.")
 @click.option("--max-error", metavar="E", callback=_error, default="0", show_default=True,
               help="Largest error of a channel, such as 0.01 or 1/255; 0: exact images only.")
 @click.option("--time-budget", "budget_s", metavar="T", callback=seconds, default="2m", show_default=True,

@@ -139,6 +139,10 @@ class _InWords:
             self.fail(f"{value!r} is not allowed; allowed: {self.what} {self._bounds}")
         return found
 
+    def _describe_range(self) -> str:
+        """The bounds in the words of a complaint, for the help; click writes '0<x<=1'."""
+        return self._bounds.removeprefix("of ")
+
     @property
     def _bounds(self) -> str:
         if self.max is None:
@@ -323,7 +327,8 @@ def method(method_id: str, where: str):
     from ..methods import catalog
 
     if method_id not in catalog():
-        raise UsageError(f"{where}: unknown method {method_id!r}; {one_of(method_id, catalog())}")
+        raise UsageError(f"{where}: unknown method {method_id!r}; "
+                         f"{one_of(method_id, catalog(), 'mfr-bench methods')}")
     return catalog()[method_id]
 
 

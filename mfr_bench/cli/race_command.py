@@ -28,11 +28,12 @@ SCHEDULES = 20_000
 @click.option("--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Set a parameter of METHOD, e.g. k=3; may "
               "be repeated. Without one, k is 2.")
 @click.option("--fragments", default="3,2", show_default=True, metavar="N,...", help="The fragments of each pixel.")
-@click.option("--schedules", type=WholeRange(1), default=SCHEDULES, show_default=True,
+@click.option("--schedules", metavar="N", type=WholeRange(1), default=SCHEDULES, show_default=True,
               help="How many schedules are tried, over all scenes.")
-@click.option("--scenes", type=WholeRange(1, 1000), default=8, show_default=True,
+@click.option("--scenes", metavar="N", type=WholeRange(1, 1000), default=8, show_default=True,
               help="How many scenes, each with other colours and another order of submission.")
-@click.option("--seed", type=WholeRange(0), default=1, show_default=True, help="What the schedules are drawn from.")
+@click.option("--seed", metavar="N", type=WholeRange(0), default=1, show_default=True,
+              help="What the schedules are drawn from.")
 @click.option("--ties", is_flag=True, help="Let the two nearest fragments of each pixel have one depth.")
 @click.option("--weak", is_flag=True, help="Let plain stores reach memory late and word by word, and loads be early; "
               "without it no missing barrier shows.")

@@ -106,9 +106,10 @@ def _plot_scaled(results, look) -> None:
               "12in, 16 points, as png, svg and pdf.")
 @click.option("--width", "width_in", metavar="LENGTH", callback=_inches, help="Of --style: the width of every figure, "
               "as 89mm, 18cm or 3.5in.")
-@click.option("--font-size", "font_pt", type=NumberRange(3, 60), help="Of --style: the size of labels in every "
-              "figure, in points; other texts keep their ratio to it.")
-@click.option("--dpi", type=NumberRange(30, 2400), help="Of --style: dots per inch of png, and of images in pdf.")
+@click.option("--font-size", "font_pt", metavar="POINTS", type=NumberRange(3, 60),
+              help="Of --style: the size of labels in every figure, in points; other texts keep their ratio to it.")
+@click.option("--dpi", metavar="N", type=NumberRange(30, 2400),
+              help="Of --style: dots per inch of png, and of images in pdf.")
 @click.option("--format", "formats", metavar="F,...", callback=_formats, help="Of --style: png, svg, pdf, pgf.")
 @click.option("--force", is_flag=True, help="Draw figures again that are up to date.")
 @OUTSIDE
@@ -177,13 +178,13 @@ def _print_columns(context: click.Context, parameter: click.Parameter, asked: bo
 @JSON
 @click.option("--devices", is_flag=True, help="Print one table of each experiment over all devices instead: ranks and "
               "ratios of its methods, and how the devices differ. Writes nothing.")
-@click.option("--latex", is_flag=True, help="Write tables/cells.tex and cells.csv too: every measured cell, for "
-              "booktabs and siunitx.")
+@click.option("--latex", metavar="OUT", type=OutPath(file_okay=False), help="Write every measured cell to OUT instead: "
+              "for each result a .tex file for booktabs and a .csv file for siunitx.")
 @click.option("--parquet", metavar="OUT", type=OutPath(file_okay=False), help="Write cells, passes and samples of all "
               "results to OUT as Parquet files instead, with units in their metadata; needs mfr-bench[parquet].")
 @OUTSIDE
 def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_json: bool, devices: bool,
-          latex: bool, parquet: str | None) -> None:
+          latex: str | None, parquet: str | None) -> None:
     """Print the tables of all results at or below DIR.
 
     Writes them again, too, with results.csv and passes.csv, into the folders of the results, which are listed first
@@ -193,15 +194,20 @@ def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_j
     Examples: mfr-bench table results | less
               mfr-bench table results --json | jq '.[].cells[].time_ms'
               mfr-bench table results --devices
+              mfr-bench table results/nvidia-h200/smoke --latex paper/tables
               mfr-bench table results --parquet analysis
     """
     from ..report import terminal_table, write_for_paper
 
-    hold_one_form("table", json=as_json, devices=devices, parquet=bool(parquet))
+    hold_one_form("table", json=as_json, devices=devices, latex=bool(latex), parquet=bool(parquet))
     if parquet:
         _as_parquet(folders, Path(parquet))
         return
     results = results_below(folders)
+    if latex:
+        for path in write_for_paper(results, Path(latex)):
+            say(path)
+        return
     if devices:
         _over_devices(results)
         return
@@ -211,8 +217,6 @@ def table(folders: tuple[str, ...], junit: str | None, summary: str | None, as_j
     hand_over(results, as_json, junit, summary)
     for folder in results:  # after all are shown: a folder may be there only to be read
         write_tables_of(folder)
-        for path in write_for_paper(folder) if latex else ():
-            note(path)
 
 
 def _as_parquet(folders: tuple[str, ...], out: Path) -> None:

@@ -37,9 +37,9 @@ from .output import note
 @click.argument("names", nargs=-1, required=True, metavar="A B CONFIG")
 @click.option("--against", metavar="A", help="The tree or revision to compare with: `versus B CONFIG --against A`.")
 @THRESHOLD
-@click.option("--rounds", type=WholeRange(2, 50), default=6, show_default=True,
+@click.option("--rounds", metavar="N", type=WholeRange(2, 50), default=6, show_default=True,
               help="Pairs of fresh processes, in each of which every cell is measured.")
-@click.option("--seconds", type=NumberRange(0, 3600, min_open=True), default=1.0, show_default=True,
+@click.option("--seconds", metavar="S", type=NumberRange(0, 3600, min_open=True), default=1.0, show_default=True,
               help="Time of a cell in a round, about.")
 @click.option("--out", metavar="DIR", type=OutPath(file_okay=False),
               help="Keep what was measured, as results in DIR/before and DIR/after, which are not there yet.")

@@ -60,7 +60,8 @@ def find(reference: str) -> list[Path]:
         return [names[reference]]
     if path.suffix in SUFFIXES or len(path.parts) > 1:
         raise UsageError(f"{reference}: no such file or folder{nearest(path.stem, names)}")
-    raise UsageError(f"{reference}: no such file, folder or shipped config; {one_of(reference, names)}")
+    raise UsageError(f"{reference}: no such file, folder or shipped config; "
+                     f"{one_of(reference, names, 'mfr-bench configs')}")
 
 
 def _is_there(path: Path) -> bool:

@@ -67,7 +67,7 @@ def _chosen(entries: Sequence[MethodEntry], catalog: Mapping[str, Method],
     """The entries to measure, the floor first where it is not listed."""
     unknown = [i for i in only or () if i not in catalog]
     if unknown:
-        raise UsageError(f"--only: unknown method {i!r}; {one_of(i, catalog)}"
+        raise UsageError(f"--only: unknown method {i!r}; {one_of(i, catalog, 'mfr-bench methods')}"
                          for i in unknown)
     chosen = [e for e in entries if only is None or e.id in only]
     wanted = chosen or FLOOR in (only or ())

@@ -34,7 +34,6 @@ FILES = """
 | `tables/results.md` | the tables that `mfr-bench table` prints, and the pass times |
 | `tables/summary.csv` | a row per cell that the config has, by label and place on each axis: what tables show |
 | `tables/pass_times.csv` | a row per such cell, a column per pass: median times in ms |
-| `tables/cells.tex`, `cells.csv` | by `table --latex`: a row per measured cell, for booktabs and siunitx |
 | `comparison.json` | by `merge`: what comparing devices reads of cells; used while manifest and cells are the same |
 | `figures/<name>.png`, `.svg` | the config's figures, numbered where several; they bear a digest of their inputs |
 

@@ -79,6 +79,14 @@ def test_mistakes_of_both_sides_are_told_at_once(mfr, here):
                      "or one above such")
 
 
+def test_a_mistake_of_a_folder_that_stands_on_both_sides_is_told_once(mfr, here):
+    made(here / "twice" / "a")
+    made(here / "twice" / "b")
+    for folder in ("absent", "twice"):
+        line, = mfr("compare", folder, folder).err.splitlines()
+        assert line.startswith(f"{folder}: ")
+
+
 @pytest.mark.parametrize(("options", "complaint"), [
     (["--threshold", "0"], "'0' is not allowed; allowed: percent above 0, up to 100, such as 2"),
     (["--threshold", "much"], "'much' is not allowed"), (["--json", "--csv"], "more than one of --json")])

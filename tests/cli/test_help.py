@@ -62,6 +62,13 @@ def test_help_speaks_of_a_config_only_where_one_is_given(name):
     assert takes or not [p.opts[0] for p in command.params if "a CONFIG" in (getattr(p, "help", None) or "")]
 
 
+@pytest.mark.parametrize("name", COMMANDS)
+def test_an_option_says_in_words_what_it_takes(name):
+    """'FLOAT RANGE' and '0<x<=1' are click's own words, for an option that names no unit and no range."""
+    shown = cli.commands[name].get_help(click.Context(cli.commands[name], info_name=name, color=False))
+    assert not [word for word in ("RANGE", "INTEGER", "FLOAT", "DIRECTORY", "PATH", "<=") if word in shown]
+
+
 def test_a_complaint_breaks_no_word_on_a_narrow_terminal(monkeypatch, capsys):
     monkeypatch.setenv("COLUMNS", "60")
     said = "mfr-bench run: No such option '--forc'. Did you mean '--force', '--time-budget'?; see mfr-bench run --help"

@@ -1,7 +1,13 @@
 """The question to decide: parsed, or refused in a line that says what is allowed."""
 
+from fnmatch import fnmatch
+from pathlib import Path
+
+import numpy as np
 import pytest
 
+import mfr_bench
+from mfr_bench.cli.mesh_scene import fragment_overrides, mesh_overrides
 from mfr_bench.decide.candidates import candidates, within_time
 from mfr_bench.decide.experiment import config_of, scene_of
 from mfr_bench.decide.model import enough_layers
@@ -81,3 +87,16 @@ def test_the_config_of_a_question_has_one_name_whatever_the_time():
     assert one["name"] == other["name"] and one["measure"]["time_limit_s"] < other["measure"]["time_limit_s"]
     assert config_of(Question((64, 48), 23), scene_of(ASKED), found, 30.0)["name"] == one["name"]
     assert config_of(Question((64, 48), 24, memory_mb=8), scene_of(ASKED), found, 30.0)["name"] != one["name"]
+
+
+def test_git_ignores_answers_about_scenes_of_ones_own(tmp_path):
+    """They would stand untracked beside the committed results."""
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    np.savez(tmp_path / "a.npz", viewport=(1, 1), pixel=np.zeros((1, 2), np.int32), depth=np.float32([0.5]),
+             rgba=np.zeros((1, 4), np.uint8))
+    named = [overrides(str(tmp_path / name))[0].removeprefix("name=")
+             for overrides, name in ((mesh_overrides, "a.obj"), (fragment_overrides, "a.npz"))]
+    named.append(config_of(ASKED, scene_of(ASKED), (), 1.0)["name"])
+    ignored = (Path(mfr_bench.__file__).parents[1] / ".gitignore").read_text().split("\n")
+    for name in named:
+        assert any(fnmatch(f"/results/some-device/{name}/", pattern) for pattern in ignored), name

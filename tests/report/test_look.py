@@ -96,8 +96,9 @@ def test_files_are_the_same_each_time(folder, written):
     assert {path: path.read_bytes() for path in before} == before
 
 
-def test_tables_for_latex_and_siunitx(folder):
-    tex, csv = write_for_paper(folder)
+def test_tables_for_latex_and_siunitx(folder, tmp_path):
+    tex, csv = write_for_paper([folder], tmp_path / "out")
+    assert [tex, csv] == [tmp_path / "out" / f"{folder.path.name}.{ending}" for ending in ("tex", "csv")]
     text, rows = tex.read_text(), csv.read_text().splitlines()
     assert text.count(r"\toprule") == text.count(r"\bottomrule") == 1
     measured = sum(cell["values"].get("time_ms") is not None for cell in folder.cells())
@@ -105,6 +106,18 @@ def test_tables_for_latex_and_siunitx(folder):
     assert rows[0] == "method,k,time / ms,time / floor,memory / MiB,largest error"
     assert all(re.fullmatch(r"\d+\.\d+(\(\d+\))?", row.split(",")[2]) for row in rows[1:])
     assert r"KB-MDT\textsubscript{3}\textsubscript{2}" in text and r"K\textsuperscript{+}B-Array" in text
+
+
+def test_tables_for_latex_of_several_results_leave_these_as_they_are(tmp_path):
+    for device in ("here", "there"):
+        planted.folder(tmp_path / "results" / device / "one", planted.sweep((4,)), [], {"k": [4]})
+    before = sorted(tmp_path.rglob("*"))
+    done = command("table", tmp_path / "results", "--latex", tmp_path / "out")
+    assert done.returncode == 0 and done.stderr == ""
+    names = [f"{device}-one.{ending}" for device in ("here", "there") for ending in ("tex", "csv")]
+    assert [Path(line).name for line in done.stdout.splitlines()] == names
+    assert sorted(set(tmp_path.rglob("*")) - set(before)) == sorted([tmp_path / "out", *(tmp_path / "out" / name
+                                                                                       for name in names)])
 
 
 @pytest.mark.parametrize(("interval", "said"), [

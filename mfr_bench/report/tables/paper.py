@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ...environment import MIB
@@ -15,19 +17,36 @@ MEASURES = ("time / ms", "time / floor", "memory / MiB", "largest error")
 DIGITS = 3  # significant ones, where no interval says how many
 
 
-def write_for_paper(folder: ResultFolder) -> list[Path]:
-    """Write tables/cells.tex and tables/cells.csv: a row for each cell that was measured. Raises StoreError."""
-    result = data.load(folder)
+def write_for_paper(folders: Sequence[ResultFolder], target: Path) -> Iterator[Path]:
+    """Write a .tex and a .csv file for each result into `target`, a row for each cell that was measured.
+
+    The files have the name of the result's folder; where several results are of one name, also those of the folders
+    above it in which their places differ. Raises StoreError.
+    """
+    for folder, name in zip(folders, _names(folders), strict=True):
+        for ending, content in _files(data.load(folder)).items():
+            write_file(target / f"{name}.{ending}", content)
+            yield target / f"{name}.{ending}"
+
+
+def _names(folders: Sequence[ResultFolder]) -> list[str]:
+    """A name for each folder, none twice."""
+    places = [folder.path.resolve() for folder in folders]
+    if len({place.name for place in places}) == len(places):
+        return [place.name for place in places]
+    shared = os.path.commonpath([place.parent for place in places])
+    return ["-".join(place.relative_to(shared).parts) for place in places]
+
+
+def _files(result: Result) -> dict[str, bytes]:
+    """The contents of the files by their endings."""
     axes = [axis for axis in result.axes if data.bare(axis) != "device"]
     columns = ["method", *map(data.short, axes), *MEASURES]
     rows = [_row(point, axes) for point in result.points if point.row["time_ms"] is not None]
-    target = folder.path / "tables"
     title = str(result.manifest.get("title") or result.name)
     tex = booktabs(title, columns, rows, _note(result))
     csv = csv_text(columns, (dict(zip(columns, row, strict=True)) for row in rows))
-    for name, content in (("cells.tex", tex.encode()), ("cells.csv", csv)):
-        write_file(target / name, content)
-    return [target / "cells.tex", target / "cells.csv"]
+    return {"tex": tex.encode(), "csv": csv}
 
 
 def _note(result: Result) -> str:
