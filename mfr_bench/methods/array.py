@@ -42,5 +42,5 @@ METHODS = [
           guarantee="exact all", ties="kept, in no fixed order"),
     array("kb-ab-array", "KB-AB_Array", "kplus_2015 §2, §5",
           "n slots per pixel for all fragments; the resolve picks the k nearest", K, OCCUPANCY, select=True,
-          guarantee="exact k nearest", ties="kept; the first to arrive wins the last place", local="k"),
+          guarantee="exact k nearest", ties="kept, in no fixed order; any of them may win the last place", local="k"),
 ]

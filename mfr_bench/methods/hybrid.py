@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import BOUND, LOCK, SEMAPHORE, STAGE, SYNC, K, clear, resolve_sorted
+from .shared import BOUND, LOCK, SEMAPHORE, STAGE, SYNC, TIES_OF_INSERTION, K, clear, resolve_sorted
 from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Method, Pass
 
@@ -20,7 +20,7 @@ METHODS = [
         summary="the k nearest fragments exactly, sorted insertion; those behind as the weighted average of their "
                 "colours and opacities",
         guarantee="approximate", words="2*k + 5",
-        ties="kept, in order of arrival; the first to arrive has the k-th place",
+        ties=f"{TIES_OF_INSERTION}; the last of them loses the k-th place",
         failure="the tail knows no order; its opacity is right where its alphas are equal, its colour where its "
                 "colours are",
         beside=LOCK, mixes=True, exact_where="n <= k + 1",

@@ -29,6 +29,7 @@ from .shared import (
     RESUME,
     STAGE,
     STOP_OPACITY,
+    TIES_OF_INSERTION,
     K,
     clear,
     collected,
@@ -85,7 +86,7 @@ METHODS = [
         source="Callahan et al. 2005; Bavoil et al. 2007; kplus_2015 §2",
         summary="k slots per pixel, sorted insertion without exclusion",
         guarantee="approximate", words="2*k",
-        ties="kept, in order of arrival; with several passes, those that find no slot beside their equals are lost",
+        ties=f"{TIES_OF_INSERTION}; with several passes, those that find no slot beside their equals are lost",
         failure=f"{HAZARD}; right where a device shades the fragments of a pixel one by one",
         params=(replace(K16, needs_where=AT_ONCE), BOUND, PER_PASS,
                 *(replace(option, acts=AT_ONCE) for option in (OCCUPANCY, STAGE, STOP_OPACITY)), TOUCHED),
@@ -166,7 +167,7 @@ METHODS = [
         source="Zhang 2014; kplus_2015 §2, Table 1; the code of the depths is not public",
         summary="k-buffer whose slots carry a code of depth and colour; a slot torn by a hazard is detected by it and "
                 "counts as empty",
-        guarantee="approximate", words="2*k", ties="kept, in order of arrival",
+        guarantee="approximate", words="2*k", ties="kept, in no fixed order",
         failure=f"{HAZARD}, and one torn slot in four passes for whole; right where a device shades the fragments of "
                 "a pixel one by one",
         params=(K16, BOUND, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED), local="k",

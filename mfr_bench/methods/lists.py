@@ -181,7 +181,7 @@ METHODS = [
         source="Yu et al. 2012; kplus_2015 §2, §5",
         summary="unsorted linked lists of all fragments; the resolve picks the k nearest",
         guarantee="exact k nearest", words="3*f + 1", beside=SPARE_CELLS,
-        ties="kept, the first in the list wins the last place",
+        ties="kept, in no fixed order; any of them may win the last place",
         params=(SELECTED_K, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD), fixed=(ONE_BY_ONE, ONE_LIST),
         capacity=GROWN,
         local="k",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from .shared import BOUND, LOCK, PAYLOAD, SEMAPHORE, STAGE, SYNC, K, clear, resolve_sorted
+from .shared import BOUND, LOCK, PAYLOAD, SEMAPHORE, STAGE, SYNC, TIES_OF_INSERTION, K, clear, resolve_sorted
 from .shared.screen_region import TOUCHED, in_screen_region
 from .spec import Buffer, Method, Param, Pass
 
@@ -25,7 +25,7 @@ METHODS = [
         source="Salvi & Vaidyanathan 2014",
         summary="k layers per pixel in order of depth; where a fragment finds no room, the two furthest layers are "
                 "merged",
-        guarantee="approximate", words="2*k", ties="kept, in order of arrival",
+        guarantee="approximate", words="2*k", ties=TIES_OF_INSERTION,
         failure="a fragment that comes late may belong in front of what was merged; each merge rounds to the payload",
         beside=LOCK, mixes=True, exact_where="n <= k",
         params=(replace(K, doc="layers per pixel"), BOUND, STORES, SYNC, STAGE, TOUCHED, ANY_COLOUR), local="k",

@@ -10,6 +10,7 @@ from .shared import (
     STAGE,
     STOP_OPACITY,
     SYNC,
+    TIES_OF_INSERTION,
     K,
     clear,
     occupied,
@@ -28,7 +29,7 @@ METHODS = [
         guarantee="exact k nearest", words="2*k",
         beside="with sync: spin a semaphore, one word per pixel: the authors ran it with theirs (kplus_2015 §5), Table "
                "1 counts what sync: interlock takes",
-        ties="kept, in order of arrival; the first to arrive has the k-th place",
+        ties=f"{TIES_OF_INSERTION}; the last of them loses the k-th place",
         params=(K, BOUND, SYNC, CULLING, OCCUPANCY, STAGE, STOP_OPACITY, TOUCHED), local="k",
         buffers=(SEMAPHORE,
                  Buffer("nodes", "2*k*P", type="uvec2", clear="EMPTY", coherent=True,

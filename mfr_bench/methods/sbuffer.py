@@ -111,6 +111,6 @@ METHODS = [
             fill=occupied_steps(), finish=resolve("counter", "address", "nodes", fetch=FETCH, texels=("nodes",),
                                                    select=True),
             guarantee="exact k nearest",
-            ties="kept; the first to arrive wins the last place", local="k",
+            ties="kept, in no fixed order; any of them may win the last place", local="k",
             params=(K, COUNTERS, MAPPING, HASH, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED, REUSE_COUNT, PAYLOAD)),
 ]

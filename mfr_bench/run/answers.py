@@ -30,7 +30,7 @@ from ..store.arrays import packed
 from .shared import Array
 
 ANIMATION_FRAMES = 8  # that an animated scene cycles through
-SCENES = 2  # whose right images are kept: the scene that is measured, and the next
+FRAMES = 3  # whose right images are kept: two of the scene that is measured, the first of the next
 MOST_BYTES = 640 * 2**20  # of right images that are kept, beside the newest
 ALL = Promise()  # every fragment: the A-buffer's image
 
@@ -45,18 +45,19 @@ class Ties:
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """The first frame of a scene, which images are of.
+    """A frame of a scene, which images are of.
 
     made: the fragments as a device made them (`gpu.capture.captured`); None for flat quads.
     """
 
     config: Scene
+    frame: int = 0
     made: tuple[Array | None, ...] | None = None
 
     @property
     def key(self) -> tuple:
         """Tells the scene from others; a device may make others of one config."""
-        return self.config, tuple(each.name for each in self.made or () if each)
+        return self.config, self.frame, tuple(each.name for each in self.made or () if each)
 
 
 class Known:
@@ -108,7 +109,7 @@ class Answers:
         """The scene as it is known; one that is not known is generated anew."""
         if subject.key not in self._known:
             with self.split.work("scene"):
-                scene = generate(subject.config)
+                scene = generate(subject.config, subject.frame)
             self._keep(subject, scene)
         self._known.move_to_end(subject.key)
         self._let_go()
@@ -128,7 +129,7 @@ class Answers:
             made = [None if each is None else _changeable(each.array()) for each in subject.made or ()]
             fragments = Fragments.of(scene, *made) if made else None
         self._known[subject.key] = Known(scene, fragments, self.split)
-        while len(self._known) > SCENES:
+        while len(self._known) > FRAMES:
             self._known.popitem(last=False)
 
     def _let_go(self) -> None:

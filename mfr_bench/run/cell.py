@@ -240,6 +240,9 @@ class CellWork:
         self.time_passes()
         self._phases.begin("last frames")
         with self.bench.split.work("last frames"):
+            if self.scene.animated:
+                self.frame.show(self.scene.show(-1))
+                self.images.draw_again()
             self.frame.show(self.scene.show(0))
             if not self._last_checked:
                 self.images.draw_again()

@@ -46,7 +46,7 @@ class Images:
             return self._frame.image()
 
     def check(self, image: np.ndarray, **more: bool) -> None:
-        """Begin to compare an image of the first scene with the promise, if there is any; more: as of `SceneWork`."""
+        """Begin to compare an image of the frame on the device with the promise, if any; more: as of `SceneWork`."""
         if self.promised:
             with self._phases.apart(CHECK):
                 self._compared.append(self._scene.compare(self._variant, image, **more))
@@ -54,16 +54,16 @@ class Images:
     # --- the last frames -------------------------------------------------------------------------
 
     def of_sample(self) -> np.ndarray | None:
-        """Read the image of the frame that was just timed; None where it is compared with none.
+        """Read the image of the frame that was just timed; None where another is compared.
 
-        One that is to be kept is drawn at the end.
+        Those of an animation, and one that is to be kept, are drawn at the end.
         """
-        if self.promised and self._scene.shows_first and not self._keeps_image:
+        if self.promised and not (self._scene.animated or self._keeps_image):
             return self._read()
         return None
 
     def draw_again(self) -> None:
-        """Draw and check another frame of the scene on the device, the last."""
+        """Draw and check another image of the frame on the device."""
         self._frame.draw()
         if self.promised:
             self.check(self._read())

@@ -19,6 +19,7 @@ from ..scene.quads import Quads
 from .answers import ALL, Compare, Compared, Edges, Keep, Packed, Prepare, Subject, Ties
 from .aside import Aside, Pending
 from .bench import Bench
+from .shared import Array
 
 FRAGMENT_BYTES = 9  # depth, primitive and mask
 BESIDE_BYTES = 256 * 2**20  # of fragments that a device made, above which no second process has a copy
@@ -27,7 +28,7 @@ BESIDE_BYTES = 256 * 2**20  # of fragments that a device made, above which no se
 class SceneWork:
     """A scene's frames, statistics and device buffers. Its images are compared by the `aside` of the bench.
 
-    All that is compared is of the first frame, which is on the device whenever an image is.
+    Images are of the frame that is on the device: of an animation the first and the last are compared.
     """
 
     def __init__(self, bench: Bench, config: Scene):
@@ -40,6 +41,7 @@ class SceneWork:
             self._stats = {id(self.show(i)): known or true_stats(self._device, self.scene_buffer, self.canvas)
                            for i, known in enumerate(stats)}
             self.stats = _largest(list(self._stats.values()))
+        self._subjects: dict[int, Subject] = {}
 
     @cached_property
     def scene_buffer(self) -> SceneBuffer:
@@ -55,9 +57,14 @@ class SceneWork:
         return list(self._stats.values())
 
     @property
-    def shows_first(self) -> bool:
-        """Whether the first frame is on the device, which images are compared of."""
-        return self.scene_buffer.scene is self.scenes[0]
+    def animated(self) -> bool:
+        """Whether there are frames that show other scenes than the first."""
+        return len(self.scenes) > 1
+
+    @property
+    def frame(self) -> int:
+        """The number of the frame that is on the device."""
+        return next(i for i, scene in enumerate(self.scenes) if scene is self.scene_buffer.scene)
 
     @property
     def shown(self) -> SceneStats:
@@ -86,17 +93,20 @@ class SceneWork:
     @property
     def _made_bytes(self) -> int:
         """Memory of the fragments that a device has to make for the oracle: none of flat quads."""
-        return 0 if isinstance(self.scenes[0], Quads) else FRAGMENT_BYTES * self.first.F
+        return 0 if isinstance(self.scenes[0], Quads) else FRAGMENT_BYTES * self.stats.F
 
-    @cached_property
+    @property
     def _subject(self) -> Subject:
-        """The scene that images are of; with the fragments that the device makes of it, which is done now."""
-        if not self._made_bytes:
-            return Subject(self.config)
+        """The frame on the device, with the fragments that the device makes of it: it is asked once."""
+        frame = self.frame
+        if frame not in self._subjects:
+            self._subjects[frame] = Subject(self.config, frame, self._captured() if self._made_bytes else None)
+        return self._subjects[frame]
+
+    def _captured(self) -> tuple[Array | None, ...]:
         with self._bench.split.work("oracle"):
-            self.show(0)
             found = captured(self._device, self.scene_buffer, self.canvas)
-            return Subject(self.config, tuple(None if each is None else self._aside.share(each) for each in found))
+            return tuple(None if each is None else self._aside.share(each) for each in found)
 
     def prepare(self, variants: Iterable[Variant]) -> None:
         """Begin to make the images that these variants will be compared with, before the first of them is drawn."""
@@ -106,7 +116,7 @@ class SceneWork:
 
     def compare(self, variant: Variant, image: np.ndarray, quality: bool = False,
                 flip: bool = False) -> Pending[Compared]:
-        """Begin to compare an image of the first frame with what the variant aims at."""
+        """Begin to compare an image of the frame on the device with what the variant aims at."""
         ties = Ties(variant.method.loses_ties, variant.method.spoils_ties)
         shared = self._aside.share(image)
         return self._aside.begin(Compare(self._subject, self._promise(variant), ties, shared, quality, flip), shared)
@@ -124,7 +134,7 @@ class SceneWork:
 
     def _promise(self, variant: Variant) -> Promise:
         """The image that the variant aims at; that of all fragments is one, however many layers that takes."""
-        promise = Fitted(variant, self.first).promise()
+        promise = Fitted(variant, self.shown).promise()
         if promise.layers is not None and promise.layers >= self.stats.n:
             return replace(ALL, two_channel=promise.two_channel)
         return promise
@@ -133,7 +143,7 @@ class SceneWork:
         for name in ("scene_buffer", "canvas"):
             if name in self.__dict__:
                 self.__dict__[name].release()
-        for array in self.__dict__["_subject"].made or () if "_subject" in self.__dict__ else ():
+        for array in (array for subject in self._subjects.values() for array in subject.made or ()):
             if array is not None:
                 array.release()
 

@@ -1,9 +1,13 @@
 """Each method treats equal depths as it says."""
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 
 from mfr_bench.methods import catalog
+from mfr_bench.methods.shared import TIES_OF_INSERTION
+from mfr_bench.scene.quads import Quads
 
 from .drawing import assert_shows, drawn, over, stack
 
@@ -38,32 +42,66 @@ def test_equal_depths_become_what_the_method_says(device, method):
     assert min(abs(alpha[0, 0] - e) for e in expected) < (1e-5 if exact else 0.01)
 
 
-# The meaning of each phrase: the layers shown with room for all, and with room for two, the k-th place tied.
-ALL_OF_THEM, TWO_OF_THEM = (FRONT, *TIED, BACK), (FRONT, TIED[0])
-ORDERS = {"in order of arrival": (4, ALL_OF_THEM), "the first to arrive": (2, TWO_OF_THEM),
-          "the first in the list": (2, (FRONT, TIED[1])), "the lesser payload stays": (2, (FRONT, TIED[1]))}
-SAID = [(m.id, phrase) for m in IMAGES for phrase in ORDERS if phrase in m.ties and m.param("k")]
+def arrived(arrival):
+    return FRONT, *(i for i in arrival if i in TIED), BACK
+
+
+def inserted(arrival):
+    tied = [i for i in arrival if i in TIED]
+    return FRONT, *(tied if FRONT in arrival[:arrival.index(tied[1])] else reversed(tied)), BACK
+
+
+def lesser_first(_arrival):
+    return FRONT, TIED[1], TIED[0], BACK
+
+
+def larger_first(_arrival):
+    return FRONT, *TIED, BACK
+
+
+# The meaning of each phrase: the layers shown, nearest first, by the order of arrival; each k of which it tells. With
+# room for two the k-th place is tied.
+ORDERS = {"kept, in order of arrival; the first to arrive has the k-th place": (arrived, (2, 4)),
+          TIES_OF_INSERTION: (inserted, (4,)), "the last of them loses the k-th place": (inserted, (2,)),
+          "in order of payload, the k-th place included": (lesser_first, (2, 4)),
+          "the lesser payload stays": (lesser_first, (2,)),
+          "the nearer stays, then the lesser payload": (lesser_first, (2,)),
+          "kept, the larger payload as a number first": (larger_first, (4,))}
+SAID = [(m.id, phrase, k) for m in IMAGES for phrase, (_, ks) in ORDERS.items() if phrase in m.ties
+        for k in ks if k == 4 or (m.param("k") and not m.mixes)]
 
 
 def test_every_phrase_is_somebodys():
-    assert {phrase for _, phrase in SAID} == set(ORDERS)
+    assert {phrase for _, phrase, _ in SAID} == set(ORDERS)
 
 
-@pytest.mark.parametrize(("method", "phrase"), [said for said in SAID if said != ("hybrid", "the first to arrive")])
-def test_the_order_of_equal_depths_is_the_one_that_is_said(device, method, phrase):
-    """A list begins with the last that came; of the tied payloads the second is the lesser."""
+def every_arrival() -> tuple[list[tuple[int, ...]], Quads]:
+    """The orders in which the four may arrive, and a row of pixels, one for each."""
+    arrivals = list(permutations(range(4)))
+    rect = [[x, 0, x + 1, 1] for x in range(len(arrivals)) for _ in range(4)]
+    order = np.ravel(arrivals)
+    return arrivals, Quads((len(arrivals), 1), np.array(rect, dtype=np.int32),
+                           np.array(DEPTHS, dtype=np.float32)[order], RGBA[order].astype(np.uint8), 1.0, 0)
+
+
+@pytest.mark.parametrize(("method", "phrase", "k"), SAID)
+def test_the_order_of_equal_depths_is_the_one_that_is_said(device, method, phrase, k):
+    """Of the tied payloads the second is the lesser."""
     if device.kind != "cpu" and "payload" not in phrase:
         pytest.skip("this device may shade fragments of a pixel at once")
-    k, layers = ORDERS[phrase]
-    with drawn(device, method, stack(DEPTHS, RGBA), k=k) as frame:
-        assert_shows(frame, RGBA[list(layers)])
+    params = {name: value for name, value in (("k", k), ("atomic64", "emulated")) if catalog()[method].param(name)}
+    arrivals, scene = every_arrival()
+    expected = [over(RGBA[list(ORDERS[phrase][0](arrival)[:k])]) for arrival in arrivals]
+    with drawn(device, method, scene, **params) as frame:
+        assert frame.lost_fragments() == 0
+        np.testing.assert_allclose(frame.image()[0], expected, rtol=0, atol=1e-5)
 
 
 def test_the_furthest_of_a_core_is_the_first_to_arrive(device):
     """The tail is the other tied fragment and what lies behind."""
     if device.kind != "cpu":
         pytest.skip("this device may shade fragments of a pixel at once")
-    core, tail = over(RGBA[list(TWO_OF_THEM)]), RGBA[[TIED[1], BACK]] / 255
+    core, tail = over(RGBA[[FRONT, TIED[0]]]), RGBA[[TIED[1], BACK]] / 255
     colour = (tail[:, :3] * tail[:, 3:]).sum(axis=0) / tail[:, 3].sum()
     opacity = 1 - (1 - tail[:, 3].mean()) ** 2
     expected = core + (1 - core[3]) * np.append(opacity * colour, opacity)

@@ -343,10 +343,33 @@ def test_a_last_sample_whose_image_is_wrong_is_found(run, monkeypatch):
     assert made.sheet.counts == {"wrong": 1}
 
 
+@pytest.mark.parametrize("single", [False, True])
+@pytest.mark.parametrize("from_frame", [1, 2, 3])
+def test_images_that_are_wrong_from_a_later_frame_on_are_found(run, monkeypatch, single, from_frame):
+    """With `max_samples: 1` a frame is drawn first, one warms up, one is timed."""
+    image = Frame.image
+    monkeypatch.setattr(Frame, "image", lambda self: image(self) + np.float32(self.drawn >= from_frame))
+    _, made = run([cell(measure=Measure(min_samples=1, max_samples=1) if single else MEASURE)])
+    assert made.sheet.counts == {"wrong": 1}
+
+
+@pytest.mark.parametrize("scene", [
+    replace(SCENE, animate=True),
+    SceneConfig(kind="hairball", size=(32, 24), depth_complexity=12, mean_depth=5, animate=True)])
+def test_a_method_that_shows_the_first_scene_of_an_animation_alone_right_is_found(run, monkeypatch, scene):
+    first, image = {}, Frame.image
+
+    def wrong(frame) -> bool:
+        return frame.variant.method.id == "ab-ll" and frame._shown is not first.setdefault(frame, frame._shown)
+
+    monkeypatch.setattr(Frame, "image", lambda self: image(self) + np.float32(wrong(self)))
+    rows, _ = run([cell(scene=scene), cell("ab-ll", scene=scene)])
+    assert {method: row["status"] for (method, _), row in rows.items()} == {"ab-array": "ok", "ab-ll": "wrong"}
+
+
 @pytest.mark.parametrize(("scene", "keep", "again"), [
-    (SCENE, (), 0), (SCENE, ("fragments",), 0), (SCENE, ("image",), 1), (replace(SCENE, animate=True), (), 1)])
-def test_one_more_frame_is_drawn_where_the_last_sample_shows_another_scene_or_an_image_is_kept(
-        run, monkeypatch, scene, keep, again):
+    (SCENE, (), 0), (SCENE, ("fragments",), 0), (SCENE, ("image",), 1), (replace(SCENE, animate=True), (), 2)])
+def test_more_frames_are_drawn_where_a_scene_is_animated_or_an_image_is_kept(run, monkeypatch, scene, keep, again):
     drawn, draw_again = [], Images.draw_again
     monkeypatch.setattr(Images, "draw_again", lambda self: (drawn.append(self), draw_again(self)))
     _, made = run([cell(scene=scene, measure=replace(MEASURE, keep=keep))])

@@ -39,6 +39,7 @@ from .options import (
     STAGE,
     STOP_OPACITY,
     SYNC,
+    TIES_OF_INSERTION,
     K,
 )
 from .resolving import (
@@ -96,6 +97,7 @@ __all__ = [
     "STOP_OPACITY",
     "STORED",
     "SYNC",
+    "TIES_OF_INSERTION",
     "TILE",
     "UNOCCUPIED",
     "WIDEST",

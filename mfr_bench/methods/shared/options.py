@@ -13,6 +13,8 @@ SYNC = Param("sync", "spin", "mutual exclusion per pixel: spin lock with a semap
              "what it is there for", choices=("spin", "interlock", "ordered", "none"),
              needs=dict.fromkeys(("interlock", "ordered"), "fragment_shader_interlock"),
              weakens={"none": "fragments of a pixel in flight at once lose each other's changes"})
+TIES_OF_INSERTION = ("kept, in order of arrival, but each nearer fragment that comes later puts the first of them "
+                     "behind the others")
 LOCK = "with sync: spin a semaphore, one word per pixel"
 CULLING = Param("culling", "on", "refuse fragments beyond the furthest kept before the critical section",
                 choices=ON_OFF)
