@@ -155,7 +155,7 @@ def test_its_figures_can_be_drawn_from_its_cells(tmp_path, name):
     for options in result.figures:
         figure = figures.build(result, options)
         said = " ".join(t.get_text() for t in figure.findobj(lambda a: hasattr(a, "get_text")))
-        assert "nothing measured" not in said and "not measured" not in said, (name, options)
+        assert "not measured" not in said, (name, options)
         assert set(figures.render(figure)) == {"png", "svg"}
 
 

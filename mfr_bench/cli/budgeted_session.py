@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from ..decide.budget import Budget
 from ..plan.ending import SAFE, reports_s
@@ -22,9 +23,11 @@ class BudgetedSession(Session):
     folder: ResultFolder
     late: Mapping[str, int]
 
-    def __init__(self, supervisor, asked: Callable[[], bool], out: str | None, budget: Budget):
+    def __init__(self, supervisor, asked: Callable[[], bool], out: str | None, budget: Budget,
+                 answer: Callable[[ResultFolder], Mapping[str, Any]] | None = None):
+        """The session into `out`. answer: from the measured folder, for the manifest and so for its figures."""
         super().__init__(supervisor, asked, Choices(out, False, False, False, quiet=True), time.perf_counter())
-        self.budget = budget
+        self.budget, self.answer = budget, answer
         self.cut: list[str] = []
 
     def _deadlines(self, groups, parts: Sequence[Part]) -> tuple[float, float]:
@@ -42,6 +45,8 @@ class BudgetedSession(Session):
     def _tell(self, part: Part) -> None:
         self.folder, self.late = part.folder, left_out(part.sheet)
         part.manifest["left_out"] = self.late
+        if self.answer:
+            part.manifest["answer"] = self.answer(part.folder)
         if self.budget.room_for(SAFE * reports_s(1, len(part.experiment.figures), len(part.sheet.statuses))):
             self._report(part)
         else:

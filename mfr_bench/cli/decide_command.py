@@ -173,7 +173,7 @@ def _raced(question, scene, budget, out: str | None, device: str):
         path = Path(folder, "decide.yaml")
         made = config_of(question, scene, found, budget.seconds)
         path.write_text(yaml.safe_dump(made, sort_keys=False, allow_unicode=True), encoding="utf-8")
-        results, late, cut = _measured(path, supervisor, interruption, out, budget)
+        results, late, cut = _measured(question, path, supervisor, interruption, out, budget)
         kept = results.path / path.name
         write_file(kept, path.read_bytes())
     return answer_of(question, load(results), [*excluded, *late], str(kept), cut)
@@ -219,17 +219,20 @@ def _candidates(question, scene, budget):
     return candidates(catalog(), question, enough)
 
 
-def _measured(config: Path, supervisor, interruption, out: str | None, budget):
+def _measured(question, config: Path, supervisor, interruption, out: str | None, budget):
     """The result folder of the config, measured where it lacks something; nothing is printed on stdout.
 
     With it come the candidates that have no row, and what else the budget cut, in words.
     """
+    from ..decide.answer import answer_of
     from ..decide.candidates import NOT_FINISHED, Excluded
     from ..methods import FLOOR, catalog
+    from ..report.data import load
     from .budgeted_session import BudgetedSession
     from .run_command import plans_of
 
-    session = BudgetedSession(supervisor, interruption.asked, out, budget)
+    session = BudgetedSession(supervisor, interruption.asked, out, budget,
+                              lambda folder: answer_of(question, load(folder), (), "").marked)
     session.run(plans_of([str(config)], None, None, ()))
     late = [label for label in session.late if label != catalog()[FLOOR].name]
     return session.folder, [Excluded(label, NOT_FINISHED) for label in late], session.cut

@@ -140,7 +140,7 @@ def plot(folders: tuple[str, ...], together: str | None, look: str | None, width
     for drawn in write_all(results, force=force):
         if drawn.paths:
             say("\n".join(map(str, drawn.paths)))
-        notes += drawn.damaged
+        notes += [*drawn.damaged, *drawn.empty]
         kept += drawn.kept
     for line in notes:
         note(line)

@@ -274,6 +274,8 @@ class Session:
         with self.split.work("report"):
             for part, drawn in zip(parts, write_all([part.folder for part in parts]), strict=True):
                 part.figures = drawn.paths
+                for line in drawn.empty:
+                    note(line)
 
     def _report(self, part: Part) -> list[Path]:
         from ..report import write_figures

@@ -133,6 +133,11 @@ class Answer:
                 **self._left, "command": self.command}
 
     @property
+    def marked(self) -> dict[str, Any]:
+        """The part of a manifest by which figures mark the answer; empty where nothing keeps the bounds."""
+        return {"key": self.best.cell["key"], "confidence": round(self.confidence, 4)} if self.best else {}
+
+    @property
     def _left(self) -> dict[str, Any]:
         return {"cut": list(self.cut), "excluded": [{"method": m, "reason": r} for m, r in self.out]}
 

@@ -40,7 +40,7 @@ def config_of(question: Question, scene: Mapping[str, Any], found: Sequence[Cand
     digest = hashlib.sha256(identity.encode()).hexdigest()[:10]
     return {"name": f"decide-{digest}", "title": f"Decision for {question}", "scene": dict(scene),
             "methods": methods, "measure": measure,
-            "figures": [{"kind": "bars", "x": "depth_complexity", "y": "time_ms", "log": "y"}]}
+            "figures": [{"kind": "bars", "x": "depth_complexity", "y": "time_ms", "log": "y", "sorted": True}]}
 
 
 def count_of(scene: Mapping[str, Any], budget_s: float) -> dict[str, Any]:

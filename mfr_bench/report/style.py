@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import colorsys
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 
 WIDTH_IN = 7.2  # the text width of a two-column paper
@@ -59,7 +59,9 @@ PRINTED = {"linestyle": "", "marker": "D", "markersize": 4.2, "markerfacecolor":
 GUIDE = {"color": "#1a1a1a", "linewidth": 0.8, "linestyle": (0, (1, 1.6)), "zorder": 1.2}
 OVER = {"linestyle": "", "marker": "X", "markersize": 5.0, "markeredgecolor": "white", "markeredgewidth": 0.4,
         "zorder": 5, "clip_on": False}  # cells without a value for lack of memory
-HATCH_INK = (1.0, 1.0, 1.0, 0.6)
+HATCH_INKS = (1.0, 1.0, 1.0, 0.6), (0.1, 0.1, 0.1, 0.5)  # on dark and on light colours
+HATCHED_DARK = 0.6  # the lightness from which a bar of one colour is hatched in dark
+ALIKE = 0.12  # of lightness, up to which two colours are hard to tell apart in grey
 
 # The outcomes of a method at a level of a stressor: fill and ink.
 STATE_COLOURS = {
@@ -112,6 +114,25 @@ def tint(colour: str, variant: int) -> str:
 def lightness(colour: str) -> float:
     """The luma of a colour, from 0 for black to 1 for white."""
     return sum(weight * c for weight, c in zip((0.299, 0.587, 0.114), _channels(colour), strict=True)) / 255
+
+
+def hatch_ink(colours: Sequence[str]) -> tuple[float, ...]:
+    """The ink of the hatching over pieces of these colours, light unless all of them are."""
+    return HATCH_INKS[min(map(lightness, colours)) > HATCHED_DARK]
+
+
+def hatches(colours: Mapping[str, str], methods: Mapping[str, str]) -> dict[str, str]:
+    """A hatching for each label of a chart of bars: none where lightness is enough to tell it from all others.
+
+    Labels whose colours are alike in grey differ in it, and so do those of one method, as far as HATCHES go. colours,
+    methods: by label, in the chart's order.
+    """
+    found: dict[str, str] = {}
+    for label, colour in colours.items():
+        taken = [hatch for other, hatch in found.items()
+                 if methods[other] == methods[label] or abs(lightness(colours[other]) - lightness(colour)) < ALIKE]
+        found[label] = min(HATCHES, key=taken.count)
+    return found
 
 
 def _towards(end: int, colour: str, share: float) -> str:

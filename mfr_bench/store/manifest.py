@@ -46,8 +46,9 @@ FIGURE = {
     **dict.fromkeys(("kind", "x", "y", "rows", "log", "title", "x_label", "y_label", "panels", "gain_of", "fit",
                      "printed"), text),
     "log_base": lambda value: is_number(value) and value > 1, "methods": list_of(text), "passes": list_of(text),
-    "floor": truth, "bound": truth,
+    "floor": truth, "bound": truth, "sorted": truth,
 }
+ANSWER = {"key": text, "confidence": is_number}
 MANIFEST = {
     **dict.fromkeys(("name", "title", "config", "timer", "started", "calibration_drift"), text),
     "source": mapping_of(flat), "scene": mapping_of(lambda value: True), "params": mapping_of(scalar),
@@ -56,6 +57,7 @@ MANIFEST = {
     "methods": list_of(record_of({"id": text, "label": text, "params": mapping_of(scalar)})),
     "device": lambda value: text(value) or DEVICE(value), "versions": mapping_of(scalar),
     "packages": list_of(mapping_of(scalar)), "environment": mapping_of(lambda value: True),
+    "answer": lambda value: value == {} or (record_of(ANSWER)(value) and ANSWER.keys() <= value.keys()),
     "split_s": mapping_of(is_number), "beside_s": mapping_of(is_number),
     "calibration": mapping_of(lambda value: True), "calibration_end": mapping_of(lambda value: True),
     "merged": list_of(mapping_of(lambda value: True)), "noise_floor_rel": lambda value: is_number(value) and value >= 0,

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
+
 from mfr_bench.report import data, figures
+from mfr_bench.report.figures.kind import NothingToDraw
 from mfr_bench.store.arrays import write_arrays
 
 from . import planted
@@ -16,6 +19,13 @@ MAPS = {"kind": "maps", "x": "k", "y": "error"}
 
 def built(tmp_path, cells, options, **manifest):
     return figures.build(data.load(planted.folder(tmp_path, cells, [options], **manifest)), options)
+
+
+def undrawn(*arguments, made=built, **manifest):
+    """The reason why a figure is not drawn."""
+    with pytest.raises(NothingToDraw) as why:
+        made(*arguments, **manifest)
+    return str(why.value)
 
 
 def bars_of(axes):
@@ -48,6 +58,18 @@ def two_methods(**parts):
             for k in (4, 8)] + [
         cell("kplus-sb", "K⁺B-SB", 5.0, {"clear": 0.5, "count": 1.5, "store": 2.0}, params={"k": k}, point={"k": k},
              **parts) for k in (4, 8)]
+
+
+FRAMES = [{"frame": 0, "fragments": 60, "covered_pixels": 30, "max_fragments": 2, "chosen_k": None, "kept": 60,
+           "histogram": [0, 10, 20]}]
+WORK = {"store": {"stored": 1, "invocations": 1, "rasterized": True}}
+
+
+def keep_arrays(folder, **arrays):
+    """Let each cell of the folder keep these arrays, by name."""
+    for found in folder.cells():
+        write_arrays(folder, found["key"], arrays)
+    return folder
 
 
 def curves(axes):

@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import pytest
+
+from mfr_bench.report import style
 
 from . import planted
 from .drawing import (
     STACKED,
+    all_texts,
     bars_of,
     built,
     texts_of,
     two_methods,
+    undrawn,
 )
 from .planted import cell
 
 
-def test_segments_stack_to_the_sum_of_the_passes(tmp_path):
-    axes, = built(tmp_path, two_methods(), STACKED).axes
+def test_segments_divide_the_whole_frame_as_the_passes_do(tmp_path):
+    """Passes are timed in frames of their own, on a noisy host at a slower time: a stack that rose above the frame."""
+    figure = built(tmp_path, two_methods(), STACKED)
+    axes, = figure.axes
     found = [(pytest.approx(bottom), pytest.approx(height), label) for bottom, height, label in bars_of(axes)]
-    of_one_group = [(0, 1, "KB-PS: clear"), (1, 6, "KB-PS: store"), (7, 2.5, "KB-PS: resolve"),
-                    (0, 0.5, "K⁺B-SB: clear"), (0.5, 1.5, "K⁺B-SB: count"), (2, 2, "K⁺B-SB: store")]
+    here, there = 10 / 9.5, 5 / 4  # the whole frame over the sum of its passes
+    of_one_group = [(0, here, "KB-PS: clear"), (here, 6 * here, "KB-PS: store"), (7 * here, 2.5 * here,
+                    "KB-PS: resolve"), (0, 0.5 * there, "K⁺B-SB: clear"), (0.5 * there, 1.5 * there, "K⁺B-SB: count"),
+                    (2 * there, 2 * there, "K⁺B-SB: store")]
     assert found == of_one_group * 2
     assert axes.get_yscale() == "log" and axes.get_ylabel() == "time (ms)"
+    assert "add up to 0.80 to 0.95 times the whole frame" in " ".join(" ".join(all_texts(figure)).split())
 
 
 def test_groups_are_headed_and_bars_are_named_in_the_configs_order(tmp_path):
@@ -36,7 +47,7 @@ def test_the_whole_frames_time_is_written_above_the_bar(tmp_path):
 
 
 @pytest.mark.parametrize(("options", "count", "heights"), [
-    (STACKED, 3, {5.0, 10.0}), (STACKED | {"kind": "bars"}, 3, {10.0}), (STACKED | {"kind": "bars"}, 10, {5.0, 10.0})])
+    (STACKED, 3, {10.0}), (STACKED | {"kind": "bars"}, 3, {10.0}), (STACKED | {"kind": "bars"}, 10, {5.0, 10.0})])
 def test_a_time_that_is_not_the_height_of_its_bar_has_a_line(tmp_path, options, count, heights):
     """Also one of so few samples that it has no interval: else its number would stand in the air."""
     axes, = built(tmp_path, two_methods(count=count), options).axes
@@ -146,7 +157,40 @@ def test_bytes_are_drawn_as_mib(tmp_path):
 
 @pytest.mark.parametrize("panels", [{}, {"panels": "scene.depth_range"}])
 @pytest.mark.parametrize("kind", ["bars", "stacked_passes"])
-def test_a_chart_without_cells_is_drawn(tmp_path, kind, panels):
+def test_a_chart_without_cells_is_not_drawn(tmp_path, kind, panels):
     """A run whose time budget ended before any cell of a figure was measured leaves such a chart."""
-    axes = built(tmp_path, [], {"kind": kind, "x": "k", "y": "time_ms"} | panels).axes
-    assert [patch for each in axes for patch in each.patches if patch.get_width()] == []
+    assert undrawn(tmp_path, [], {"kind": kind, "x": "k", "y": "time_ms"} | panels) == "no cell has time_ms"
+
+
+def test_sorted_bars_stand_from_the_lowest_to_the_highest(tmp_path):
+    """Of 45 methods in the catalog's order nobody finds the fastest; those without a time stand last."""
+    cells = [cell("kb", "KB", None, status="unsupported", reason="needs x"), *(cell(m, m, ms) for m, ms in (
+        ("ab-ll", 3.0), ("ab-array", 1.0), ("wboit", 2.0)))]
+    options = {"kind": "bars", "x": "n", "y": "time_ms"}
+    texts = texts_of(built(tmp_path / "as-planned", cells, options).axes[0])
+    assert [t for t in texts if t in ("KB", "ab-ll", "ab-array", "wboit")] == ["KB", "ab-ll", "ab-array", "wboit"]
+    texts = texts_of(built(tmp_path / "sorted", cells, options | {"sorted": True}).axes[0])
+    assert [t for t in texts if t in ("KB", "ab-ll", "ab-array", "wboit")] == ["ab-array", "wboit", "ab-ll", "KB"]
+
+
+def test_the_answer_of_a_decision_is_framed_and_told(tmp_path):
+    """It is the likeliest to be the fastest, which the least median of few frames need not be."""
+    cells = [cell(m, m, ms) for m, ms in (("ab-array", 1.0), ("ab-ll", 1.1))]
+    figure = built(tmp_path, cells, {"kind": "bars", "x": "n", "y": "time_ms", "sorted": True},
+                   answer={"key": cells[1]["key"], "confidence": 0.734})
+    axes, = figure.axes
+    assert [t.get_text() for t in axes.texts if t.get_fontweight() == "bold" and t.get_rotation() == 90] == ["ab-ll"]
+    frames = [p for p in axes.patches if p.get_facecolor()[3] == 0 and p.get_edgecolor()[3] and not p.get_hatch()]
+    assert [round(p.get_x() + p.get_width() / 2) for p in frames] == [1]
+    assert "Framed: the answer, ab-ll, the fastest with a chance of 73 %." in " ".join(all_texts(figure))
+
+
+def test_bars_that_are_alike_in_grey_differ_in_hatching():
+    """Whatever stands side by side: any two methods of the catalog, and the variants of one."""
+    colours = style.method_colours()
+    found = style.hatches(colours, {m: m for m in colours})
+    alike = [(a, b) for a, b in combinations(colours, 2)
+             if abs(style.lightness(colours[a]) - style.lightness(colours[b])) < style.ALIKE]
+    assert len(alike) > 200 and all(found[a] != found[b] for a, b in alike)
+    variants = {f"KB {i}": "#0618f7" for i in range(len(style.HATCHES))}
+    assert len(set(style.hatches(variants, dict.fromkeys(variants, "kb")).values())) == len(style.HATCHES)

@@ -3,6 +3,7 @@
 import pytest
 
 from mfr_bench.report import data, figures, frontier
+from mfr_bench.report.figures.kind import NothingToDraw
 
 from . import planted
 
@@ -77,7 +78,8 @@ def drawn(axes):
 def test_nothing_measured_is_no_mistake(tmp_path):
     empty = load(tmp_path, [])
     assert frontier.tables(empty, "rmse") == []
-    assert figures.render(figures.build(empty, FIGURE))["png"]
+    with pytest.raises(NothingToDraw, match="no cell has both time_ms and rmse"):
+        figures.build(empty, FIGURE)
 
 
 @pytest.mark.parametrize("x", ["time_ms", "memory_bytes"])

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
 from mfr_bench.report import data, figures
 from mfr_bench.report.figures import sheet
 from mfr_bench.report.figures.kinds.work import NEAR, _spread
 from mfr_bench.report.tables import markdown
-from mfr_bench.store.arrays import write_arrays
 
 from . import planted
+from .drawing import FRAMES, WORK, keep_arrays
 from .planted import cell
 
 LINES = {"kind": "lines", "x": "n", "y": "time_ms", "log": "xy", "log_base": 2}
@@ -52,10 +53,23 @@ def test_size_profile_and_scene_are_said_and_symbols_spelt_out(tmp_path, kind):
 def test_the_scene_is_that_of_the_cells_of_the_figure(tmp_path, kind):
     """k is none of A-buffers, and no other method's n is theirs."""
     lists = [cell("ab-ll", "AB_LL", 4.0, scene={"depth_complexity": n}, point={"scene.depth_complexity": n},
-                  work={"store": {"stored": 1, "rasterized": True}}) for n in (16, 32)]
+                  work=WORK, frames=FRAMES) for n in (16, 32)]
     options = kind | {"methods": ["ab-ll"]}
-    said = small_print(built(planted.folder(tmp_path, [*lists, at(4, 64), at(31, 64)], [options]), options))
+    folder = keep_arrays(planted.folder(tmp_path, [*lists, at(4, 64), at(31, 64)], [options]), error=np.zeros((4, 4)))
+    said = small_print(built(folder, options))
     assert "depth complexity n = 16 … 32 (" in said and "k = " not in said
+
+
+def test_a_mesh_is_told_with_the_depth_and_the_coverage_that_it_has(tmp_path):
+    """It has no n and no p_d, and k is of the methods."""
+    mesh = {"kind": "mesh", "size": [10, 8], "file": "meshes/knot.obj", "order": "file", "alpha": "material",
+            "fragment_probability": 1.0, "depth_complexity": None, "pixel_density": None, "layout": None}
+    counted = {"max_fragments": 6, "covered_pixels": 20}
+    cells = [cell(m, m, 1.0, scene=mesh, params={"k": k}, values=counted) for m, k in (("kb", 4), ("kplus-array", 16))]
+    options = {"kind": "bars", "x": "order", "y": "time_ms"}
+    said = small_print(built(planted.folder(tmp_path, cells, [options], profile="smoke"), options))
+    assert ("Scene: 10×8 pixels; up to 6 fragments per pixel; 25 % of the pixels covered; mesh; order file; opacity "
+            "material; knot.obj; profile smoke. Methods: k = 4 … 16 (fragments kept per pixel).") in said
 
 
 def test_a_cell_that_is_drawn_is_not_called_not_drawn(tmp_path):
@@ -107,11 +121,7 @@ def test_markers_of_work_that_would_hide_each_other_stand_apart():
 
 
 def test_black_maps_say_why(tmp_path):
-    import numpy as np
-
-    folder = planted.folder(tmp_path, [cell("kb", "KB", 1.0)])
-    for found in folder.cells():
-        write_arrays(folder, found["key"], {"error": np.full((8, 8), 1e-7)})
+    folder = keep_arrays(planted.folder(tmp_path, [cell("kb", "KB", 1.0)]), error=np.full((8, 8), 1e-7))
     said = small_print(built(folder, {"kind": "maps", "x": "k", "y": "error"}))
     assert "less than one step of 8 bits" in said and "because the images are right" in said
 

@@ -20,11 +20,16 @@ from mfr_bench.report.reference import Printed
 from mfr_bench.store.arrays import write_arrays
 
 from . import planted
-from .drawing import KINDS, MAPS, STACKED, mapped, two_methods
+from .drawing import FRAMES, KINDS, MAPS, STACKED, WORK, keep_arrays, mapped, two_methods
 
 EVERY_KIND = [*KINDS, MAPS, {"kind": "histogram", "x": "k"}, {"kind": "pareto", "x": "time_ms", "y": "rmse"},
               {"kind": "heat", "x": "k", "y": "best_ratio", "rows": "n"}, {"kind": "work", "x": "k", "y": "time_ms"},
               {"kind": "breaking", "x": "k"}]
+
+
+def of_every_kind(path):
+    """A folder with something to draw for each kind of figure."""
+    return keep_arrays(planted.folder(path, two_methods(frames=FRAMES, work=WORK), EVERY_KIND), error=np.zeros((4, 4)))
 
 
 def drawn(folder, **how):
@@ -180,7 +185,7 @@ def test_no_figure_reads_what_its_mark_leaves_out(tmp_path):
             read.add(name)
             return super().get(name, default)
 
-    folder = planted.folder(tmp_path, two_methods(), EVERY_KIND)
+    folder = of_every_kind(tmp_path)
     manifest = folder.manifest()
     folder.manifest = lambda: Told(manifest)
     result = data.load(folder)
@@ -190,7 +195,7 @@ def test_no_figure_reads_what_its_mark_leaves_out(tmp_path):
 
 
 def test_the_mark_covers_all_code_that_draws(tmp_path):
-    planted.folder(tmp_path, two_methods(), EVERY_KIND)
+    of_every_kind(tmp_path)
     code = ("import sys, json; from mfr_bench import store; from mfr_bench.report import write_figures; "
             f"write_figures(store.ResultFolder({str(tmp_path)!r})); "
             "print(json.dumps([m.__file__ for n, m in sys.modules.items() if n.partition('.')[0] == 'mfr_bench']))")

@@ -10,13 +10,14 @@ from typing import Any
 
 from ...store import ResultFolder
 from .point import Point
-from .words import bare, figure_of, heading, plain
+from .words import bare, figure_of, heading, percent, plain
 
 SPELT_OUT = {  # symbols, as headings and axes have them
     "depth_complexity": "depth complexity n = {} ({})",
-    "k": "k = {} (fragments kept per pixel)",
     "pixel_density": "pixel density p_d = {} (covered pixels / all)",
     "fragment_probability": "fragment probability f_p = {} (share that is not discarded)"}
+KEPT = "Methods: k = {} (fragments kept per pixel)."
+ALL_SHADED = 1.0  # the fragment probability of every scene that no generator of fragments makes
 EVERY, MOST = "fragments per covered pixel", "most fragments of a pixel"
 N_COUNTS = {"mixed": MOST, "random": "mean fragments per pixel of the block"}  # of quads, by layout
 MOST_OF = ("hairball", "needles", "temple")
@@ -63,10 +64,14 @@ class Result:
         return self.scene_of(self.points)
 
     def scene_of(self, points: Sequence[Point]) -> str:
-        """One line: viewport, profile and scene, with the symbols of the headings spelt out; empty without points."""
+        """One line: viewport, scene and profile, with the symbols of the headings spelt out; then k, a key of methods.
+
+        Empty without points.
+        """
         profile = self.manifest.get("profile")
-        said = scene_words(points)
-        return f"Scene: {said}{f'; profile {profile}' if profile else ''}." if said else ""
+        said, kept = scene_words(points), _values(points, "k")
+        scene = f"Scene: {said}{f'; profile {profile}' if profile else ''}." if said else ""
+        return " ".join(filter(None, (scene, KEPT.format(_range(kept)) if kept else "")))
 
     @property
     def readings(self) -> str:
@@ -159,10 +164,27 @@ def scene_words(points: Sequence[Point]) -> str:
         return ""
     parts = [f"{_range(values(points, 'size'))} pixels"]
     parts += [text.format(_range(found), _counted(points)) for name, text in SPELT_OUT.items()
-              if (found := _values(points, name))]
+              if (found := _values(points, name)) and not _unsaid(points, name, found)]
+    parts += _found(points)
     parts += [f"{text}{_range(found, ', ')}" for name, text in SCENE_WORDS.items() if (found := values(points, name))]
     parts += [", ".join(dict.fromkeys(PurePath(file).name for file in values(points, "file")))]
     return "; ".join(part for part in parts if part)
+
+
+def _unsaid(points: Iterable[Point], name: str, found: Sequence[Any]) -> bool:
+    """Whether a key has no say in any of the scenes: each of them shades whatever it has."""
+    return name == "fragment_probability" and found == [ALL_SHADED] and all(p.at("n") is None for p in points)
+
+
+def _found(points: Iterable[Point]) -> list[str]:
+    """The depth and the coverage that were counted in scenes that give neither, such as meshes."""
+    rows = [p.row for p in points if p.at("n") is None]
+    deepest = sorted({row["max_fragments"] for row in rows} - {None})
+    covered = sorted({row["covered_pixels"] / (row["width"] * row["height"]) for row in rows
+                      if row["covered_pixels"] is not None})
+    ends = " … ".join(dict.fromkeys(percent(share) for share in covered[:1] + covered[-1:]))
+    return ([f"up to {_range(deepest)} fragments per pixel"] if deepest else []) + (
+        [f"{ends} of the pixels covered"] if covered else [])
 
 
 def _counted(points: Iterable[Point]) -> str:

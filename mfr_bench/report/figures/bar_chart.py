@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from .. import data, style
 from ..data import Point, Result, number
 from .marks import Mark, draw_marks, marks_of
-from .scales import log_axes, log_axis, log_base, nothing, y_label
-from .series import Options, is_drawn, labels_of, panels_of, refusals, y_text
+from .scales import log_axes, log_axis, log_base, y_label
+from .series import Options, hold_drawn, is_drawn, labels_of, panels_of, refusals, y_text
 from .sheet import (
     EDGE,
     HEADING_IN,
@@ -79,12 +79,20 @@ def _rows(points: Sequence[Point], options: Options) -> list[tuple[str, list[Bar
     rows = []
     for panel, members in panels_of(points, options):
         groups = _groups(members, options["x"])
+        if options.get("sorted"):
+            groups = [(name, sorted(entries, key=lambda entry: height(entry[1], options["y"])))
+                      for name, entries in groups]
         widest = max((len(entries) for _, entries in groups), default=1) + GROUP_GAP
         most = max(1, int((SLOTS_PER_ROW + GROUP_GAP) // widest))
         count = max(1, math.ceil(len(groups) / most))
         each = math.ceil(len(groups) / count)
         rows += [(panel, _placed(groups[i:i + each])) for i in range(0, max(1, len(groups)), max(1, each))]
     return rows
+
+
+def height(point: Point | None, y: str) -> float:
+    """The value of a bar; more than any where there is none."""
+    return point.shown(y)[1] if point is not None and is_drawn(point, y) else math.inf
 
 
 def _placed(groups) -> list[BarGroup]:
@@ -123,6 +131,20 @@ class Chart:
     def marks(self) -> list[Mark]:
         """The paper's printed numbers at their bars."""
         return marks_of(self.result, self.options, self.points)
+
+    @cached_property
+    def answer(self) -> Point | None:
+        """The cell that a decision named, if the manifest has one and it is drawn."""
+        key = (self.result.manifest.get("answer") or {}).get("key")
+        return next((p for p in self.points if p.cell["key"] == key), None)
+
+    @property
+    def answered(self) -> list[str]:
+        """The sentence on how the answer of a decision is marked."""
+        if self.answer is None:
+            return []
+        chance = data.percent(self.result.manifest["answer"]["confidence"])
+        return [f"Framed: the answer, {self.answer.label}, the fastest with a chance of {chance}."]
 
     @property
     def log(self) -> bool:
@@ -183,6 +205,8 @@ def _extent(groups: Sequence[BarGroup]) -> float:
 
 
 def bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
+    """The figure, with what the notes say in its small print. Raises NothingToDraw where no bar has a height."""
+    hold_drawn(chart.points, chart.y)
     rows = _rows(chart.points, chart.options)
     slots = max((_extent(groups) for _, groups in rows), default=_extent([]))
     width = min(style.WIDTH_IN, max(style.NARROW_IN, LEFT + RIGHT + 0.3 * slots))
@@ -197,7 +221,7 @@ def bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
     panelled = any(panel for panel, _ in rows)
     row_height = HEADING_IN * (2 if panelled else 1) + plot_height + label_height
     gap = 0.06
-    notes = [*notes, *refusals(chart.points)]
+    notes = [*notes, *chart.answered, *refusals(chart.points)]
     sheet = sheet_of(chart.result, chart.options, chart.points, notes, width,
                      legend_height + len(rows) * (row_height + gap))
     figure = sheet.figure()
@@ -248,11 +272,12 @@ def _bar_row(axes: Axes, chart: Chart, groups: Sequence[BarGroup], slot_width: f
         axes.axhline(floor_ms, color=style.INK, linewidth=0.8, linestyle="--", zorder=1, label="floor")
     axes.set_xticks([])
     for slot in slots:
+        answer = slot.point is not None and slot.point is chart.answer
         axes.annotate(_broken(slot.label, slot_width), (slot.x, 0), (0, -3), xycoords=axes.get_xaxis_transform(),
                       rotation=90, textcoords="offset points", ha="center", va="top", linespacing=1.0,
-                      fontsize=_label_size(slot_width))
-    if not slots:
-        nothing(axes)
+                      fontsize=_label_size(slot_width), fontweight="bold" if answer else "normal")
+        if answer:
+            axes.axvspan(slot.x - 0.5, slot.x + 0.5, facecolor="none", edgecolor=style.INK, linewidth=1.0, zorder=5)
     axes.grid(axis="y", which="major")
 
 
@@ -297,8 +322,9 @@ def _bar(axes: Axes, slot: Slot, segments: Sequence[Segment], hatch: str) -> Non
                                   label=f"{slot.label}: {segment.name}" if segment.name else slot.label))
         below += segment.height
     if hatch:
-        axes.add_artist(Rectangle((slot.x - 0.42, 0.0), 0.84, below, facecolor="none", edgecolor=style.HATCH_INK,
-                                  hatch=hatch, linewidth=0, zorder=2.5, label=f"hatch {hatch}"))
+        ink = style.hatch_ink([segment.colour for segment in segments])
+        axes.add_artist(Rectangle((slot.x - 0.42, 0.0), 0.84, below, facecolor="none", edgecolor=ink, hatch=hatch,
+                                  linewidth=0, zorder=2.5, label=f"hatch {hatch}"))
 
 
 def _totals(axes: Axes, slots: Sequence[Slot], chart: Chart) -> None:

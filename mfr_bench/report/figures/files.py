@@ -19,6 +19,7 @@ from .. import data, style
 from ..data import Result
 from . import inputs
 from .entry import build
+from .kind import NothingToDraw
 from .series import Options
 from .sheet import POINTS, lacking_glyphs, styled
 
@@ -36,11 +37,15 @@ DRAWS = ("matplotlib.figure", f"{__package__}.canvas")  # long to import
 
 @dataclass(frozen=True)
 class Drawn:
-    """The files of a folder's figures, how many figures of them were up to date, and what could not be used."""
+    """The files of a folder's figures, how many figures of them were up to date, and lines on what went wrong.
+
+    damaged: files that could not be used. empty: figures that are not drawn, since no cell has a value for them.
+    """
 
     paths: list[Path]
     kept: int
     damaged: list[str]
+    empty: list[str]
 
 
 def prepare_to_draw() -> None:
@@ -53,11 +58,14 @@ def write_figures(folder: ResultFolder, processes: int | None = 1, force: bool =
     """Write figures/<name>.png and .svg, numbered where there are several. Raises StoreError.
 
     A figure whose files bear the digest of all that it is drawn from is left as it is, unless `force` says otherwise;
-    see `inputs`. Files of this experiment's name that an earlier config left there are removed. With more
-    `processes` these share the figures, see `in_processes`.
+    see `inputs`. Files of this experiment's name that an earlier config left there are removed. A figure without a
+    value is not drawn; a warning says so. With more `processes` these share the figures, see `in_processes`.
     """
     remove_parts(folder.path / "figures")
-    return _drawn(folder, processes, force).paths
+    drawn = _drawn(folder, processes, force)
+    for line in drawn.empty:
+        warnings.warn(line, stacklevel=2)
+    return drawn.paths
 
 
 def _drawn(folder: ResultFolder, processes: int | None = 1, force: bool = False) -> Drawn:
@@ -65,12 +73,13 @@ def _drawn(folder: ResultFolder, processes: int | None = 1, force: bool = False)
     stems, target = _stems(planned), folder.path / "figures"
     marks = inputs.marks(folder, stems) if stems else []
     due = [force or not _current(stem, mark) for stem, mark in zip(stems, marks, strict=True)]
+    empty: list[str] = []
     if any(due) or not due:  # without figures too: what could not be used is told
         result = data.load(folder)
         tasks = zip(stems, result.figures, marks, strict=True)
-        _draw_all(result, [task for task, wanted in zip(tasks, due, strict=True) if wanted], processes)
+        empty = _draw_all(result, [task for task, wanted in zip(tasks, due, strict=True) if wanted], processes)
     _remove_others(target, {stem.name for stem in stems}, file_name(planned.name))
-    return Drawn(_files(stems), due.count(False), folder.damaged)
+    return Drawn(_there(stems), due.count(False), folder.damaged, empty)
 
 
 def _current(stem: Path, mark: str) -> bool:
@@ -79,6 +88,11 @@ def _current(stem: Path, mark: str) -> bool:
 
 def _files(stems: Iterable[Path]) -> list[Path]:
     return [stem.with_name(f"{stem.name}.{suffix}") for stem in stems for suffix in FORMATS]
+
+
+def _there(stems: Iterable[Path]) -> list[Path]:
+    """The files of those figures that are drawn."""
+    return [path for path in _files(stems) if path.is_file()]
 
 
 def _remove_others(target: Path, stems: Collection[str], name: str) -> None:
@@ -122,7 +136,7 @@ def _if_current(folder: ResultFolder) -> Drawn | None:
     """The figures of a folder, where none is due."""
     stems = _stems(Result(folder, folder.manifest(), ()))
     if stems and all(map(_current, stems, inputs.marks(folder, stems))):
-        return Drawn(_files(stems), len(stems), folder.damaged)
+        return Drawn(_files(stems), len(stems), folder.damaged, [])
     return None
 
 
@@ -150,8 +164,10 @@ def write_panels(folders: Sequence[ResultFolder], target: Path) -> list[Path]:
         result = replace(result, manifest={**result.manifest, "source": source})
     joined = _by_device(result)
     stems = _stems(joined, target)
-    _draw_all(joined, [(stem, options, "") for stem, options in zip(stems, joined.figures, strict=True)], 1)
-    return _files(stems)
+    tasks = [(stem, options, "") for stem, options in zip(stems, joined.figures, strict=True)]
+    for line in _draw_all(joined, tasks, 1):
+        warnings.warn(line, stacklevel=2)
+    return _there(stems)
 
 
 def evenly(order: Sequence[Any], most: int) -> list[Any]:
@@ -190,23 +206,36 @@ def _by_device(result: Result) -> Result:
 Task = tuple[Path, Options, str]  # a figure's files without their endings, its entry in the config, and its mark
 
 
-def _draw_all(result: Result, tasks: Sequence[Task], processes: int | None) -> None:
+def _draw_all(result: Result, tasks: Sequence[Task], processes: int | None) -> list[str]:
+    """Draw figures; a line for each that no cell has a value for."""
     if not tasks:
-        return  # before matplotlib is imported
+        return []  # before matplotlib is imported
     if any(options.get("kind") == "maps" for _, options, _ in tasks):
         for point in result.points:  # read here, to report unreadable files, which another process would not
             _ = point.arrays
     with uncollected():  # collecting takes a fifth of the time, and everything lives to the end anyway
         unmarked = result.folder.damaged or _boxes_told(result)
         tasks = [(stem, options, "" if unmarked else mark) for stem, options, mark in tasks]
-        for _ in in_processes(partial(_write, result), tasks, processes, DRAWS):
-            pass
+        return list(filter(None, in_processes(partial(_write, result), tasks, processes, DRAWS)))
 
 
-def _write(result: Result, task: Task) -> None:
+def _write(result: Result, task: Task) -> str:
+    """Write the files of a figure; where there is nothing to draw, remove them, and say why."""
     stem, options, mark = task
-    for suffix, content in render(build(result, options), mark).items():
+    try:
+        figure = build(result, options)
+    except NothingToDraw as why:
+        for path in _files([stem]):
+            path.unlink(missing_ok=True)
+        return undrawn(stem, options, why)
+    for suffix, content in render(figure, mark).items():
         write_file(stem.with_name(f"{stem.name}.{suffix}"), content)
+    return ""
+
+
+def undrawn(stem: Path, options: Options, why: NothingToDraw) -> str:
+    """The line on a figure that is not drawn."""
+    return f"{stem}: not drawn ({options['kind']} of {options.get('y') or 'time_ms'}): {why}"
 
 
 def _boxes_told(result: Result) -> bool:

@@ -10,6 +10,10 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 
+class NothingToDraw(Exception):  # noqa: N818 - no error: a figure without a value is not drawn
+    """No cell has a value that the figure shows; the text says why."""
+
+
 @dataclass(frozen=True)
 class Key:
     """A key of a figure's entry in a config.
@@ -56,6 +60,7 @@ X_LABEL = Key("x_label", "text of the x axis")
 Y_LABEL = Key("y_label", "text of the y axis")
 PANELS = Key("panels", "a panel for each of its values", names="column")
 FLOOR = Key("floor", "the time of the floor as a dashed line", "flag", default=False)
+SORTED = Key("sorted", "the bars of each group from the lowest to the highest", "flag", default=False)
 PASSES = Key("passes", "the time of the first of these passes that a method has, instead of y", "texts", (),
              of="names of passes")
 GAIN_OF = Key("gain_of", "what this parameter gains over its first value, instead of y", names="parameter")

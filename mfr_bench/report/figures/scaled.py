@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import re
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,8 @@ from .. import data
 from ..latex import escaped
 from ..look import Look, laid_out
 from .entry import build
-from .files import FORMATS, figure_paths
+from .files import FORMATS, figure_paths, undrawn
+from .kind import NothingToDraw
 from .sheet import styled
 
 if TYPE_CHECKING:
@@ -28,8 +30,14 @@ def write_scaled(folder: ResultFolder, look: Look) -> list[Path]:
         for place, options in zip(figure_paths(result), result.figures, strict=True):
             for suffix in look.formats:
                 path = place.parent / look.name / f"{place.stem}.{suffix}"
+                try:
+                    figure = build(result, options)
+                except NothingToDraw as why:
+                    path.unlink(missing_ok=True)
+                    warnings.warn(undrawn(path.with_suffix(""), options, why), stacklevel=2)
+                    continue
                 path.parent.mkdir(parents=True, exist_ok=True)
-                WRITERS[suffix](build(result, options), look, path)
+                WRITERS[suffix](figure, look, path)
                 written.append(path)
     return written
 

@@ -54,7 +54,3 @@ def log_axes(options: Options) -> str:
 
 def log_base(options: Options) -> int:
     return int(options.get("log_base") or 10)
-
-
-def nothing(axes: Axes) -> None:
-    axes.text(0.5, 0.5, "nothing measured", transform=axes.transAxes, ha="center", color=style.QUIET, style="italic")

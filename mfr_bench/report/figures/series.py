@@ -11,6 +11,7 @@ from typing import Any
 from ...stats import Interval
 from .. import data
 from ..data import Point, Result
+from .kind import NothingToDraw
 
 Options = Mapping[str, Any]
 LOSES_TIES = "of fragments of equal depth it keeps one"
@@ -112,6 +113,12 @@ def labels_of(points: Iterable[Point]) -> list[str]:
 
 def is_drawn(point: Point, y: str) -> bool:
     return point.ending.timed and point.shown(y)[1] is not None
+
+
+def hold_drawn(points: Sequence[Point], y: str) -> None:
+    """Raise NothingToDraw where none of the points of a figure has a value of y; with what kept them from it."""
+    if not any(is_drawn(p, y) for p in points):
+        raise NothingToDraw(" ".join([f"no cell has {y}.", *refusals(points)]).rstrip("."))
 
 
 def axis_label(name: str) -> str:

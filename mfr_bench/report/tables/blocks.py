@@ -12,8 +12,6 @@ from ..data import Point, Result, number
 from .fields import (
     FASTEST_NOTE,
     MEMORY_NOTE,
-    NOISY,
-    NOISY_NOTE,
     RATIO_NOTE,
     TIME_NOTE,
     memory_field,
@@ -58,8 +56,6 @@ class Block:
                      for name in names)
         heads = (data.heading(self.axis, c) if self.axis else "all" for c in columns)
         title = f"{title} ({self.where})" if self.where else title
-        if any(f" {NOISY}" in text for text in found.values()):
-            note = f"{note}; {NOISY_NOTE}"
         return Grid(title, note, (corner, *heads), tuple(row for row in rows if set(row[1:]) - {"", ABSENT}))
 
     def measure_grids(self) -> list[Grid]:

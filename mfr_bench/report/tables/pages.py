@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ...store import ResultFolder
 from .. import data, frontier
 from ..data import Point, Result
 from .blocks import blocks_of
 from .checks import breaking_grids, image_grid, printed_grid
+from .fields import NOISY, NOISY_NOTE
 from .grid import Grid, bulleted
 from .nodes import nodes_grid
 from .places import places_grids
@@ -65,7 +67,13 @@ def _sections(result: Result, passes: bool) -> list[Grid]:
     errors = dict.fromkeys(figure["y"] for figure in result.figures
                            if figure.get("kind") == "pareto" and figure.get("y") in data.MEASURES)
     grids += [Grid(*table) for error in list(errors)[:1] for table in frontier.tables(result, error)]
-    return [grid for grid in grids if grid.rows]
+    return _noisy_told([grid for grid in grids if grid.rows])
+
+
+def _noisy_told(grids: Sequence[Grid]) -> list[Grid]:
+    """The grids, the first that calls a time or a ratio noisy with the note on what that means."""
+    first = next((grid for grid in grids if any(f" {NOISY}" in text for row in grid.rows for text in row[1:])), None)
+    return [replace(grid, note=f"{grid.note}\n{NOISY_NOTE}") if grid is first else grid for grid in grids]
 
 
 def terminal_table(folder: ResultFolder, width: int = WIDTH) -> str:

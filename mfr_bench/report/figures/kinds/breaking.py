@@ -10,8 +10,7 @@ from ... import breaking as found_by
 from ... import data, style
 from ...breaking import FAULTS, HOLDS, Ladder, state
 from ...data import Result
-from ..kind import PANELS, X_LABEL, Kind
-from ..scales import nothing
+from ..kind import PANELS, X_LABEL, Kind, NothingToDraw
 from ..series import Options, axis_label, labels_of, series_of
 from ..sheet import EDGE, HEADING_IN, sheet_of, text_width, widest
 
@@ -32,6 +31,8 @@ def draw(result: Result, options: Options) -> Figure:
     axis, panels = str(options["x"]), options.get("panels")
     points = series_of(result, options)
     ladders = found_by.ladders(result, points, axis, panels)
+    if not ladders:
+        raise NothingToDraw("no cell was measured")
     labels = [label for label in labels_of(points) if any(ladder.label == label for ladder in ladders)]
     groups: dict[Any, list[Ladder]] = {}
     for ladder in ladders:
@@ -56,11 +57,8 @@ def draw(result: Result, options: Options) -> Figure:
         axes.set_title(data.heading(panels, panel) if panels else "", loc="left")
         axes.set_yticks(range(len(labels)), shown.values() if i == 0 else [""] * len(labels), fontsize=LABEL_PT)
         axes.set_xlabel(str(options.get("x_label") or axis_label(axis)))
-    if groups:
-        figure.legend(*_legend(ladders), loc="upper left", ncols=4, fontsize=SIGN_PT + 1, columnspacing=1.2,
-                      handlelength=1.2, bbox_to_anchor=(EDGE / sheet.width, sheet.y(0)), borderaxespad=0, borderpad=0)
-    else:
-        nothing(sheet.axes(figure, left, LEGEND_IN, room, height))
+    figure.legend(*_legend(ladders), loc="upper left", ncols=4, fontsize=SIGN_PT + 1, columnspacing=1.2,
+                  handlelength=1.2, bbox_to_anchor=(EDGE / sheet.width, sheet.y(0)), borderaxespad=0, borderpad=0)
     return figure
 
 

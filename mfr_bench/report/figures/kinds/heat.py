@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ... import data, style
 from ...data import Point, Result, number
-from ..kind import Key, Kind
+from ..kind import Key, Kind, NothingToDraw
 from ..series import Options, axis_label
 from ..sheet import EDGE, fitted, sheet_of
 
@@ -33,6 +33,8 @@ KIND = Kind("a table of y, `rows` down and x across, with a panel for each value
 def draw(result: Result, options: Options) -> Figure:
     """A panel for each value of all other axes: `rows` down, x across, the value of y in each field."""
     chart = Heat(result, options)
+    if not chart.values:
+        raise NothingToDraw("no cell has a value to compare")
     columns = min(COLUMNS, max(1, len(chart.panels)))
     width = (style.WIDTH_IN - 2 * EDGE) / columns
     heading_in = HEADING_IN if any(heading for heading, _ in chart.panels) else 0.06
@@ -152,8 +154,6 @@ class Heat:
 
     def notes(self) -> list[str]:
         shown = list(self.values.values())
-        if not shown:
-            return ["Nothing to compare."]
         if self.options["y"] != BEST:
             text = (f"{data.MEASURES[self.options['y']]}: from {number(min(shown))} to {number(max(shown))}, median "
                     f"{number(sorted(shown)[len(shown) // 2])}, over {len(shown)} scenes.")

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from ... import data, style
 from ...data import Point, Result
-from ..kind import LOG, LOG_BASE, X_LABEL, Y_LABEL, Kind
-from ..scales import log_axes, log_axis, log_base, nothing, y_label
+from ..kind import LOG, LOG_BASE, X_LABEL, Y_LABEL, Kind, NothingToDraw
+from ..scales import log_axes, log_axis, log_base, y_label
 from ..series import Options, series_of
 from ..sheet import EDGE, HEADING_IN, LEFT, sheet_of
 
@@ -40,22 +40,22 @@ def draw(result: Result, options: Options) -> Figure:
     """A panel for each scene that the figure's cells share, and for each frame of an animation."""
     points = [p for p in series_of(result, options) if p.ending.timed]
     panels = _panels(result, points, options["x"])
-    columns = min(COLUMNS, max(1, len(panels)))
-    rows = max(1, math.ceil(len(panels) / columns))
+    if not panels:
+        raise NothingToDraw(" ".join(["only moving scenes and methods that choose k have histograms.",
+                                      *_notes(result, points)]).rstrip("."))
+    columns = min(COLUMNS, len(panels))
+    rows = math.ceil(len(panels) / columns)
     step = HEADING_IN + PLOT_HEIGHT + BELOW
     sheet = sheet_of(result, options, points, _notes(result, points), style.WIDTH_IN, rows * step + 0.06)
     figure = sheet.figure()
     width = (style.WIDTH_IN - LEFT - EDGE - GAP * (columns - 1)) / columns
     grid: list[Axes] = []
-    for i in range(max(1, len(panels))):
+    for i, panel in enumerate(panels):
         shared = {"sharex": grid[0], "sharey": grid[0]} if grid else {}
         left, top = LEFT + i % columns * (width + GAP), i // columns * step + HEADING_IN
         axes = sheet.axes(figure, left, top, width, PLOT_HEIGHT, **shared)
         grid.append(axes)
-        if panels:
-            _draw(axes, panels[i])
-        else:
-            nothing(axes)
+        _draw(axes, panel)
     room = LABEL_STEP * max((len({k for _, k in panel.chosen}) for panel in panels), default=0)
     for i, axes in enumerate(grid):
         _finish(axes, options, room, leftmost=i % columns == 0, lowest=i + columns >= len(grid))

@@ -14,8 +14,8 @@ from ...data import Point, Result
 from ..fits import DEGREES, Fit, draw_fit, fits_of, room_for
 from ..kind import FLOOR, GAIN_OF, LOG, LOG_BASE, PANELS, PASSES, PRINTED, X_LABEL, Y_LABEL, Key, Kind
 from ..marks import Guide, Mark, draw_guides, draw_marks, guides_of, marks_of
-from ..scales import log_axes, log_axis, log_base, nothing, tick, y_label
-from ..series import Options, axis_label, gaps, labels_of, panels_of, refusals, series_of, y_text
+from ..scales import log_axes, log_axis, log_base, tick, y_label
+from ..series import Options, axis_label, gaps, hold_drawn, labels_of, panels_of, refusals, series_of, y_text
 from ..sheet import EDGE, HEADING_IN, LEFT, LONG_LABEL, fitted, sheet_of, text_width, widest
 
 if TYPE_CHECKING:
@@ -38,6 +38,7 @@ KIND = Kind(
 def draw(result: Result, options: Options) -> Figure:
     """x against y, one line per method with its interval; kplus_2015 Fig. 9, gpupro5 Figs. 1.4 to 1.7."""
     chart = LineChart(result, options, tuple(series_of(result, options)))
+    hold_drawn(chart.points, chart.y)
     panels = panels_of(chart.points, options)
     columns = 1 if options.get("fit") else min(3, len(panels)) or 1
     rows = math.ceil(len(panels) / columns)
@@ -63,12 +64,9 @@ def draw(result: Result, options: Options) -> Figure:
     for i, axes in enumerate(grid):
         chart.finish(axes, panel_width, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
     handles = chart.handles(grid)
-    if handles:
-        figure.legend(handles.values(), [entries[name] for name in handles], loc="upper left", handlelength=3.0,
-                      labelspacing=0.55, borderpad=0, borderaxespad=0,
-                      bbox_to_anchor=(1 - (legend_width + EDGE) / sheet.width, sheet.y(heading)))
-    elif grid:
-        nothing(grid[0])
+    figure.legend(handles.values(), [entries[name] for name in handles], loc="upper left", handlelength=3.0,
+                  labelspacing=0.55, borderpad=0, borderaxespad=0,
+                  bbox_to_anchor=(1 - (legend_width + EDGE) / sheet.width, sheet.y(heading)))
     return figure
 
 

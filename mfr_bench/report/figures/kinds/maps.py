@@ -12,8 +12,7 @@ from ... import data, style
 from ...checkerboard import over_checkerboard
 from ...data import Point, Result, number
 from ..bar_chart import UNMEASURED
-from ..kind import Kind
-from ..scales import nothing
+from ..kind import Kind, NothingToDraw
 from ..series import Options, labels_of, refusals, series_of
 from ..sheet import EDGE, fitted, sheet_of
 
@@ -37,8 +36,10 @@ KIND = Kind("the array y that each cell keeps, as pixels; kplus_2015 Fig. 10, oc
 def draw(result: Result, options: Options) -> Figure:
     """A panel for each cell: rows by label and columns by x where x varies, else the labels in rows."""
     chart = Maps(result, options, tuple(p for p in series_of(result, options) if not data.is_floor(p)))
+    if not chart.kept:
+        raise NothingToDraw(f"no cell keeps the array {chart.name}")
     rows = chart.rows()
-    columns = max((len(row) for row in rows), default=1)
+    columns = max(map(len, rows))
     bar = BAR if chart.scaled else 0.0
     room = style.WIDTH_IN - 2 * EDGE - bar - GAP * (columns - 1)
     width = min(2.2, room / columns)
@@ -46,12 +47,8 @@ def draw(result: Result, options: Options) -> Figure:
     lines = max((len(chart.heading(point, width)) for point in chart.points), default=0)
     heading = HEADING + LINE * max(0, lines - 2)
     sheet = sheet_of(result, options, chart.points, chart.notes(), style.WIDTH_IN,
-                     max(1, len(rows)) * (height + heading + 0.06))
+                     len(rows) * (height + heading + 0.06))
     figure = sheet.figure()
-    if not rows:
-        axes = sheet.axes(figure, EDGE, 0, room, height)
-        axes.set_axis_off()
-        nothing(axes)
     drawn = None
     for i, row in enumerate(rows):
         for j, point in enumerate(row):
@@ -89,8 +86,7 @@ class Maps:
 
     @property
     def aspect(self) -> float:
-        shapes = [array.shape for array in self.kept.values()] or [p.cell["scene"]["size"][::-1] for p in self.points]
-        height, width = next(iter(shapes), (1, 1))[:2]
+        height, width = next(iter(self.kept.values())).shape[:2]
         return min(2.0, max(0.2, height / width))
 
     @cached_property
@@ -100,8 +96,6 @@ class Maps:
         return max(most, LEAST_SEEN) if self.name in ("error", "loss") else most
 
     def rows(self) -> list[list[Point]]:
-        if not self.points:
-            return []
         x, labels = self.options["x"], labels_of(self.points)
         if len(data.values(self.points, x)) > 1:
             return [[p for p in self.points if p.label == label] for label in labels]

@@ -13,8 +13,8 @@ from ....store.columns import COLUMNS, DERIVED, names
 from ... import data, style
 from ...data import Point, Result
 from ...frontier import ScenePoints, equal, places
-from ..kind import LOG, X_LABEL, Y_LABEL, Kind
-from ..scales import log_axis, nothing, y_label
+from ..kind import LOG, X_LABEL, Y_LABEL, Kind, NothingToDraw
+from ..scales import log_axis, y_label
 from ..series import Options
 from ..sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, legend_columns, sheet_of
 
@@ -33,8 +33,10 @@ KIND = Kind("an error y against a cost x, and what nothing measured beats in bot
 def draw(result: Result, options: Options) -> Figure:
     """x is a cost, y an error, both logarithmic; a panel for each scene."""
     chart = FrontierChart(result, options, tuple(places(result)) if result.points else ())
-    columns = min(3, len(chart.places)) or 1
-    rows = math.ceil(len(chart.places) / columns) or 1
+    if not any(place.frontier(chart.x, chart.y) for place in chart.places):
+        raise NothingToDraw(f"no cell has both {chart.x} and {chart.y}")
+    columns = min(3, len(chart.places))
+    rows = math.ceil(len(chart.places) / columns)
     names = [*chart.labels, "on no frontier"]
     across = legend_columns(names, style.WIDTH_IN - 2 * EDGE, 6.5)
     legend_in = LEGEND_LINE_IN * 0.92 * math.ceil(len(names) / across)
@@ -57,8 +59,6 @@ def draw(result: Result, options: Options) -> Figure:
         axes.set_title("\n".join(textwrap.wrap(place.name, LABEL_CHARACTERS)), loc="left")
     for i, axes in enumerate(grid):
         chart.finish(axes, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
-    if not grid:
-        nothing(sheet.axes(figure, LEFT, HEADING_IN, width, PLOT_IN))
     figure.legend(handles=chart.handles(), loc="lower left", ncol=across, fontsize=6.5, handlelength=1.2,
                   columnspacing=1.0, labelspacing=0.35, borderpad=0, borderaxespad=0,
                   bbox_to_anchor=(EDGE / sheet.width, sheet.bottom / sheet.height))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ... import data, style
 from ...data import Point, Result, number
-from ..kind import Kind
+from ..kind import Kind, NothingToDraw
 from ..scales import log_axis
 from ..series import Options, series_of
 from ..sheet import EDGE, sheet_of, widest
@@ -39,6 +39,8 @@ KIND = Kind("what each method does in a frame, where measure.counters asks for i
 def draw(result: Result, options: Options) -> Figure:
     """A panel for each value of x: counts of each method on the left, its time at the device's limits on the right."""
     chart = Work(result, tuple(p for p in series_of(result, options) if p.cell.get("work")))
+    if not chart.points:
+        raise NothingToDraw("no cell has counted its work, as measure.counters asks for")
     panels = [(v, [p for p in chart.points if p.at(options["x"]) in (v, None)])
               for v in data.values(chart.points, options["x"])] or [(None, list(chart.points))]
     heights = [HEADING_IN + ROW_IN * max(1, len(points)) + FOOT_IN for _, points in panels]
@@ -109,8 +111,6 @@ class Work:
         return [(-0.21, 100 * moved / time_s, style.INK), (0.21, 100 * shaded / time_s, style.GREY)]
 
     def notes(self) -> list[str]:
-        if not self.points:
-            return ["No cell has counted its work: measure.counters: true."]
         text = "Counted by programs of their own in a frame that is not timed; what a cache saves is not seen."
         if self.rates:
             text += (f" This device copies {self.rates['copy_bytes_per_s'] / 1e9:.3g} GB/s, read and written, and "
