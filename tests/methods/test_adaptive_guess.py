@@ -103,13 +103,13 @@ def test_a_deeper_scene_is_drawn_again_and_the_next_of_its_depth_is_not(device):
     assert passes == [2, 2, 1, 1]
 
 
-def pile(count: int, opaque: bool = False) -> Quads:
+def pile(count: int, thick: bool = False) -> Quads:
     """`count` quads over the left columns and as many over the right ones, all in one square of the host's bounds.
 
-    They are so faint that none is hidden; or eight of them, the furthest, are `opaque` and come first.
+    They are so faint that none is hidden; or eight of them, the furthest, are `thick` and come first.
     """
     rgba = np.random.default_rng(count).integers(1, 9, (2 * count, 4))
-    rgba[:16 * opaque, 3] = 230
+    rgba[:16 * thick, 3] = 40
     scene = stack(np.linspace(0.9, 0.1, 2 * count), rgba)
     scene.rect[::2, 2], scene.rect[1::2, 0] = 3, 4
     return scene
@@ -146,15 +146,28 @@ def test_a_wrong_line_of_what_a_frame_tells_is_seen(device, plant, shader, right
     assert after_an_overflow(device, before, after) != (layers, 2, True)
 
 
-@pytest.mark.parametrize(("layers", "opaque"), [
+@pytest.mark.parametrize(("layers", "thick"), [
     (7, False), (8, False), (9, False), (16, False), (17, False), (60, False), (64, False), (100, False), (100, True)])
-def test_cells_in_chunks_hold_every_fragment(device, layers, opaque):
+def test_cells_in_chunks_hold_every_fragment(device, layers, thick):
     """Up to 8 layers side by side by pixel, above in chunks of 8; sorted by every network, merged, in sweeps."""
-    scene = pile(layers, opaque)
+    scene = pile(layers, thick)
     with animated(device, [scene], spare_memory=1000.0) as (frame, quads):
         for _ in range(2):
             frame.draw_fitting()
         assert frame.plan.guessed and frame.plan.known.layers == (layers if layers <= 8 else -(-layers // 8) * 8)
+        assert error(frame, quads, scene) <= EXACT_ERROR and frame.lost_fragments() == 0
+
+
+@pytest.mark.parametrize("thick", [False, True])
+@pytest.mark.parametrize(("spare_memory", "path"), [(0.0, RANGES), (1000.0, DENSE)])
+def test_the_last_block_of_a_pixel_ends_with_its_fragments(device, spare_memory, path, thick):
+    """Behind them are those of the next pixel, or of a deeper frame. They are merged, or swept where some are thick."""
+    deeper, scene = pile(103), pile(87, thick)
+    with animated(device, [deeper, scene], spare_memory=spare_memory) as (frame, quads):
+        frame.draw_fitting()
+        show(frame, quads, scene)
+        frame.draw()
+        assert frame.plan.path == path
         assert error(frame, quads, scene) <= EXACT_ERROR and frame.lost_fragments() == 0
 
 
