@@ -19,7 +19,8 @@ import subprocess
 import sys
 import time
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -28,12 +29,13 @@ from typing import Any
 from ending import Misuse, run_script
 
 from mfr_bench.config.model import Measure
-from mfr_bench.plan import time_left
+from mfr_bench.plan import forecast, time_left
 from mfr_bench.plan.cells import Cell
 from mfr_bench.plan.forecast import Forecast, Rates, text_of
 
 SHARES = (0.0, 0.2, 0.5)  # of the run, after which the forecast is judged
 USUAL = Measure()
+RULES = {"PASS_SHARE": 0.25, "WARMUP_SHARE": 0.2, "HOPELESS_SHARE": 1.0}  # of sampling, where a recording names none
 DIGITS = 3  # of a time in ms, and after the point of seconds
 
 
@@ -100,6 +102,7 @@ class Recording(time_left.TimeLeft):
         unusual = {f.name: measure[f.name] for f in fields(Measure) if measure[f.name] != getattr(USUAL, f.name)}
         return {"config": config, "ended_s": round(ended_s, 2), "end_s": round(self.end_s, 2),
                 "slowness": round(self.slowness, 2), "looks_s": round(self.looks_s, 4),
+                "rules": {name: getattr(forecast, name) for name in RULES},
                 "rates": asdict(self.forecast.rates), "measure": unusual, "cells": cells, "code": code,
                 "sizes": list(sizes.values()),
                 "events": [event for event in self.events if event[1] <= max(SHARES) * ended_s]}
@@ -136,8 +139,24 @@ def read(file: Path) -> list[dict[str, Any]]:
     return [json.loads(line) for line in file.read_text().splitlines()]
 
 
+@contextmanager
+def _sampled_by(rules: Mapping[str, float]) -> Iterator[None]:
+    """Let the forecast reckon with the rules of sampling that a run was recorded with."""
+    real = {name: getattr(forecast, name) for name in rules}
+    try:
+        vars(forecast).update(rules)
+        yield
+    finally:
+        vars(forecast).update(real)
+
+
 def replayed(run: Mapping[str, Any], shares: Sequence[float] = SHARES) -> list[float]:
     """The time left as it is said after each share of a run, over what it was then."""
+    with _sampled_by(run.get("rules", RULES)):
+        return _replayed(run, shares)
+
+
+def _replayed(run: Mapping[str, Any], shares: Sequence[float]) -> list[float]:
     measure = Measure(**{name: tuple(value) if isinstance(value, list) else value
                          for name, value in run["measure"].items()})
     scenes = {(f, p): Scene(f, p) for _, _, f, p in run["cells"]}

@@ -12,20 +12,19 @@ from ..stats import SLOWER_REFERENCE
 
 SHARE = 0.1  # of the time of all turns, that a run may spend to take turns again, and to wait
 PAUSE_S = 0.05  # between two looks while waiting
-RECENT_S = 0.02  # for so long a look tells of the moment: one after a turn is that before the next
+EVERY_S = 0.03  # for so long a look tells of the moment: one is enough for the short turns that end meanwhile
 
 
 @dataclass
 class Turn:
-    """What the reference frame showed around one turn: its longer time, and whether that is slower than usual."""
+    """What the reference frame showed around one turn: its longer time, so far as it was looked at."""
 
     reference_ms: float | None = None
-    slower: bool = False
     took_s: float = 0.0
 
 
 class Watch:
-    """Times a reference frame before and after each turn of samples.
+    """Times a reference frame before and after each turn of samples, or the few that are drawn within EVERY_S.
 
     draw_ms: draws the reference frame, as often as the best time so far asks for, and returns its time in ms. clock,
     sleep: in seconds.
@@ -36,6 +35,7 @@ class Watch:
         self._draw_ms, self._clock, self._sleep = draw_ms, clock, sleep
         self.best_ms = math.inf  # of the reference so far
         self._last = -math.inf, math.inf  # when it was looked at, and what that showed
+        self._ended: list[Turn] = []  # since then
         self._turns_s = self._spent_s = 0.0
 
     def look(self) -> float:
@@ -43,26 +43,37 @@ class Watch:
         now_ms = self._draw_ms(self.best_ms)
         self._last = self._clock(), now_ms
         self.best_ms = min(self.best_ms, now_ms)
+        for turn in self._ended:
+            turn.reference_ms = max(now_ms, turn.reference_ms or 0.0)
+        self._ended.clear()
         return now_ms
 
-    def _recent(self) -> float:
-        """What the last look showed, or another one where that is long ago."""
-        at_s, last_ms = self._last
-        return last_ms if self._clock() - at_s <= RECENT_S else self.look()
+    def look_behind(self) -> None:
+        """Look, if a turn has ended since the last look: all that will be known of it then is."""
+        if self._ended:
+            self.look()
+
+    @property
+    def _recent(self) -> bool:
+        """Whether the last look tells of the moment."""
+        return self._clock() - self._last[0] <= EVERY_S
 
     @contextmanager
     def turn(self) -> Iterator[Turn]:
-        """Watch a turn; what is yielded tells of it when the turn has ended."""
-        seen, before_ms, begun_s = Turn(), self._recent(), self._clock()
+        """Watch a turn. What is yielded has the look before it, and that behind it once there is one."""
+        if not self._recent:
+            self.look()
+        seen, begun_s = Turn(self._last[1]), self._clock()
         yield seen
         seen.took_s = self._clock() - begun_s
         self._turns_s += seen.took_s
-        seen.reference_ms = max(before_ms, self.look())
-        seen.slower = self.slower(seen.reference_ms)
+        self._ended.append(seen)
+        if not self._recent:
+            self.look()
 
-    def slower(self, reference_ms: float) -> bool:
-        """Whether the device was slower when the reference took so long, by the best of it until now."""
-        return reference_ms > SLOWER_REFERENCE * self.best_ms
+    def slower(self, turn: Turn) -> bool:
+        """Whether the device was slower during a turn, by the best of the reference until now."""
+        return (turn.reference_ms or 0.0) > SLOWER_REFERENCE * self.best_ms
 
     def again(self, took_s: float, wait_s: float) -> bool:
         """Whether samples that took so long, while the device was slower, are to be taken again.
@@ -78,7 +89,7 @@ class Watch:
         """Wait until the reference is as fast as usual, or nothing is left to spend; look_around: called meanwhile."""
         while (left_s := self._left_s(wait_s)) > 0:
             begun_s = self._clock()
-            if not self.slower(self.look()):
+            if not self.slower(Turn(self.look())):
                 return
             look_around()
             self._sleep(min(PAUSE_S, left_s))
@@ -99,8 +110,11 @@ class Unwatched:
     def look(self) -> None:
         """See nothing."""
 
-    def slower(self, reference_ms: float) -> bool:
-        """Know of no time that it is slower."""
+    def look_behind(self) -> None:
+        """See nothing."""
+
+    def slower(self, turn: Turn) -> bool:
+        """Know of no turn that it was slower."""
         return False
 
     def again(self, took_s: float, wait_s: float) -> bool:

@@ -25,11 +25,13 @@ MEASURED, ALIKE, CALIBRATED = "measured here", "from the same method elsewhere",
 OWN = (MEASURED, IN_HAND := "by its samples so far")  # sources that know how much the cell's frames scatter
 
 PASS_FRAMES = 7  # whose passes are timed, where a time is told with an interval
-PASS_SHARE = 0.25  # of the time limit, at most, that they take
+PASS_SHARE = 0.1  # of the time limit, at most, that they take
 FIRST_FRAMES = 1.4  # until a cell is prepared, beside what is compiled
 OTHER_FRAMES = 2  # counted fragments, and the last, which cells draw whose last sample was not checked
 WARMUP_MS, WARMUP_POWER = 15, 0.45  # frames of 1 ms that warm up, and how fewer longer ones take
-WARMUP_SHARE = 0.2  # of the time limit, at most
+WARMUP_SHARE = 0.1  # of the time limit, at most
+HOPELESS = 1.6  # times the samples that the limits allow, from which on a target that needs them is out of reach
+HOPELESS_SHARE = 0.25  # of these samples, after which such a cell ends
 LEAST_WARMUP, MOST_WARMUP = 2, 32  # frames
 SETTLED_MS = 10.0  # of a frame, from which on none has to settle
 SETTLING = 2  # of short frames, that do not count since other methods drew before
@@ -295,7 +297,9 @@ def most_s(frame_s: float, measure: Measure) -> float:
 def samples_wanted(frame: FrameTime, measure: Measure) -> float:
     """Samples after which a sampler stops where the time limit does not end it."""
     needed = (MEDIAN_WIDTH * frame.cv / measure.target_rel_ci) ** 2
-    return min(measure.max_samples, max(measure.min_samples, needed))
+    allowed = min(measure.max_samples, 1e3 * measure.time_limit_s / max(0.01, frame.time_ms))
+    wanted = HOPELESS_SHARE * allowed if needed > HOPELESS * allowed else needed
+    return min(measure.max_samples, max(measure.min_samples, wanted))
 
 
 def _distance(fragments: int, of: int) -> float:

@@ -12,7 +12,7 @@ from ..gpu.frame import Frame
 from ..gpu.timers import repeats_for, undisturbed_ms
 from ..gpu.work import work_of
 from ..measure.sampling import Sampler
-from ..measure.watch import Unwatched
+from ..measure.watch import Turn, Unwatched
 from ..methods.spec import Fitted
 from ..oracle import twochannel
 from ..plan.forecast import PASS_SHARE, pass_frames
@@ -49,9 +49,9 @@ class CellWork:
         self.sampler.resume(partial.samples_ms)
         self._watch = Unwatched() if job.cell.measure.single else bench.watch
         self._pair: tuple[Sampler, ...] = ()  # an A/A pair: the same twice more, for the noise floor
+        self._turns: list[list[Turn]] = [[]]  # of each sampler, for each sample that this process took
         self.passes = {name: list(times_ms) for name, times_ms in partial.passes.items()}
         self.passes_s = sum(map(sum, self.passes.values())) / 1e3  # spent on timing passes
-        self.references_ms: list[float] = []  # of the reference frame around the turn of each sample
         self.done = False  # nothing more is drawn for it
         self.postponed = False  # the last turn is to be taken again: the device was slower
         self._last_checked = False  # whether the image of the last sample is checked
@@ -115,24 +115,27 @@ class CellWork:
     def sample_twice(self) -> None:
         """Sample an A/A pair too from now on, in turns with each other and with the cells of the scene."""
         self._pair = pair_of(self.job.cell.measure)
+        self._turns += [[] for _ in self._pair]
 
     def batch(self, sampler: Sampler) -> None:
-        """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed."""
+        """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed.
+
+        No other process may take a core meanwhile.
+        """
         self._phases.begin(BETWEEN)
         first, watch = len(sampler.samples_ms), self._watch
         self._last_checked = self._last_checked and sampler is not self.sampler
-        with self.bench.paused():
-            with self.bench.split.work("reference"), watch.turn() as turn, self._phases.within("sampling"):
-                self._take(sampler)
-            self.postponed = turn.slower and watch.again(turn.took_s, sampler.measure.wait_s)
-            if self.postponed:
-                sampler.set_aside(range(first, len(sampler.samples_ms)))
-            elif sampler is self.sampler and turn.reference_ms is not None:
-                self.references_ms += [round(turn.reference_ms, 4)] * (len(sampler.samples_ms) - first)
-            with self._phases.within("sampling"):
-                ends = sampler is self.sampler and not (sampler.wanted or self.postponed)
-                image = self.images.of_sample() if ends else None
-                passes = self._time_passes(1) if sampler.warm and not self.postponed else {}
+        with self.bench.split.work("reference"), watch.turn() as turn, self._phases.within("sampling"):
+            self._take(sampler)
+        self.postponed = watch.slower(turn) and watch.again(turn.took_s, sampler.measure.wait_s)
+        if self.postponed:
+            sampler.set_aside(range(first, len(sampler.samples_ms)))
+        else:
+            self._turns_of(sampler).extend([turn] * (len(sampler.samples_ms) - first))
+        with self._phases.within("sampling"):
+            ends = sampler is self.sampler and not (sampler.wanted or self.postponed)
+            image = self.images.of_sample() if ends else None
+            passes = self._time_passes(1) if sampler.warm and not self.postponed else {}
         self._emit_new(passes)
         if image is not None:
             self.images.check(image)
@@ -152,19 +155,28 @@ class CellWork:
         with self._phases.apart(WAIT), self.bench.paused():
             self._watch.wait(self.sampler.measure.wait_s, self.bench.stop_if_asked)
 
+    def _turns_of(self, sampler: Sampler) -> list[Turn]:
+        return next(turns for one, turns in zip(self.samplers, self._turns, strict=True) if one is sampler)
+
     def take_again(self) -> bool:
-        """Take samples back that were taken while the device was slower than its best, which later turns have shown.
+        """Take samples back that were taken while the device was slower than its best, as later looks have shown.
 
         Whether there were any, and time to take them again.
         """
-        watch, sampler, earlier = self._watch, self.sampler, len(self.sampler.samples_ms) - len(self.references_ms)
-        slow = [earlier + number for number, ms in enumerate(self.references_ms) if watch.slower(ms)]
+        taken = [self._take_back(sampler) for sampler in self.samplers]
+        self.postponed = any(taken)
+        self._emitted = min(self._emitted, len(self.sampler.samples_ms))
+        return self.postponed
+
+    def _take_back(self, sampler: Sampler) -> bool:
+        watch, turns = self._watch, self._turns_of(sampler)
+        earlier = len(sampler.samples_ms) - len(turns)
+        slow = [earlier + number for number, turn in enumerate(turns) if watch.slower(turn)]
         if not slow or not watch.again(sum(sampler.samples_ms[number] for number in slow) / 1e3,
                                        sampler.measure.wait_s):
             return False
         sampler.set_aside(slow)
-        self.references_ms = [ms for ms in self.references_ms if not watch.slower(ms)]
-        self._emitted, self.postponed = len(sampler.samples_ms), True
+        turns[:] = [turn for turn in turns if not watch.slower(turn)]
         return True
 
     def warm_up(self, frames: int) -> None:
@@ -297,8 +309,8 @@ class CellWork:
         every = [Fitted(self.variant, stats) for stats in self.scene.frames]
         found = {"warmup_ms": self.sampler.warmup_ms, "samples_ms": self.sampler.samples_ms, "passes": self.passes,
                  "buffers": self.frame.memory_bytes, "frames": frame_values(every)}
-        if self.references_ms:
-            found |= {"references_ms": self.references_ms, "aside_ms": self.sampler.aside_ms}
+        if references_ms := [round(turn.reference_ms, 4) for turn in self._turns[0] if turn.reference_ms is not None]:
+            found |= {"references_ms": references_ms, "aside_ms": self.sampler.aside_ms}
         if self.job.cell.measure.counters:
             with self.bench.split.work("count"):
                 found["work"] = work_of(self.frame)

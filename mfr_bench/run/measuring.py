@@ -202,8 +202,11 @@ class Measuring:
         entries = [(cell, cell.sampler) for cell in running]
         while entries:
             self._shuffle(entries)
-            for cell, sampler in entries:
-                self._guarded(cell, partial(self._batch, sampler=sampler))
+            with self.bench.paused():
+                for cell, sampler in entries:
+                    self._guarded(cell, partial(self._batch, sampler=sampler))
+                with self.bench.split.work("reference"):
+                    self.bench.watch.look_behind()
             self._start_pairs(running)
             ending = [cell for cell in running if not (cell.done or cell.wanted or cell.take_again())]
             for step in (CellWork.time_passes, self._finish):  # while the last frames are drawn, rows may be written

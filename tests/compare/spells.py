@@ -12,7 +12,7 @@ from random import Random
 
 from mfr_bench.gpu.reference import shortest_ms
 from mfr_bench.measure.sampling import Sampler
-from mfr_bench.measure.watch import Watch
+from mfr_bench.measure.watch import Turn, Watch
 
 from .loaded import CV, GROWTH, LOAD, MEASURE, METHODS, SHIFT, SHORTEST_MS
 from .planted import SCENES, cell, side
@@ -81,27 +81,29 @@ def run(seed: int, method: int = 0, scene: int = 0, factor: float = 1.0, wait_s:
 
 def _sampled(host: Host, watch: Watch, whole_ms: Sequence[float], wait_s: float):
     """The samplers of cells that take turns, each with the references of its samples."""
-    every = [(Sampler(MEASURE), [], 5 * m % METHODS / (METHODS - 1) * MOST_FELT) for m in range(METHODS)]
+    felts = [5 * m % METHODS / (METHODS - 1) * MOST_FELT for m in range(METHODS)]
+    every: list[tuple[Sampler, list[Turn], float]] = [(Sampler(MEASURE), [], felt) for felt in felts]
     wanted = list(zip(every, whole_ms, strict=True))
     while wanted:
         host.random.shuffle(wanted)
         kept = 0
-        for (sampler, references_ms, felt), frame_ms in wanted:
+        for (sampler, turns, felt), frame_ms in wanted:
             first = len(sampler.samples_ms)
             with watch.turn() as turn:
                 for _ in sampler.turn():
                     sampler.add(host.frame(frame_ms, felt))
-            if turn.slower and watch.again(turn.took_s, wait_s):
+            if watch.slower(turn) and watch.again(turn.took_s, wait_s):
                 sampler.set_aside(range(first, len(sampler.samples_ms)))
             else:
-                references_ms.extend([turn.reference_ms] * (len(sampler.samples_ms) - first))
+                turns.extend([turn] * (len(sampler.samples_ms) - first))
                 kept += sampler.wanted > 0
-        for sampler, references_ms, _ in every:
-            slow = [n for n, ms in enumerate(references_ms) if watch.slower(ms)]
+        watch.look_behind()
+        for sampler, turns, _ in every:
+            slow = [n for n, turn in enumerate(turns) if watch.slower(turn)]
             if not sampler.wanted and slow and watch.again(sum(sampler.samples_ms[n] for n in slow) / 1e3, wait_s):
                 sampler.set_aside(slow)
-                references_ms[:] = [ms for ms in references_ms if not watch.slower(ms)]
+                turns[:] = [turn for turn in turns if not watch.slower(turn)]
         wanted = [(mine, frame_ms) for mine, frame_ms in zip(every, whole_ms, strict=True) if mine[0].wanted]
         if wanted and not kept:
             watch.wait(wait_s, lambda: None)
-    return [(sampler, references_ms) for sampler, references_ms, _ in every]
+    return [(sampler, [turn.reference_ms for turn in turns]) for sampler, turns, _ in every]

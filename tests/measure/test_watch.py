@@ -6,7 +6,7 @@ import pytest
 
 from mfr_bench.config.model import Measure
 from mfr_bench.measure.sampling import Sampler
-from mfr_bench.measure.watch import PAUSE_S, RECENT_S, SHARE, Unwatched, Watch
+from mfr_bench.measure.watch import EVERY_S, PAUSE_S, SHARE, Unwatched, Watch
 
 
 class Machine:
@@ -32,32 +32,57 @@ def took(machine, watch, seconds):
 
 
 def again(watch, turn, wait_s):
-    return turn.slower and watch.again(turn.took_s, wait_s)
+    return watch.slower(turn) and watch.again(turn.took_s, wait_s)
 
 
 def test_a_steady_device_is_not_slower():
     machine = Machine((0, 0.3), (2, 0.34))
     watch = machine.watch()
-    assert [took(machine, watch, 1.0).slower for _ in range(4)] == [False] * 4
+    assert [watch.slower(took(machine, watch, 1.0)) for _ in range(4)] == [False] * 4
 
 
 def test_a_burst_that_began_or_ended_within_the_turn_is_seen():
     machine = Machine((0, 0.3), (1.5, 0.5), (2.5, 0.3))
     watch = machine.watch()
     turns = [took(machine, watch, 1.0) for _ in range(4)]
-    assert [turn.slower for turn in turns] == [False, True, True, False]
+    assert [watch.slower(turn) for turn in turns] == [False, True, True, False]
     assert [turn.reference_ms for turn in turns] == [0.3, 0.5, 0.5, 0.3]
 
 
-def test_the_look_after_a_turn_is_that_before_the_next_one_but_not_for_long():
+def test_the_look_behind_a_turn_is_that_before_the_next_one_but_not_for_long():
     machine, looks = Machine((0, 0.3)), []
     watch = Watch(lambda best_ms: looks.append(machine.now_s) or 0.3, lambda: machine.now_s, machine.sleep)
     took(machine, watch, 1.0)
-    machine.now_s += RECENT_S / 2
+    machine.now_s += EVERY_S / 2
     took(machine, watch, 1.0)
-    machine.now_s += 2 * RECENT_S
+    machine.now_s += 2 * EVERY_S
     took(machine, watch, 1.0)
-    assert looks == pytest.approx([0.0, 1.0, 2.01, 2.05, 3.05])
+    assert looks == pytest.approx([0.0, 1.0, 2.0 + EVERY_S / 2, 2.0 + 2.5 * EVERY_S, 3.0 + 2.5 * EVERY_S])
+
+
+def test_short_turns_share_the_looks_before_and_behind_them():
+    """The device is slower when the fourth turn ends, by when the look before the first tells nothing more."""
+    short_s = EVERY_S / 3.5
+    machine = Machine((0, 0.3), (3.5 * short_s, 0.5))
+    watch = machine.watch()
+    turns = [took(machine, watch, short_s) for _ in range(8)]
+    assert [turn.reference_ms for turn in turns] == [0.5] * 8 and all(map(watch.slower, turns))
+    machine.schedule = ((0, 0.3),)
+    turns = [took(machine, watch, short_s) for _ in range(2)]
+    watch.look_behind()
+    assert [turn.reference_ms for turn in turns] == [0.5, 0.5]
+    last = took(machine, watch, short_s)
+    assert last.reference_ms == 0.3 and not watch.slower(last)
+
+
+def test_nothing_is_looked_at_behind_turns_that_have_been():
+    machine, looks = Machine((0, 0.3)), []
+    watch = Watch(lambda best_ms: looks.append(machine.now_s) or 0.3, lambda: machine.now_s, machine.sleep)
+    watch.look_behind()
+    took(machine, watch, EVERY_S / 2)
+    watch.look_behind()
+    watch.look_behind()
+    assert looks == [0.0, EVERY_S / 2]
 
 
 def test_a_turn_is_taken_again_while_a_tenth_of_the_time_pays_for_it():
@@ -104,7 +129,7 @@ def test_ctrl_c_ends_the_waiting():
 def test_nothing_is_watched_unless_it_is_asked_for():
     with Unwatched().turn() as turn:
         pass
-    assert not Unwatched().again(turn, 60.0) and turn.reference_ms is None
+    assert not Unwatched().again(turn.took_s, 60.0) and turn.reference_ms is None and not Unwatched().slower(turn)
 
 
 def test_samples_set_aside_are_taken_again():
