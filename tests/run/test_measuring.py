@@ -356,6 +356,25 @@ def test_images_that_are_wrong_from_a_later_frame_on_are_found(run, monkeypatch,
     assert made.sheet.counts == {"wrong": 1}
 
 
+def test_images_that_are_wrong_in_an_interrupted_run_are_found(run, tmp_path, monkeypatch):
+    """When it is interrupted it has samples enough for a row."""
+    image = Frame.image
+    monkeypatch.setattr(Frame, "image", lambda self: image(self) + np.float32(self.drawn >= 4))
+    with pytest.raises(KeyboardInterrupt):
+        run([cell(measure=Measure(target_rel_ci=1e-9, min_samples=7))], Clock(0.01, at={53: interrupt}))
+    assert [row["status"] for row in ResultFolder(tmp_path).cells()] == ["wrong"]
+
+
+@pytest.mark.parametrize("from_frame", [1, 4])
+def test_images_that_are_wrong_in_a_run_that_goes_on_are_found(run, monkeypatch, from_frame):
+    measure, image = Measure(target_rel_ci=1e-9, min_samples=30, max_samples=30), Frame.image
+    with pytest.raises(KeyboardInterrupt):
+        run([cell(measure=measure)], Clock(0.01, at={20: interrupt}))
+    monkeypatch.setattr(Frame, "image", lambda self: image(self) + np.float32(self.drawn >= from_frame))
+    rows, made = run([cell(measure=measure)], Clock(0.01))
+    assert made.sheet.counts == {"wrong": 1} and rows["ab-array", None]["values"]["sessions"] == 2
+
+
 @pytest.mark.parametrize("scene", [
     replace(SCENE, animate=True),
     SceneConfig(kind="hairball", size=(32, 24), depth_complexity=12, mean_depth=5, animate=True)])
