@@ -24,6 +24,7 @@ from .drawing import (
     mapped,
     texts_of,
     two_methods,
+    undrawn,
 )
 from .planted import cell
 
@@ -53,6 +54,24 @@ def test_a_figure_without_a_value_is_not_drawn_and_its_line_says_why(tmp_path, o
     assert not stale.exists()
     drawn, = figures.write_all([folder])
     assert (drawn.paths, drawn.empty) == ([], [line])
+
+
+MESH = {"depth_complexity": None, "pixel_density": None}
+
+
+@pytest.mark.parametrize(("options", "drawn"), [
+    ({"kind": "lines", "x": "n"}, False), ({"kind": "lines", "x": "order", "panels": "n"}, True),
+    ({"kind": "bars", "x": "n", "panels": "p_d"}, True), ({"kind": "stacked_passes", "x": "n"}, True),
+    ({"kind": "heat", "x": "n", "rows": "order", "y": "time_ms"}, False)], ids=str)
+def test_a_scene_that_lacks_an_axis_is_drawn_without_it(tmp_path, options, drawn):
+    """A mesh has no n: figures by n had axes without a line, or nothing at all, between title and small print."""
+    cells = [cell(m, m, 2.0, {"store": 2.0}, scene=MESH) for m in ("kb", "ab-ll")]
+    if not drawn:
+        assert undrawn(tmp_path, cells, options).startswith("no cell ")
+        return
+    axes, = built(tmp_path, cells, options).axes
+    assert axes.patches or axes.lines
+    assert not [text for text in all_texts(axes.figure) if "any n" in text]
 
 
 @pytest.mark.parametrize("options", KINDS, ids=lambda o: o["kind"])

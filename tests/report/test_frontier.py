@@ -1,6 +1,9 @@
 """Frontiers of planted cells: what beats what, and what figures and tables say of it."""
 
+from itertools import combinations
+
 import pytest
+from matplotlib.transforms import Bbox
 
 from mfr_bench.report import data, figures, frontier
 from mfr_bench.report.figures.kind import NothingToDraw
@@ -93,6 +96,30 @@ def test_the_figure_shows_every_cell_and_names_the_frontier(tmp_path, x, y):
     named = [text.get_text() for text in figure.legends[0].get_texts()]
     expected = ["AlsoExact"] if x == "memory_bytes" else ["Cheap", "Middle", "Exact"]
     assert named == [*expected, "on no frontier"]
+
+
+def test_points_on_no_frontier_have_a_number_that_the_small_print_names(tmp_path):
+    """A hollow mark in the colour of a method says neither which variant it is nor which k."""
+    figure = figures.build(load(tmp_path, [point("Best", 0.5, 1e-8), *(
+        point(label, 2.0 + k / 8, 0.1 / k, params={"k": k}, point={"k": k}) for label in ("Kb", "Mlab (16-bit floats)")
+        for k in (2, 8))], sweep={"k": [2, 8]}), FIGURE)
+    assert sorted(text.get_text() for text in figure.axes[0].texts) == ["1", "2", "3", "4", "Best"]
+    said = " ".join(figure.texts[1].get_text().split())
+    assert "On no frontier, by number where there is room: 1–2 Kb, k 2, 8; 3–4 Mlab (16-bit floats), k 2, 8." in said
+
+
+def test_names_and_numbers_hide_neither_each_other_nor_a_mark(tmp_path):
+    many = [point(f"M{i}", 1.0 + 0.02 * i, 0.01 * (1 + i % 3)) for i in range(40)]
+    figure = figures.build(load(tmp_path, many), FIGURE)
+    axes, = figure.axes
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    boxes = [text.get_window_extent(renderer) for text in axes.texts]
+    assert len(boxes) > 25
+    for one, other in combinations(boxes, 2):
+        assert Bbox.intersection(one, other) is None or not min(Bbox.intersection(one, other).size) > 2
+    whole = axes.get_window_extent(renderer)
+    assert all(whole.x0 - 1 <= box.x0 and box.x1 <= whole.x1 + 1 for box in boxes)
 
 
 def test_an_error_of_0_is_drawn_and_said(tmp_path):

@@ -210,6 +210,7 @@ def test_an_interval_wider_than_the_time_is_called_noisy_and_the_note_says_what_
 
     said = told("noisy", 40.0)
     assert "| 5.00 noisy |" in said and "700 %" not in said
+    assert said.count("noisy: uncertain by more than the value itself") == 1  # times and ratios share the note
     assert "run --force while the machine does nothing else" in said
     said = told("calm", 10.0)
     assert "5.00 ±100 %" in said and "noisy" not in said

@@ -24,7 +24,10 @@ def short(name: str) -> str:
 
 
 def heading(name: str, value: Any, between: str = " = ") -> str:
-    return f"{short(name)}{between}{plain(value)}" if value is not None else f"any {short(name)}"
+    """'k = 8'; without a value 'any k', for a method is the same whatever it is, and 'no n', for scenes lack it."""
+    if value is None:
+        return f"{'no' if bare(name) in ALIASES.values() else 'any'} {short(name)}"
+    return f"{short(name)}{between}{plain(value)}"
 
 
 def plain(value: Any) -> str:

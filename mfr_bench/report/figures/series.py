@@ -81,6 +81,8 @@ def panels_of(points: Sequence[Point], options: Options) -> list[tuple[str, list
     places = [tuple(p.at(n) for n in axes) for p in points]
     found = [v for value in data.values(points, name) for v in dict.fromkeys(v for v in places if v[0] == value)]
     whole = [v for v in found if None not in v] or found
+    if not whole:  # no cell has the axis: meshes have no n
+        return [("", list(points))]
     return [(_heading(axes, v, [other for other in whole if other[0] == v[0]]),
              [p for p, at in zip(points, places, strict=True) if _within(at, v)]) for v in whole]
 
@@ -119,6 +121,12 @@ def hold_drawn(points: Sequence[Point], y: str) -> None:
     """Raise NothingToDraw where none of the points of a figure has a value of y; with what kept them from it."""
     if not any(is_drawn(p, y) for p in points):
         raise NothingToDraw(" ".join([f"no cell has {y}.", *refusals(points)]).rstrip("."))
+
+
+def hold_along(points: Sequence[Point], axis: str) -> None:
+    """Raise NothingToDraw where no point of a figure lies along its axis, as meshes do not along n."""
+    if not data.values(points, axis):
+        raise NothingToDraw(f"no cell has a value of {axis}, its axis")
 
 
 def axis_label(name: str) -> str:

@@ -34,7 +34,7 @@ def draw(result: Result, options: Options) -> Figure:
     """A panel for each value of all other axes: `rows` down, x across, the value of y in each field."""
     chart = Heat(result, options)
     if not chart.values:
-        raise NothingToDraw("no cell has a value to compare")
+        raise NothingToDraw(f"no cell along {options['x']} and {options['rows']} has a value to compare")
     columns = min(COLUMNS, max(1, len(chart.panels)))
     width = (style.WIDTH_IN - 2 * EDGE) / columns
     heading_in = HEADING_IN if any(heading for heading, _ in chart.panels) else 0.06
@@ -59,7 +59,8 @@ class Heat:
 
     @cached_property
     def points(self) -> list[Point]:
-        others = [p for p in self.result.points if not data.is_floor(p)]
+        others = [p for p in self.result.points
+                  if not data.is_floor(p) and None not in (p.at(self.options["x"]), p.at(self.options["rows"]))]
         wanted = self.options.get("methods") or ([others[0].label] if others else [])
         return [p for p in others if p.label in wanted or p.method in wanted or p.cell["label"] in wanted]
 

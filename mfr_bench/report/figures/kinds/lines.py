@@ -15,7 +15,18 @@ from ..fits import DEGREES, Fit, draw_fit, fits_of, room_for
 from ..kind import FLOOR, GAIN_OF, LOG, LOG_BASE, PANELS, PASSES, PRINTED, X_LABEL, Y_LABEL, Key, Kind
 from ..marks import Guide, Mark, draw_guides, draw_marks, guides_of, marks_of
 from ..scales import log_axes, log_axis, log_base, tick, y_label
-from ..series import Options, axis_label, gaps, hold_drawn, labels_of, panels_of, refusals, series_of, y_text
+from ..series import (
+    Options,
+    axis_label,
+    gaps,
+    hold_along,
+    hold_drawn,
+    labels_of,
+    panels_of,
+    refusals,
+    series_of,
+    y_text,
+)
 from ..sheet import EDGE, HEADING_IN, LEFT, LONG_LABEL, fitted, sheet_of, text_width, widest
 
 if TYPE_CHECKING:
@@ -39,6 +50,7 @@ def draw(result: Result, options: Options) -> Figure:
     """x against y, one line per method with its interval; kplus_2015 Fig. 9, gpupro5 Figs. 1.4 to 1.7."""
     chart = LineChart(result, options, tuple(series_of(result, options)))
     hold_drawn(chart.points, chart.y)
+    hold_along(chart.points, chart.x)
     panels = panels_of(chart.points, options)
     columns = 1 if options.get("fit") else min(3, len(panels)) or 1
     rows = math.ceil(len(panels) / columns)

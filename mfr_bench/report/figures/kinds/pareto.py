@@ -14,6 +14,7 @@ from ... import data, style
 from ...data import Point, Result
 from ...frontier import ScenePoints, equal, places
 from ..kind import LOG, X_LABEL, Y_LABEL, Kind, NothingToDraw
+from ..placing import Placed, around
 from ..scales import log_axis, y_label
 from ..series import Options
 from ..sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, legend_columns, sheet_of
@@ -23,6 +24,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LEAST = 1e-9  # where an error of 0 is drawn
+NAME_PT, NUMBER_PT = 5.4, 4.6  # of what stands next to points on a frontier, and on none
+BELOW = ((3.0, -3.0), (-3.0, -3.0), (4.0, 0.0), (-4.0, 0.0), (3.0, -9.5), (-3.0, -9.5), (3.0, -16.0))  # in points
+NEAR = around(2.4, 5.0, 8.5, 12.5, 17.0, 22.0)  # offsets of a number, in points
+SOLID, HOLLOW = 2.4, 1.6  # half the side of a mark on a frontier, and of one on none, in points
 PLOT_IN, LABEL_CHARACTERS = 2.3, 34
 FADED = 0.6
 
@@ -45,7 +50,7 @@ def draw(result: Result, options: Options) -> Figure:
     zero = any(p.measure(chart.y)[1] == 0 for p in points)
     key = (f"Solid: no measured cell is both cheaper and more accurate ({equal(chart.y)}). Hollow: some cell is. "
            "Bars: 95 % interval of the median.")
-    notes = [key, f"An error of 0 is drawn at {LEAST:g}." * zero]
+    notes = [key, *chart.others(), f"An error of 0 is drawn at {LEAST:g}." * zero]
     sheet = sheet_of(result, options, points, notes, style.WIDTH_IN, rows * step + 0.2 + legend_in)
     figure = sheet.figure()
     width = (sheet.width - LEFT - EDGE - 0.12 * (columns - 1)) / columns
@@ -59,6 +64,8 @@ def draw(result: Result, options: Options) -> Figure:
         axes.set_title("\n".join(textwrap.wrap(place.name, LABEL_CHARACTERS)), loc="left")
     for i, axes in enumerate(grid):
         chart.finish(axes, leftmost=i % columns == 0, lowest=i + columns >= len(grid))
+    for axes, place in zip(grid, chart.places, strict=True):  # when the scales, which they share, are set
+        chart.name(axes, place)
     figure.legend(handles=chart.handles(), loc="lower left", ncol=across, fontsize=6.5, handlelength=1.2,
                   columnspacing=1.0, labelspacing=0.35, borderpad=0, borderaxespad=0,
                   bbox_to_anchor=(EDGE / sheet.width, sheet.bottom / sheet.height))
@@ -94,7 +101,7 @@ class FrontierChart:
     def draw(self, axes: Axes, place: ScenePoints) -> None:
         frontier = place.frontier(self.x, self.y)
         on = {p.cell["key"] for p in frontier}
-        shown = [p for p in place.points if p.measure(self.x)[1] and p.measure(self.y)[1] is not None]
+        shown = self._shown(place)
         self._faded(axes, [p for p in shown if p.cell["key"] not in on])
         for p in shown:
             if p.cell["key"] in on:
@@ -103,6 +110,49 @@ class FrontierChart:
         if frontier:
             axes.step([p.measure(self.x)[1] for p in frontier], [self._error(p) for p in frontier], where="post",
                       color=style.INK, linewidth=0.9, zorder=2.5)
+
+    @cached_property
+    def numbers(self) -> dict[str, int]:
+        """The number of each label that has a point on no frontier: those of one entry of the config in a row."""
+        entries: dict[str, dict[str, None]] = {}
+        for place in self.places:
+            on = {p.cell["key"] for p in place.frontier(self.x, self.y)}
+            for p in self._shown(place):
+                if p.cell["key"] not in on:
+                    entries.setdefault(p.cell["label"], {})[p.label] = None
+        return {label: number for number, label in enumerate((label for labels in entries.values() for label in labels),
+                                                             1)}
+
+    def others(self) -> list[str]:
+        """The sentence that names the numbers: '3 F2B; 4–6 K+B-Array, k 2, 4, 8'."""
+        runs: dict[tuple[str, str], list[str]] = {}
+        for label in self.numbers:
+            start, _, end = label.rpartition(" ")
+            runs.setdefault((start, "") if end.isdigit() else ("", label), []).append(label)
+        told = [f"{_span([self.numbers[label] for label in labels])} {labels[0]}"
+                + "".join(f", {label.rpartition(' ')[2]}" for label in labels[1:]) for labels in runs.values()]
+        return [f"On no frontier, by number where there is room: {'; '.join(told)}."] if told else []
+
+    def name(self, axes: Axes, place: ScenePoints) -> None:
+        """Write the labels of the frontier below it, where nothing lies, and the others' numbers, as far as they fit.
+
+        The legend names the points on a frontier too, by their marks.
+        """
+        frontier = place.frontier(self.x, self.y)
+        on = {p.cell["key"] for p in frontier}
+        placed = Placed(axes, [(self._at(p), SOLID if p.cell["key"] in on else HOLLOW) for p in self._shown(place)])
+        clear = {"boxstyle": "square,pad=0.05", "facecolor": "white", "edgecolor": "none", "alpha": 0.7}
+        for p in frontier:
+            placed.put(self._at(p), p.label, NAME_PT, BELOW, color=style.INK, zorder=4, bbox=clear)
+        for p in self._shown(place):
+            if p.cell["key"] not in on:
+                placed.put(self._at(p), str(self.numbers[p.label]), NUMBER_PT, NEAR, color=style.QUIET, zorder=3.5)
+
+    def _shown(self, place: ScenePoints) -> list[Point]:
+        return [p for p in place.points if p.measure(self.x)[1] and p.measure(self.y)[1] is not None]
+
+    def _at(self, point: Point) -> tuple[float, float]:
+        return point.measure(self.x)[1], self._error(point)
 
     def _error(self, point: Point) -> float:
         return max(LEAST, point.measure(self.y)[1])
@@ -133,6 +183,7 @@ class FrontierChart:
         return style.MARKERS[self.labels.index(label) % len(style.MARKERS)]
 
     def finish(self, axes: Axes, leftmost: bool, lowest: bool) -> None:
+        axes.margins(0.08, 0.12)
         log_axis(axes, "x", 10)
         log_axis(axes, "y", 10)
         axes.grid(which="major")
@@ -149,3 +200,8 @@ class FrontierChart:
         return [*named, Line2D([], [], linestyle="", marker="o", markersize=3.2, color=style.QUIET, alpha=FADED,
                                markerfacecolor="none", markeredgewidth=0.6,
                                label="on no frontier")]
+
+
+def _span(numbers: Sequence[int]) -> str:
+    """Numbers in a row: 3, or 4–6."""
+    return "–".join(map(str, dict.fromkeys((numbers[0], numbers[-1]))))
