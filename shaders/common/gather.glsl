@@ -13,8 +13,8 @@ uint gather(uint p) {
 #else
     uint seen = 0u;
     FRAGMENT fragment;
-    for (fetch_begin(p); fetch_next(fragment); ++seen)
-        if (seen < room) fragments[seen] = fragment;
+    for (fetch_begin(p); seen < room && fetch_next(fragment); ++seen) fragments[seen] = fragment;
+    if (seen == room) while (fetch_next(fragment)) ++seen;
 #endif
     uint kept = min(seen, room);
     if (seen > kept) atomicAdd(lost_fragments, seen - kept);

@@ -36,6 +36,15 @@ def test_a_pixel_with_more_fragments_than_room_loses_those_that_come_later(devic
         assert sum(frame.memory_bytes.values()) - memory == 4 * 2 * 5 * counts.size
 
 
+@pytest.mark.parametrize("sort", ["hybrid", "register"])
+@pytest.mark.parametrize("method", ["ab-array", "ab-ll"])
+def test_a_local_array_shorter_than_a_list_loses_those_that_find_no_room(device, method, sort):
+    counts = fragment_counts(UNEVEN)
+    with drawn(device, method, UNEVEN, sort=sort, local_array=8) as frame:
+        assert frame.lost_fragments() == np.clip(counts - 8, 0, None).sum() > 0
+        np.testing.assert_allclose(frame.image()[counts <= 8], composite(UNEVEN)[counts <= 8], atol=1e-5)
+
+
 def test_more_room_than_fragments_allocates_no_more(device):
     sizes = []
     for room in (0, 9, 100):
