@@ -99,13 +99,22 @@ def _write_fragments(made, drawn, out: str, device: str) -> None:
 
 
 def _captured(made, drawn, device: str):
-    """The fragments that a device makes of the primitives of `drawn`, with the colours of `made`."""
+    """The fragments that a device makes of the primitives of `drawn`, with the colours of `made`.
+
+    Raises DeviceError where the device has not so many samples a pixel.
+    """
+    from ..errors import DeviceError
     from ..gpu.capture import capture
     from ..gpu.device import open_device
     from ..gpu.single import shown
+    from ..methods.spec import MSAA_FEATURES
     from ..oracle.listed import recorded
 
     with Interruption(device_here=True):
-        opened = open_device(device)
+        opened, msaa = open_device(device), drawn.effect.msaa
+        allowed = [1, *(samples for samples, feature in MSAA_FEATURES.items() if feature in opened.features)]
+        if msaa not in allowed:
+            raise DeviceError(f"scene.msaa: this device does not rasterize into {msaa} samples a pixel; "
+                              f"allowed here: {', '.join(map(str, allowed))}")
         with shown(opened, drawn) as on:
             return recorded(capture(opened, on.scene_buffer, on.canvas), made)

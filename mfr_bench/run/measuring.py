@@ -11,8 +11,9 @@ from statistics import fmean, median
 
 from ..measure.elimination import LATE
 from ..measure.sampling import Sampler
-from ..methods.spec import Fitted, Method, SceneStats
+from ..methods.spec import MSAA_FEATURES, Fitted, Method, SceneStats
 from ..plan import expected_stats, judge
+from ..scene import Scene
 from ..scene.kinds import kind_of
 from ..store.journal import Partial
 from .bench import Bench, Phases
@@ -71,12 +72,13 @@ class Measuring:
         self._then, self._ended = group.then, []
         self._live_bytes = min(LIVE_BYTES, LIVE_SHARE * group.most_bytes)
         self.bench.emit(Begun(None, "scene"))
-        if lacks := kind_of(group.jobs[0].cell.scene).lacks(group.jobs[0].cell.scene):
+        config = group.jobs[0].cell.scene
+        if lacks := kind_of(config).lacks(config) or self._lacks(config):
             for job in group.jobs:
                 self.bench.emit(Finished(job.key, "unsupported", f"needs {lacks}", values={}))
             return
         try:
-            scene = SceneWork(self.bench, group.jobs[0].cell.scene)
+            scene = SceneWork(self.bench, config)
         except MemoryError as error:
             for job in group.jobs:
                 self.bench.emit(Finished(job.key, *failure(error), values={}))
@@ -92,6 +94,11 @@ class Measuring:
                     left = self._chunk(left, scene)
         finally:
             scene.release()
+
+    def _lacks(self, config: Scene) -> str | None:
+        """The samples a pixel that the device lacks: it could not even count the fragments of such a scene."""
+        feature, limits = MSAA_FEATURES.get(expected_stats(config).samples), self.bench.device.limits
+        return limits.lacks(feature) if feature and feature not in limits.features else None
 
     def _fitted(self, job: Job, stats: SceneStats) -> Fitted:
         variant = self.catalog[job.cell.method].variant(job.cell.params)

@@ -182,6 +182,15 @@ def test_fragments_in_samples_have_masks_and_colours_as_they_are(mfr, odd, here,
         assert {row["msaa"] for row in csv.DictReader(rows)} == {"4"}
 
 
+def test_fragments_in_samples_that_the_device_lacks_end_in_a_line(mfr, here, device, monkeypatch):
+    (here / "object.yaml").write_text(OBJECT)
+    monkeypatch.setattr(type(device), "features", frozenset({"msaa_4"}))
+    ended = mfr("scene", "object.yaml", "--set", "scene.msaa=8", "--fragments", "f.npz")
+    assert ended.status == 1 and not (here / "f.npz").exists()
+    assert ended.err.strip() == ("scene.msaa: this device does not rasterize into 8 samples a pixel; "
+                                 "allowed here: 1, 4")
+
+
 def test_slanted_primitives_are_corners(mfr, here):
     (here / "object.yaml").write_text(OBJECT)
     ended = mfr("scene", "object.yaml", "--out", "scene.npz")

@@ -25,6 +25,7 @@ from mfr_bench.run.sheet import Sheet
 from mfr_bench.store import ResultFolder
 from mfr_bench.store.arrays import read_arrays
 
+from ..effects.test_coverage import SLANTED
 from .planted_cells import MEASURE, SCENE, Clock, Run, cell
 
 
@@ -213,6 +214,18 @@ def test_cells_that_do_not_fit_together_are_measured_in_turns(run, device, monke
     _, made = run([cell(), cell("ab-ll"), cell("kplus-array", k=2)])
     assert made.sheet.counts == {"ok": 3}
     assert alive == [1, -1] * 3
+
+
+def test_a_scene_in_more_samples_than_the_device_has_is_not_even_counted(run, device, monkeypatch):
+    """It could not be drawn, and the error of the driver would be taken for one of the next scene."""
+    sampled, made = SceneConfig(**SLANTED, msaa=8), []
+    monkeypatch.setattr(measuring, "SceneWork", lambda bench, config, real=measuring.SceneWork: (
+        made.append(config), real(bench, config))[1])
+    monkeypatch.setattr(type(device), "features", device.features - {"msaa_8"})
+    rows, _ = run([cell(scene=sampled), cell("ab-ll", sampled), cell("ab-sb", SceneConfig(**SLANTED))])
+    assert made == [SceneConfig(**SLANTED)]
+    assert {(row["status"], row["reason"]) for row in rows.values()} == {("ok", None), ("unsupported", "needs msaa_8")}
+    assert "fragments" not in rows["ab-ll", None]["values"]
 
 
 # --- progress ------------------------------------------------------------------------------------
