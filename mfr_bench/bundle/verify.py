@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..config.schema import parse
+from ..config.json_schema import parse
 from ..effects import OWN_EFFECTS, PLAIN
 from ..environment import draws_in_software
 from ..errors import UsageError

@@ -149,6 +149,9 @@ def _answer_over(folders: tuple[str, ...], question, scene, within: float, as_js
 
 def _raced(question, scene, budget, out: str | None, device: str):
     """Let the candidates race within the time that is left, and read the rows."""
+    from ..run.process import Worker
+
+    worker = Worker(device)  # it starts while the rest is imported
     from tempfile import TemporaryDirectory
 
     import yaml
@@ -162,7 +165,7 @@ def _raced(question, scene, budget, out: str | None, device: str):
     from .interruption import Interruption
     from .progress import exact_duration
 
-    with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor, \
+    with Interruption() as interruption, Supervisor(device, interruption.asked, worker) as supervisor, \
             TemporaryDirectory() as folder:
         if question.estimated:
             question = _counted(question, scene, supervisor, interruption, budget, Path(folder, "count"))

@@ -73,7 +73,7 @@ class ProfileName(click.ParamType):
     def shell_complete(self, context, param, incomplete):
         from click.shell_completion import CompletionItem
 
-        from ..config.load import profile_names
+        from ..config.loading import profile_names
 
         return [CompletionItem(name) for name in profile_names(_arguments(context)) if name.startswith(incomplete)]
 

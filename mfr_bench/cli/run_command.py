@@ -102,6 +102,10 @@ def exit_status(statuses: set[str], wrong_images: bool = True) -> int:
 def carry_out(plans_made: Callable[[], Any], device: str, choices: Choices, dry_run: bool,
               table: Callable[[Any, int], str] | None = None) -> set[str]:
     """Measure the plans, which are made while the device is opened; the statuses of all cells, of a dry run none."""
+    from ..run.process import Worker
+
+    started = time.perf_counter()
+    worker = Worker(device)  # it starts while the rest is imported
     from ..methods import catalog
     from ..plan import features_for
     from ..run.events import Needs
@@ -109,8 +113,7 @@ def carry_out(plans_made: Callable[[], Any], device: str, choices: Choices, dry_
     from .plan_text import print_plans
     from .session import Session
 
-    started = time.perf_counter()
-    with Interruption() as interruption, Supervisor(device, interruption.asked) as supervisor:
+    with Interruption() as interruption, Supervisor(device, interruption.asked, worker) as supervisor:
         plans = plans_made()
         cells = [cell for _, cells in plans for cell in cells]
         supervisor.expect(Needs(features_for(cells, catalog()), len(cells)))

@@ -118,7 +118,7 @@ def _hold_free(out: str | None) -> None:
 
 def _config_path(reference: str) -> str:
     """The file of a config: both trees read the same one. Raises UsageError where it is none."""
-    from ..config.load import find
+    from ..config.loading import find
 
     files = find(reference)
     if len(files) != 1:

@@ -1,8 +1,19 @@
-"""YAML -> frozen dataclasses, with every mistake found before anything runs."""
+"""YAML -> frozen dataclasses, with every mistake found before anything runs.
 
-from .load import find, load, shipped, stress_configs
-from .model import Experiment, Figure, Measure, MethodEntry, Scene
-from .schema import schema
+A name is loaded when it is first used: what measures takes configs that are read.
+"""
 
+from typing import TYPE_CHECKING
+
+from ..lazy import from_modules
+
+if TYPE_CHECKING:
+    from .json_schema import schema
+    from .loading import find, load, shipped, stress_configs
+    from .model import Experiment, Figure, Measure, MethodEntry, Scene
+
+__getattr__ = from_modules(__name__, {
+    **dict.fromkeys(("find", "load", "shipped", "stress_configs"), "loading"),
+    **dict.fromkeys(("Experiment", "Figure", "Measure", "MethodEntry", "Scene"), "model"), "schema": "json_schema"})
 __all__ = ["Experiment", "Figure", "Measure", "MethodEntry", "Scene", "find", "load", "schema", "shipped",
            "stress_configs"]

@@ -15,9 +15,9 @@ from ..scene.kinds import faults, kind_of, own_keys
 from ..scene.spec.kind import LOCAL, Fault
 from .axes import K, R, measure_at, point_count, points, scene_at
 from .columns import IDENTITY, MEASURED
+from .json_schema import ConfigFile, allowed, parse
 from .layers import AXES
 from .model import KEPT, Experiment, Measure, MethodEntry, Scene
-from .schema import ConfigFile, allowed, parse
 from .source import Document, Path, Problem, dotted
 
 EVERY_KEY = frozenset(key.name for key in all_keys())  # of figures of any kind

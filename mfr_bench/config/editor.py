@@ -12,7 +12,7 @@ from typing import Any
 from ..methods.spec import ON_OFF, Method, Param
 from .axes import K, R
 from .check import EVERY_METHOD, SWEPT_KEYS
-from .schema import schema
+from .json_schema import schema
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 SWITCH = {"on": True, "off": False}  # what YAML 1.1 makes of the bare words

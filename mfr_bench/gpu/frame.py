@@ -10,7 +10,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 
@@ -329,19 +330,33 @@ class Frame:
 
     def probe(self) -> dict[str, int]:
         """Fragments by each counter that the variant's probing passes fill; draws a frame, if there are any."""
-        probing = {id(step): step for step in self.variant.passes if step.probes}
-        counters = {step.probes for step in probing.values()}
+        counters = {step.probes for step in self.variant.passes if step.probes}
         if not counters:
             return {}
         for name in counters:
             self.diagnostics.take(name)
-        passes, self._probing = self.geometry_passes, True
-        left_out = {id(step) for step, _ in self._planned_now().left_out}
-        self._runners |= {i: PassRunner(self, step) for i, step in probing.items()
-                          if i not in self._runners and i not in left_out}
-        self.draw()
-        self.geometry_passes, self._probing = passes, False
+        passes = self.geometry_passes
+        with self._with_probes():
+            self.draw()
+        self.geometry_passes = passes
         return {name: self.diagnostics.take(name) for name in counters}
+
+    @contextmanager
+    def _with_probes(self) -> Iterator[None]:
+        """Within this a frame has its probing passes."""
+        self._probing = True
+        left_out = {id(step) for step, _ in self._planned_now().left_out}
+        self._runners |= {id(step): PassRunner(self, step) for step in self.variant.passes
+                          if step.probes and id(step) not in self._runners and id(step) not in left_out}
+        yield
+        self._probing = False
+
+    def compile_probes(self) -> None:
+        """Draw the probing passes alone behind a frame, with which drivers compile them; the counts mean nothing."""
+        with self._with_probes():
+            for step in self.running:
+                if step.probes:
+                    self._run(step, 0, None)
 
     def draw_by(self, runners: Mapping[int, PassRunner]) -> None:
         """Draw a frame in which other runners do the work of its passes, by the identity of the pass."""

@@ -82,7 +82,8 @@ class PassRunner:
         self.program = self.vao = None
         self._times_frames = frame.device.times_frames
         if step.kind != "clear":
-            self.program = frame.device.program(self._stages(), f"method {frame.variant.method.id}, pass {step.name}")
+            self._made = self._stages()
+            self.program = frame.device.program(self._made, f"method {frame.variant.method.id}, pass {step.name}")
         if step.kind in ("geometry", "fullscreen"):
             self.vao = self._vertex_array()
         self._texel_units = [(bound.ref, frame.fitted.reads_pairs(step, bound.ref), bound.index)
@@ -331,7 +332,7 @@ class PassRunner:
             return False
         if not self._times_frames:
             return True
-        network = NETWORK.search(self._stages()[-1].text)
+        network = NETWORK.search(self._made[-1].text)
         return network is not None and self.frame.stats.n >= LAYERS and int(network["fragments"]) >= SORTED
 
     def _switch(self, capability: int, on: object) -> Callable[[], None]:

@@ -20,12 +20,13 @@ PAUSE_S = 1.0  # before the next of them
 class DeviceProcess:
     """The process that has the device of the kind `want`; it starts at once, and opens the device meanwhile.
 
-    `asked`: whether the user wants the run to stop. timer: None lets the process choose one.
+    `asked`: whether the user wants the run to stop. timer: None lets the process choose one. worker: the process, where
+    it was started before.
     """
 
-    def __init__(self, want: str, asked: Callable[[], bool], timer: str | None = None):
+    def __init__(self, want: str, asked: Callable[[], bool], timer: str | None = None, worker: Worker | None = None):
         self._want, self._asked = want, asked
-        self._worker: Worker | None = Worker(want, timer)  # None once the device is gone
+        self._worker = worker or Worker(want, timer)  # None once the device is gone
         self._needs: Needs | None = None
         self._ready: Ready | None = None
 

@@ -17,7 +17,6 @@ from ..methods import catalog
 from ..methods.spec import Fitted
 from .bench import Bench
 from .jobs import Job
-from .outcome import fragment_shares
 from .parent import live_for
 from .scene_work import SceneWork
 
@@ -81,7 +80,7 @@ class _Scenes:
         self._scene: SceneWork | None = None
 
     def draw(self, job: Job) -> None:
-        """Draw the first frame of a cell as the process that measures will, and count its fragments as at its end."""
+        """Draw the first frame of a cell as the process that measures will, and the passes that count at its end."""
         scene, device = self._of(job), self._bench.device
         scene.show(0)
         device.times_frames = not job.cell.measure.single
@@ -89,7 +88,7 @@ class _Scenes:
         frame = Frame(device, Fitted(variant, scene.stats, device.limits.features), scene.scene_buffer, scene.canvas)
         try:
             frame.draw_fitting()
-            fragment_shares(frame, variant, scene.shown)  # by programs that count
+            frame.compile_probes()
             device.finish()
         finally:
             frame.release()

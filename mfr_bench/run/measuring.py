@@ -200,25 +200,28 @@ class Measuring:
         """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done.
 
         Turns during which the device was slower are taken again in later rounds. The run waits only where nothing else
-        is left to do.
+        is left to do. What compiles ahead goes on while cells are finished: to stop it takes longer than many a turn.
         """
         if running and running[0].job.cell.measure.eliminate:
             rounds = Rounds(running, self._guarded, self._shuffle, lambda: self.bench.emit(Synced()), self._deadline)
-            rounds.run(self._finish_apart)
+            with self.bench.precompiler.paused():
+                rounds.run(self._finish_apart)
             running = rounds.apart
         entries = [(cell, cell.sampler) for cell in running]
         while entries:
             self._shuffle(entries)
-            with self.bench.paused():
-                for cell, sampler in entries:
-                    self._guarded(cell, partial(self._batch, sampler=sampler))
-                with self.bench.split.work("reference"):
-                    self.bench.watch.look_behind()
-            self._start_pairs(running)
-            ending = [cell for cell in running if not (cell.done or cell.wanted or cell.take_again())]
-            for step in (CellWork.time_passes, self._finish):  # while the last frames are drawn, rows may be written
+            with self.bench.precompiler.paused():
+                with self.bench.paused():
+                    for cell, sampler in entries:
+                        self._guarded(cell, partial(self._batch, sampler=sampler))
+                    with self.bench.split.work("reference"):
+                        self.bench.watch.look_behind()
+                self._start_pairs(running)
+                ending = [cell for cell in running if not (cell.done or cell.wanted or cell.take_again())]
                 for cell in ending:
-                    self._guarded(cell, step)
+                    self._guarded(cell, CellWork.time_passes)
+            for cell in ending:  # while the last frames are drawn, rows may be written
+                self._guarded(cell, self._finish)
             self._tell_ended()
             self.bench.emit(Synced())
             entries = [(cell, s) for cell in running if not cell.done for s in cell.samplers if s.wanted]

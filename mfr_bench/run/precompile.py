@@ -73,6 +73,7 @@ class Precompiler:
         self._link: Connection | None = None
         self._spent_s = 0.0
         self._heard_at = 0.0  # by the monotonic clock
+        self._pausing = False
 
     @property
     def pid(self) -> int | None:
@@ -115,14 +116,19 @@ class Precompiler:
     def paused(self) -> Iterator[None]:
         """Let it stand still meanwhile, and hold no lock of a file, for which the driver of this process might wait.
 
-        One that waits for cells has nothing to be stopped at.
+        One that waits for cells has nothing to be stopped at. Within another pause nothing is left to do.
         """
+        if self._pausing:
+            yield
+            return
         pid = None if self._idle() else self.pid
         if pid and not self._stopped(pid):
             self._give_up()
+        self._pausing = True
         try:
             yield
         finally:
+            self._pausing = False
             if pid and self.pid:
                 _signal(pid, signal.SIGCONT)
 

@@ -16,7 +16,7 @@ from .hand import Hand
 from .jobs import Job
 from .ledger import Ledger
 from .memory import free_bytes
-from .process import Died
+from .process import Died, Worker
 from .trust import Trust
 
 Watch = Callable[[Begun | Sampled], None]  # receives the phases that begin and the samples
@@ -25,15 +25,16 @@ Watch = Callable[[Begun | Sampled], None]  # receives the phases that begin and 
 class Supervisor:
     """Starts a worker at once, which opens the device while the run is still being planned.
 
-    `want`: kind of device; `asked`: whether the user wants the run to stop. A context: leaving it ends the worker.
+    `want`: kind of device; `asked`: whether the user wants the run to stop; worker: the one of this device, where it
+    was started before. A context: leaving it ends the worker.
     The first cell whose image is wrong, or which crashes, has the device tested: one that fails a self-test without
     which any result may be wrong measures nothing any more.
     """
 
-    def __init__(self, want: str, asked: Callable[[], bool] = lambda: False):
+    def __init__(self, want: str, asked: Callable[[], bool] = lambda: False, worker: Worker | None = None):
         self.asked = asked
         self.free_bytes = free_bytes()
-        self._process = DeviceProcess(want, asked)
+        self._process = DeviceProcess(want, asked, worker=worker)
         self._trust = Trust(want, lambda: asked() or self._over)
         self._deadline = self._last = float("inf")
         self._then: tuple[Job, ...] = ()  # the group after the one that is measured

@@ -110,7 +110,8 @@ def mfr(monkeypatch, capsys):
 def on_device(device, monkeypatch):
     monkeypatch.setattr("mfr_bench.gpu.device.open_device", lambda want="auto": device)
     monkeypatch.setattr("mfr_bench.gpu.device.list_devices", lambda: [Listed(device.egl.index, device.info)])
-    monkeypatch.setattr("mfr_bench.run.device_process.Worker", InProcess)
+    for module in ("process", "device_process"):
+        monkeypatch.setattr(f"mfr_bench.run.{module}.Worker", InProcess)
     return device
 
 

@@ -7,12 +7,13 @@ import pytest
 from mfr_bench.config.model import Scene
 from mfr_bench.gpu import rawgl
 from mfr_bench.gpu.context import Device
+from mfr_bench.gpu.frame import Frame
 from mfr_bench.gpu.pass_runner import PassRunner
 from mfr_bench.gpu.probes import ProbeBench, probe_method
 from mfr_bench.gpu.rawgl import FORMATS
-from mfr_bench.methods.spec import IMAGE, Pass, Target
+from mfr_bench.methods.spec import IMAGE, Fitted, Pass, Target
 
-from ..contract.cases import Drawn, catalog
+from ..contract.cases import Drawn, catalog, variants
 
 METHODS = ("ab-ll", "ab-array", "kplus-array", "peel-dual", "wboit", "mboit", "adaptive", "kb-ps")
 SCENE = Scene(size=(24, 16), depth_complexity=5, alpha=(0.1, 0.9))
@@ -46,6 +47,32 @@ def test_where_passes_over_the_screen_blend(device, monkeypatch, twice, timed, l
     monkeypatch.setattr(Device, "compiles_opaque_twice", twice)
     Drawn(device, catalog()["ab-ll"].variant({"sort": "register"}), Scene(size=(24, 16), depth_complexity=layers))
     assert switched == {"clear": {blends and not timed}, "store": {False}, "resolve": {blends}}
+
+
+PROBED = [method for method, each in catalog().items() if any(step.probes for step in each.variant({}).passes)]
+
+
+@pytest.mark.parametrize("method", PROBED)
+def test_probing_passes_are_compiled_without_a_frame(device, monkeypatch, method):
+    """All of those that a frame then runs; that frame counts as if nothing had been drawn between."""
+    ran, run = [], PassRunner.run
+    monkeypatch.setattr(PassRunner, "run", lambda runner, iteration: (ran.append(runner.step), run(runner, iteration)))
+    able = [each for each in variants(catalog()[method]) if set(each.needs) <= device.features]
+    if not able:
+        pytest.skip(f"this device lacks what all variants of {method} need")
+    with ProbeBench(device, SCENE) as bench:
+        frames = [Frame(device, Fitted(able[0], bench.stats), bench.scene_buffer, bench.canvas) for _ in range(2)]
+        for frame in frames:
+            frame.draw_fitting()
+        ran.clear()
+        frames[0].compile_probes()
+        alone = [*ran]
+        ran.clear()
+        counted = [frame.probe() for frame in frames]
+        for frame in frames:
+            frame.release()
+    assert counted[0] == counted[1]
+    assert {step.shader for step in alone} == {step.shader for step in ran if step.probes}
 
 
 @pytest.mark.parametrize("format", [name for name in FORMATS if name.endswith("f") and "depth" not in name])

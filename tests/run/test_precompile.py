@@ -17,6 +17,7 @@ from mfr_bench.methods.spec import Fitted
 from mfr_bench.plan import expected_stats
 from mfr_bench.run import bench, first_frames
 from mfr_bench.run import precompile as module
+from mfr_bench.run.cell import CellWork
 from mfr_bench.run.jobs import Job, jobs
 from mfr_bench.run.precompile import ASKED, CELL_BYTES, FEW, FRAGMENTS, SLOW_S, TRIED, Precompiler, drawable, helps
 from mfr_bench.scene import Scene
@@ -228,6 +229,33 @@ def test_one_that_waits_for_cells_is_not_stopped(made, monkeypatch):
     monkeypatch.setattr(module, "IDLE_S", 0.0)
     with precompiler.paused():
         assert state(precompiler.pid) != "T"
+
+
+def test_within_a_pause_it_is_not_stopped_again(made, monkeypatch):
+    precompiler, stops, stopped = made(fake.hangs), [], Precompiler._stopped
+    monkeypatch.setattr(precompiler, "_stopped", lambda pid: (stops.append(pid), stopped(pid))[1])
+    with precompiler.paused():
+        for _ in range(2):
+            with precompiler.paused():
+                assert state(precompiler.pid) == "T"
+            assert state(precompiler.pid) == "T"
+    assert stops == [precompiler.pid]
+    until(lambda: state(precompiler.pid) != "T", "it does not go on")
+
+
+def test_it_is_stopped_once_for_the_turns_of_all_cells(device, tmp_path, monkeypatch):
+    """It goes on while cells are finished, and the others' turns come after that."""
+    precompiler, stops, stopped = Precompiler(fake.hangs), [], Precompiler._stopped
+    monkeypatch.setattr(precompiler, "_stopped", lambda pid: (stops.append(pid), stopped(pid))[1])
+    monkeypatch.setattr(bench, "Precompiler", lambda serve: precompiler)
+    precompiler.start()
+    turns, batch = [], CellWork.batch
+    monkeypatch.setattr(CellWork, "batch", lambda self, sampler: (turns.append(self), batch(self, sampler)))
+    try:
+        measured(device, tmp_path)
+        assert 0 < len(stops) <= len(turns) / (len(METHODS) - 1)
+    finally:
+        precompiler.close()
 
 
 # --- faults --------------------------------------------------------------------------------------
