@@ -125,6 +125,15 @@ def after_an_overflow(device, before: int = 2, after: int = 7) -> tuple[int, int
         return frame.plan.known.layers, frame.geometry_passes, error(frame, quads, quads.scene) <= EXACT_ERROR
 
 
+@pytest.mark.parametrize("layers", [8, 24])
+def test_a_scene_as_deep_as_the_cells_that_there_are_is_drawn_once(device, layers):
+    with animated(device, [pile(layers)], spare_memory=1000.0) as (frame, quads):
+        frame.draw_fitting()
+        show(frame, quads, pile(layers))
+        assert frame.draw()
+        assert (frame.plan.known.layers, frame.geometry_passes) == (layers, 1)
+
+
 UNCLASSED, CLASSED = (2, 7, 8), (20, 30, 40)  # fragments of a pixel in two frames, and layers of the second
 
 

@@ -13,6 +13,7 @@ from mfr_bench.gpu.targets import Canvas
 from mfr_bench.gpu.truth import Truth, true_stats
 from mfr_bench.gpu.work import admitted_map
 from mfr_bench.methods import catalog
+from mfr_bench.methods.kplus import BINS
 from mfr_bench.methods.spec import Fitted, Promise
 from mfr_bench.oracle.composite import composite, fragment_counts, stats_of
 from mfr_bench.oracle.quality import conformance
@@ -154,6 +155,13 @@ def test_the_host_chooses_what_the_histogram_asks_for(device, memory_mb, hit_rat
     assert promise.layers == 1 or 8 * kept + 12 * stats.P <= memory_mb * 2**20
     if memory_mb == 200:
         assert kept >= hit_ratio * stats.F > stats.bounded(promise.layers - 1)
+
+
+def test_pixels_with_more_fragments_than_bins_are_counted_in_the_last(device):
+    scene = stack(np.linspace(0.1, 0.9, BINS + 6), size=(2, 1))
+    scene.rect[:9, 0] = 1  # which leaves the first pixel with fewer
+    with drawn(device, "kplus-sb-dynamic", scene, memory_mb=0.001, sort="lplus") as frame:
+        assert frame.words("histogram")[BINS - 4:].tolist() == [1, 0, 0, 1]
 
 
 @pytest.mark.parametrize("method", ["kplus-array-dynamic", "kplus-heap-dynamic"])

@@ -140,6 +140,14 @@ def test_of_equally_opaque_fragments_the_nearer_then_the_lesser_payload_stays(de
         assert_shows(frame, [colours[2], colours[3]])  # red counts least in the word: 20 is less than 200
 
 
+@pytest.mark.parametrize("order", [1, -1])
+@pytest.mark.parametrize("structure", ["array", "heap"])
+def test_of_equally_far_fragments_the_lesser_payload_stays(device, structure, order):
+    scene = stack(DEPTHS[::order], RGBA[::order])
+    with drawn(device, "kplus-generic", scene, k=2, criterion="furthest", structure=structure) as frame:
+        assert_shows(frame, RGBA[[TIED[1], BACK]])
+
+
 def test_the_depth_test_keeps_the_last_submitted(device):
     assert catalog()["zbuffer"].ties == "the last submitted is kept"
     with drawn(device, "zbuffer", stack([0.5, 0.25, 0.25], RGBA[:3])) as frame:
