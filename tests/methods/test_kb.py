@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from mfr_bench.config import Scene as SceneConfig
 from mfr_bench.hashing import mix
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import EMPTY, Fitted, Loop
 from mfr_bench.oracle.composite import composite
+from mfr_bench.scene import generate
 from mfr_bench.store.status import EXACT_ERROR
 
 from .drawing import chosen, drawn, stack
@@ -134,6 +136,15 @@ def test_several_passes_keep_what_one_pass_has_no_slots_for(device, k, per_pass)
         assert frame.fitted.promise().layers == whole
         assert error(frame, whole) <= EXACT_ERROR
         assert frame.geometry_passes == min(whole // slots, -(-len(DEPTHS) // slots))
+
+
+def test_several_passes_end_in_each_pixel_by_itself(device):
+    """A pixel whose fragments are all composited takes none of them again while others go on."""
+    if device.kind != "cpu":
+        pytest.skip("this device may shade fragments of a pixel at once")
+    scene = generate(SceneConfig(size=(16, 12), depth_complexity=9, fragment_probability=0.5, seed=3))
+    with drawn(device, "kb", scene, k=8, per_pass=2) as frame:
+        assert error(frame, 8) <= EXACT_ERROR
 
 
 def test_several_passes_need_the_slots_of_one_and_a_word(device):

@@ -1,5 +1,6 @@
 """Each method treats equal depths as it says."""
 
+from collections.abc import Sequence
 from itertools import permutations
 
 import numpy as np
@@ -75,13 +76,13 @@ def test_every_phrase_is_somebodys():
     assert {phrase for _, phrase, _ in SAID} == set(ORDERS)
 
 
-def every_arrival() -> tuple[list[tuple[int, ...]], Quads]:
+def every_arrival(depths: Sequence[float] = DEPTHS) -> tuple[list[tuple[int, ...]], Quads]:
     """The orders in which the four may arrive, and a row of pixels, one for each."""
     arrivals = list(permutations(range(4)))
     rect = [[x, 0, x + 1, 1] for x in range(len(arrivals)) for _ in range(4)]
     order = np.ravel(arrivals)
     return arrivals, Quads((len(arrivals), 1), np.array(rect, dtype=np.int32),
-                           np.array(DEPTHS, dtype=np.float32)[order], RGBA[order].astype(np.uint8), 1.0, 0)
+                           np.array(depths, dtype=np.float32)[order], RGBA[order].astype(np.uint8), 1.0, 0)
 
 
 @pytest.mark.parametrize(("method", "phrase", "k"), SAID)
@@ -138,6 +139,17 @@ def test_of_equally_opaque_fragments_the_nearer_then_the_lesser_payload_stays(de
     scene = stack(depths[::order], colours[::order])
     with drawn(device, "kplus-generic", scene, k=2, criterion="opaque", structure=structure) as frame:
         assert_shows(frame, [colours[2], colours[3]])  # red counts least in the word: 20 is less than 200
+
+
+@pytest.mark.parametrize("method", [m for m in IMAGES if m.guarantee.startswith("exact")], ids=lambda m: m.id)
+def test_depths_that_differ_by_their_last_bit_are_not_equal(device, method):
+    """In every order of arrival; where a method keeps so many, the two nearest."""
+    _, scene = every_arrival(0.75 + np.arange(4) * 2.0**-24)
+    params = {name: value for name, value in (("k", 2), ("atomic64", "emulated")) if method.param(name)}
+    with drawn(device, method.id, scene, **params) as frame:
+        assert frame.lost_fragments() == 0
+        expected = over(RGBA[:frame.fitted.promise().layers])
+        np.testing.assert_allclose(frame.image()[0], [expected] * scene.viewport[0], rtol=0, atol=1e-5)
 
 
 @pytest.mark.parametrize("order", [1, -1])
