@@ -10,7 +10,9 @@ from ..decide.budget import Budget
 from ..plan.ending import SAFE, reports_s
 from ..plan.forecast import Rates
 from ..store import ResultFolder
-from .session import Choices, Part, Session, left_out
+from .interruption import Interruption
+from .session import Choices, Part, Session
+from .time_budget import left_out
 
 
 class BudgetedSession(Session):
@@ -23,10 +25,10 @@ class BudgetedSession(Session):
     folder: ResultFolder
     late: Mapping[str, int]
 
-    def __init__(self, supervisor, asked: Callable[[], bool], out: str | None, budget: Budget,
+    def __init__(self, supervisor, interruption: Interruption, out: str | None, budget: Budget,
                  answer: Callable[[ResultFolder], Mapping[str, Any]] | None = None):
         """The session into `out`. answer: from the measured folder, for the manifest and so for its figures."""
-        super().__init__(supervisor, asked, Choices(out, False, False, False, quiet=True), time.perf_counter())
+        super().__init__(supervisor, interruption, Choices(out, False, False, False, quiet=True), time.perf_counter())
         self.budget, self.answer = budget, answer
         self.cut: list[str] = []
 

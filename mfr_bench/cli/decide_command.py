@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
@@ -166,7 +167,7 @@ def _raced(question, scene, budget, out: str | None, device: str):
     from .progress import exact_duration
 
     with Interruption() as interruption, Supervisor(device, interruption.asked, worker) as supervisor, \
-            TemporaryDirectory() as folder:
+            TemporaryDirectory() as folder, interruption.at_once():
         if question.estimated:
             question = _counted(question, scene, supervisor, interruption, budget, Path(folder, "count"))
         found, excluded = _candidates(question, scene, budget)
@@ -176,7 +177,8 @@ def _raced(question, scene, budget, out: str | None, device: str):
         path = Path(folder, "decide.yaml")
         made = config_of(question, scene, found, budget.seconds)
         path.write_text(yaml.safe_dump(made, sort_keys=False, allow_unicode=True), encoding="utf-8")
-        results, late, cut = _measured(question, path, supervisor, interruption, out, budget)
+        results, late, cut = _measured(question, path, {each.label: each.written for each in found}, supervisor,
+                                       interruption, out, budget)
         kept = results.path / path.name
         write_file(kept, path.read_bytes())
     return answer_of(question, load(results), [*excluded, *late], str(kept), cut)
@@ -196,7 +198,7 @@ def _counted(question, scene, supervisor, interruption, budget, folder: Path):
     path = folder / "count.yaml"
     path.write_text(yaml.safe_dump(count_of(scene, budget.seconds), sort_keys=False, allow_unicode=True),
                     encoding="utf-8")
-    session = CountingSession(supervisor, interruption.asked, str(folder / "out"), budget)
+    session = CountingSession(supervisor, interruption, str(folder / "out"), budget)
     session.run(plans_of([str(path)], None, None, ()))
     values = next((cell["values"] for cell in session.folder.cells()), {})
     layers, covered = values.get("max_fragments"), values.get("covered_pixels")
@@ -222,20 +224,20 @@ def _candidates(question, scene, budget):
     return candidates(catalog(), question, enough)
 
 
-def _measured(question, config: Path, supervisor, interruption, out: str | None, budget):
+def _measured(question, config: Path, written: Mapping[str, str], supervisor, interruption, out: str | None, budget):
     """The result folder of the config, measured where it lacks something; nothing is printed on stdout.
 
-    With it come the candidates that have no row, and what else the budget cut, in words.
+    With it come the candidates that have no row, and what else the budget cut, in words. written: by their labels, the
+    candidates as a command takes them.
     """
     from ..decide.answer import answer_of
     from ..decide.candidates import NOT_FINISHED, Excluded
-    from ..methods import FLOOR, catalog
     from ..report.data import load
     from .budgeted_session import BudgetedSession
     from .run_command import plans_of
 
-    session = BudgetedSession(supervisor, interruption.asked, out, budget,
+    session = BudgetedSession(supervisor, interruption, out, budget,
                               lambda folder: answer_of(question, load(folder), (), "").marked)
     session.run(plans_of([str(config)], None, None, ()))
-    late = [label for label in session.late if label != catalog()[FLOOR].name]
-    return session.folder, [Excluded(label, NOT_FINISHED) for label in late], session.cut
+    late = [written[label] for label in session.late if label in written]  # the floor is no candidate
+    return session.folder, [Excluded(name, NOT_FINISHED) for name in late], session.cut

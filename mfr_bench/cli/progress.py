@@ -41,13 +41,14 @@ class Progress:
     """Counts rows of `total` as they come. On a terminal rows that failed stay on the screen.
 
     `asked` says whether the user has asked the work to stop. quiet: nothing is printed. foretell: makes what the run
-    will take, at the first event, when the process that measures is at work.
+    will take, at the first event, when the process that measures is at work. until: when measuring has to stop, on the
+    monotonic clock.
     """
 
     def __init__(self, total: int, name: str, asked: Callable[[], bool] = lambda: False, quiet: bool = False,
-                 foretell: Callable[[], TimeLeft] | None = None):
+                 foretell: Callable[[], TimeLeft] | None = None, until: float = float("inf")):
         self.total, self.name, self.asked, self.quiet, self.done = total, name, asked, quiet, 0
-        self.ahead, self._foretell = None, foretell
+        self.ahead, self._foretell, self._until = None, foretell, until
         self._last, self._start = "starting", time.monotonic()
         self._live = _live_line(self._text) if total and not quiet else None
 
@@ -106,7 +107,10 @@ class Progress:
 
     @property
     def _left(self) -> str:
-        left = f"{exact_duration(self.ahead.left_s(self._elapsed_s))} left"
+        left_s, most_s = self.ahead.left_s(self._elapsed_s), max(0.0, self._until - time.monotonic()) + self.ahead.end_s
+        if most_s < left_s:
+            return f"{exact_duration(most_s)} left of the time budget"
+        left = f"{exact_duration(left_s)} left"
         return left if self.ahead.share >= ENOUGH else f"forecast: {left}"
 
     def _text(self):

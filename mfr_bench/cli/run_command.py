@@ -113,14 +113,15 @@ def carry_out(plans_made: Callable[[], Any], device: str, choices: Choices, dry_
     from .plan_text import print_plans
     from .session import Session
 
-    with Interruption() as interruption, Supervisor(device, interruption.asked, worker) as supervisor:
+    with (Interruption() as interruption, Supervisor(device, interruption.asked, worker) as supervisor,
+          interruption.at_once()):
         plans = plans_made()
         cells = [cell for _, cells in plans for cell in cells]
         supervisor.expect(Needs(features_for(cells, catalog()), len(cells)))
         if dry_run:
-            print_plans(plans, supervisor, choices)
+            print_plans(plans, supervisor, choices, started)
             return set()
-        return Session(supervisor, interruption.asked, choices, started, table).run(plans)
+        return Session(supervisor, interruption, choices, started, table).run(plans)
 
 
 def plans_of(configs: Sequence[str], profile: str | None, only: str | None, overrides: Sequence[str],

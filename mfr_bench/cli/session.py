@@ -11,11 +11,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from .interruption import Interruption
 from .output import note, say, say_lines, width
 from .page_command import write_page_of
 from .report_commands import hand_over, write_tables_of
-
-MANY = 6  # experiments, from which on processes that draw their figures are worth their start
+from .time_budget import MANY, end_s, left_out, left_out_in_all, left_out_line, stop_at, within_reach
 
 # The parts of a manifest that are of the run that measured: one that finds everything measured leaves them alone.
 OF_THE_MEASURING = ("started", "calibration", "versions", "environment", "calibration_end", "calibration_drift",
@@ -92,10 +92,10 @@ class Part:
 class Session:
     """All experiments of one command on one device. `table` gives the text of a folder that is printed."""
 
-    def __init__(self, supervisor, asked: Callable[[], bool], choices: Choices, started: float,
+    def __init__(self, supervisor, interruption: Interruption, choices: Choices, started: float,
                  table: Callable[[Any, int], str] | None = None):
         self.table = table
-        self.supervisor, self.asked, self.choices, self.started = supervisor, asked, choices, started
+        self.supervisor, self.interruption, self.choices, self.started = supervisor, interruption, choices, started
         from ..environment import slowness
 
         self.slowness = slowness()
@@ -159,14 +159,17 @@ class Session:
         measuring = [part for part in parts if part.sheet.pending]
         name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
         try:
-            with Progress(sum(map(len, groups)), name, self.asked, self.choices.quiet,
-                          partial(self._foretold, groups, parts)) as progress:
+            with self.interruption.in_its_time(), Progress(
+                    sum(map(len, groups)), name, self.interruption.asked, self.choices.quiet,
+                    partial(self._foretold, groups, parts), until=deadlines[0]) as progress:
                 ledger.report = progress.row
                 self.supervisor.measure(groups, ledger, progress.saw, self.choices.try_hopeless, *deadlines, note)
             self._at_the_end(measuring)
             self._draw(parts)
             for part in parts:
                 self._tell(part)
+            if len(parts) > 1 and not self.choices.as_json:
+                say_lines(left_out_in_all({part.experiment.name: part.sheet for part in parts}))
             folders = [part.folder for part in parts]
             if measuring and not self.choices.as_json:
                 self._tell_split()
@@ -174,34 +177,30 @@ class Session:
             if self.choices.page:
                 write_page_of(folders, self.choices.page, say if not self.choices.as_json else note)
         except KeyboardInterrupt:
-            if self.asked():
-                raise Interrupted(f"interrupted: {self._kept(parts)}") from None
+            if self.interruption.asked():
+                raise Interrupted(f"interrupted: {self._kept(parts)}; {_shown_by(parts)}") from None
             raise
         except DeviceError as error:
+            for part in parts:
+                self._report(part)
             raise DeviceError(f"{error}; {self._kept(parts)}") from None
 
     def _deadlines(self, groups, parts: Sequence[Part]) -> tuple[float, float]:
-        """The times of the monotonic clock at which to stop measuring, and to end the process that measures.
-
-        What follows is foretold for the cells that have ended and those that can be measured, in the groups' order.
-        """
-        from ..plan.budget import TimeBudget
-        from ..plan.ending import measurable
-
+        """The times of the monotonic clock at which to stop measuring, and to end the process that measures."""
         if self.choices.budget_s is None:
             return float("inf"), float("inf")
-        to_come = [job.key for group in groups for job in group]
-        keys = set(to_come[:measurable(len(to_come), self.choices.budget_s, self.slowness)])
-        stop = TimeBudget(self.choices.budget_s, self.started).deadline(self._ends_s(parts, keys))
+        stop = stop_at(self.choices.budget_s, self.started, groups, parts, self.choices.drawn,
+                       self.supervisor.ready().calibrated_s, self.slowness)
         return time.monotonic() - time.perf_counter() + stop, float("inf")
 
     def _foretold(self, groups, parts: Sequence[Part]):
         """The time that the run will take, once what draws its figures is imported: the worker compiles meanwhile."""
         from ..report.figures import prepare_to_draw
 
-        if self.choices.drawn and any(part.experiment.figures for part in parts):
-            prepare_to_draw()
-        return self._time_left(groups, parts)
+        with self.interruption.at_once():
+            if self.choices.drawn and any(part.experiment.figures for part in parts):
+                prepare_to_draw()
+            return self._time_left(groups, parts)
 
     def _time_left(self, groups, parts: Sequence[Part]):
         """The time that the run will take, by earlier results of the device."""
@@ -213,7 +212,8 @@ class Session:
 
         ready, folders = self.supervisor.ready(), [part.folder for part in parts]
         forecast = forecast_of([*folders, *self.beside], ready)
-        cells = {job.key: job.cell for group in groups for job in group
+        reached = within_reach(groups, self.choices.budget_s, self.slowness)
+        cells = {job.key: job.cell for job in reached
                  if not judge(job.cell, catalog(), expected_stats(job.cell.scene), ready.limits)}
         code = {key: code_of_programs(Fitted(catalog()[cell.method].variant(cell.params), expected_stats(cell.scene),
                                              ready.limits.features)) for key, cell in cells.items()}
@@ -222,16 +222,8 @@ class Session:
                         self.slowness, forecast.rates.looks_s)
 
     def _ends_s(self, parts: Sequence[Part], keys: AbstractSet[str]) -> float:
-        """Seconds that should follow the last of the cells of these keys, with those that have ended before."""
-        from ..environment import usable_cores
-        from ..plan.ending import ending_s, reports_s
-
-        cells = [len(part.sheet.statuses.keys() | (keys & part.sheet.jobs.keys())) for part in parts]
-        told = [part for part, count in zip(parts, cells, strict=True) if count]
-        figures = sum(len(part.experiment.figures) for part in told) if self.choices.drawn else 0
-        processes = (usable_cores() or 1) if len(parts) >= MANY else 1
-        reports = reports_s(len(told), figures, sum(cells), processes, empty=len(parts) - len(told))
-        return ending_s(reports, self.supervisor.ready().calibrated_s if keys else 0.0, self.slowness)
+        """Seconds that should follow the last of the cells of these keys."""
+        return end_s(parts, keys, self.choices.drawn, self.supervisor.ready().calibrated_s, self.slowness)
 
     def _at_the_end(self, parts: Sequence[Part]) -> None:
         """The state to compare with the start of the run: the timer and the device's speed, load and clocks."""
@@ -257,6 +249,7 @@ class Session:
         from ..report import terminal_table
 
         part.manifest["left_out"] = left_out(part.sheet)
+        self._write_what_is_known(part)
         if not self.choices.as_json:
             say((self.table or terminal_table)(part.folder, width()))
         written = self._report(part)
@@ -270,7 +263,7 @@ class Session:
         if not self.choices.drawn or len(parts) < MANY:
             return
         for part in parts:
-            self._write_noise_floor(part)
+            self._write_what_is_known(part)
         with self.split.work("report"):
             for part, drawn in zip(parts, write_all([part.folder for part in parts]), strict=True):
                 part.figures = drawn.paths
@@ -280,7 +273,7 @@ class Session:
     def _report(self, part: Part) -> list[Path]:
         from ..report import write_figures
 
-        self._write_noise_floor(part)
+        self._write_what_is_known(part)
         with self.split.work("report"):
             written = write_tables_of(part.folder)
             if self.choices.drawn:
@@ -289,25 +282,33 @@ class Session:
         return written
 
     @staticmethod
-    def _write_noise_floor(part: Part) -> None:
-        """Let the manifest have it, since tables and figures tell it."""
+    def _write_what_is_known(part: Part) -> None:
+        """Let the manifest have what tables and figures tell: the noise floor, whether the machine was steady."""
         if part.sheet.noise_floor_rel is not None:
             part.manifest["noise_floor_rel"] = part.sheet.noise_floor_rel
-            part.folder.write_manifest(part.manifest)
+        part.folder.write_manifest(part.manifest)
 
     def _spent(self) -> dict[str, dict[str, float]]:
         """Tells where the time of the command went until now, and what the process beside the device did meanwhile."""
         beside_s = {kind: round(seconds, 3) for kind, seconds in self.ledger.beside_s.items()}
         return {"split_s": self.split.whole(time.perf_counter() - self.started), "beside_s": beside_s}
 
-    def _kept(self, parts: Sequence[Part]) -> str:
-        """Write what is derived from the cells so far; how many those are, and where."""
-        for part in parts:
-            self._report(part)
+    @staticmethod
+    def _kept(parts: Sequence[Part]) -> str:
+        """How many cells there are so far, and where."""
         kept = sum(part.sheet.rows(key) for part in parts for key in part.sheet.jobs if part.folder.has(key))
         total = sum(part.sheet.total for part in parts)
-        places = f"{parts[0].folder.path}" + (f" and {len(parts) - 1} more folders" if parts[1:] else "")
-        return f"{kept} of {total} cells are kept in {places}; the same command measures the others"
+        return f"{kept} of {total} cells are kept in {_place(parts)}; the same command measures the others"
+
+
+def _place(parts: Sequence[Part]) -> Path:
+    """The folder that has the results of all parts at or below it."""
+    return parts[0].folder.path.parent if parts[1:] else parts[0].folder.path
+
+
+def _shown_by(parts: Sequence[Part]) -> str:
+    """The command that shows what is kept of a run that was to end at once."""
+    return f"mfr-bench table {_place(parts)} shows what is there"
 
 
 def _of_the_measuring(before: Mapping[str, Any], now: Mapping[str, Any], all_kept: bool) -> dict[str, Any]:
@@ -315,12 +316,6 @@ def _of_the_measuring(before: Mapping[str, Any], now: Mapping[str, Any], all_kep
     same_place = all(before.get(name) == now[name] for name in ("device", "timer"))
     names = OF_THE_MEASURING if all_kept else ("noise_floor_rel",) if same_place else ()
     return {name: before[name] for name in names if name in before}
-
-
-def left_out(sheet) -> dict[str, int]:
-    """Cells that the time budget left no time for, by label."""
-    labels = [job.cell.label for job in sheet.pending]
-    return {label: labels.count(label) for label in dict.fromkeys(labels)}
 
 
 def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
@@ -333,11 +328,7 @@ def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
     noise = manifest.get("noise_floor_rel")
     total = sheet.counts.total()
     lines = [f"{total} {'cell' if total == 1 else 'cells'}: {statuses or 'none'}{kept}{copied}"]
-    if left := left_out(sheet):
-        by_label = ", ".join(f"{label} {count}" for label, count in left.items())
-        more = "the same command measures them" if total > sheet.kept + sheet.copied else (
-            "none was finished in this time: with a larger --time-budget the same command measures them")
-        lines.append(f"left out for the time budget: {sum(left.values())} cells ({by_label}); {more}")
+    lines += filter(None, [left_out_line(sheet)])
     if noise is not None:
         lines.append(f"noise floor {percent(noise)}: the same method measured twice differs by that"
                      + "; measure again by --force while the machine does nothing else" * (noise > 1))

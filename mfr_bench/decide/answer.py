@@ -14,13 +14,26 @@ from ..measure.elimination import CHANCE, LATE, Elimination
 from ..report import data
 from ..report.advice import chosen, written
 from ..report.data import Point, Result
+from ..stats import Interval
 from ..store import failed_trials
+from ..store.status import EXACT_ERROR
 from .candidates import NOT_FINISHED, NOT_TRIED, Excluded
 from .question import Question
 
 CLOSE = 1.05  # times the winner's time, up to which others are named
-TIMED, UNTRIED, FAILED, EXCLUDED = range(4)  # methods that were not chosen, the nearest to the answer first
+SURE = 0.95  # of the chances to be the fastest, which the answer and those that are named beside it hold
+TIMED, UNTRIED, INEXACT, FAILED, EXCLUDED = range(5)  # methods that were not chosen, the nearest to the answer first
 MOST_SHOWN = 8  # lines of a list in the text form
+
+
+@dataclass(frozen=True)
+class Out:
+    """A method that was not chosen, as a command takes it, and why. ratio: of its time to that of the answer."""
+
+    group: int
+    method: str
+    reason: str
+    ratio: float | None = None
 
 
 @dataclass(frozen=True)
@@ -76,41 +89,59 @@ class Answer:
         """The chance that `best` is the fastest."""
         return self.chances.get(self.best.cell["key"], 0.0) if self.best else 0.0
 
-    @property
-    def close(self) -> list[tuple[Point, float]]:
-        """The other finalists that take no more than 5 % longer than `best`, with the ratio of their times to its."""
-        others = [(p, p.over(self.best)[1]) for p in self.finalists[1:]] if self.best else []
-        return [(p, ratio) for p, ratio in others if ratio is not None and ratio <= CLOSE]
+    @cached_property
+    def close(self) -> list[Point]:
+        """The other finalists that may be as fast as `best`, the likeliest to be the fastest first.
 
-    @property
-    def out(self) -> list[tuple[str, str]]:
+        These are the ones that with `best` hold SURE of the chances to be the fastest, those whose interval of the
+        ratio of their times to its holds 1, and those that take no more than 5 % longer by that ratio.
+        """
+        if not self.finalists:
+            return []
+        found, held = [], self.confidence
+        whole = sum(self.chances.values())
+        for p in self.finalists[1:]:
+            low, ratio, _ = p.over(self.best)
+            if held < SURE * whole or (low is not None and low <= 1) or (ratio is not None and ratio <= CLOSE):
+                found.append(p)
+            held += self.chances.get(p.cell["key"], 0.0)
+        return found
+
+    @cached_property
+    def out(self) -> list[Out]:
         """Every method that did not win nor come close, with the reason: the nearest to the answer first.
 
-        That is, those that were timed, by their time; those that the time budget left untried; those that the device
-        or the memory forbids or that failed; and those that are excluded by what they declare.
+        That is, those that were timed, by their time; those that the time budget left untried; those whose error is too
+        large; those that the device or the memory forbids or that failed; and those that are excluded by what they
+        declare.
         """
-        named = {p.cell["key"] for p in (*self.finalists[:1], *(p for p, _ in self.close))}
+        named = {p.cell["key"] for p in (*self.finalists[:1], *self.close)}
         others = [self._placed(p) for p in self.result.points if p.cell["key"] not in named and not data.is_floor(p)]
-        others += [(UNTRIED if each.reason in (NOT_TRIED, NOT_FINISHED) else EXCLUDED, 0.0, each.method, each.reason)
+        others += [Out(UNTRIED if each.reason in (NOT_TRIED, NOT_FINISHED) else EXCLUDED, each.method, each.reason)
                    for each in self.excluded]
-        return [(method, reason) for *_, method, reason in sorted(others, key=lambda entry: entry[:2])]
+        return sorted(others, key=lambda each: (each.group, math.inf if each.ratio is None else each.ratio))
 
-    def _placed(self, point: Point) -> tuple[int, float, str, str]:
-        """Which of the groups of `out` a point is in, its time there, its label and the reason.
-
-        Of a finalist the reason has the ratio of its time to that of the answer, in powers of two.
-        """
-        reason = _reason(point)
+    def _placed(self, point: Point) -> Out:
+        """The entry of `out` for a point. Every ratio is to the time of the answer, whoever led when the point left."""
+        name, error = written(point), point.row["max_error_all"]
         if point.status != "ok":
-            return UNTRIED if reason == NOT_TRIED else FAILED, 0.0, point.label, reason
+            reason = _reason(point)
+            return Out(UNTRIED if reason == NOT_TRIED else FAILED, name, reason)
+        if error is not None and error > self.question.max_error:
+            return Out(INEXACT, name, f"an error above {self._bound}")
         ratio = point.over(self.best)[1] if self.best else None
-        if any(point is each for each in self.finalists):
-            reason = f"slower when the time was up{'' if ratio is None else f': {self._about(ratio)}'}"
-        return TIMED, math.inf if ratio is None else ratio, point.label, reason
+        return Out(TIMED, name, "slower" if ratio is None else self._about(ratio), ratio)
+
+    @property
+    def _bound(self) -> str:
+        """The bound on the error, as the command has it."""
+        if self.question.exact:
+            return f"{EXACT_ERROR:g}, the most of an exact image"
+        return f"--max-error, {self.question.max_error:.4g}"
 
     def _about(self, ratio: float) -> str:
         least = 2 ** math.floor(math.log2(max(1.0, ratio)))
-        return f"{CLOSE if least == 1 else least} to {2 * least} times the time of {self.best.label}"
+        return f"{'up' if least == 1 else least} to {2 * least} times the time of the answer"
 
     @property
     def command(self) -> str:
@@ -128,9 +159,13 @@ class Answer:
                 "time_ms_low": best.row["time_ms_low"], "time_ms_high": best.row["time_ms_high"],
                 "memory_bytes": best.row["memory_bytes"], "max_error": best.row["max_error_all"],
                 "confidence": round(self.confidence, 4), "device": best.row["device"],
-                "close": [{"method": p.method, "params": chosen(p), "time_ms": p.row["time_ms"], "ratio": ratio}
-                          for p, ratio in self.close],
+                "close": [self._rival(p) for p in self.close],
                 **self._left, "command": self.command}
+
+    def _rival(self, point: Point) -> dict[str, Any]:
+        low, ratio, high = point.over(self.best)
+        return {"method": point.method, "params": chosen(point), "time_ms": point.row["time_ms"], "ratio": ratio,
+                "ratio_low": low, "ratio_high": high, "chance": round(self.chances.get(point.cell["key"], 0.0), 4)}
 
     @property
     def marked(self) -> dict[str, Any]:
@@ -139,7 +174,8 @@ class Answer:
 
     @property
     def _left(self) -> dict[str, Any]:
-        return {"cut": list(self.cut), "excluded": [{"method": m, "reason": r} for m, r in self.out]}
+        return {"unsteady": self.result.unsteady or None, "cut": list(self.cut),
+                "excluded": [{"method": each.method, "reason": each.reason, "ratio": each.ratio} for each in self.out]}
 
     def text(self, width: int) -> str:
         """The answer for people, at most `width` columns wide."""
@@ -163,12 +199,17 @@ class Answer:
         memory = data.number(best.measure("memory_mib")[1])
         said = [f"  time {time}, memory {memory} MiB, largest error {row['max_error_all']:.3g}, on {row['device']}",
                 f"  fastest{self._among} with a chance of {data.percent(self.confidence)}"]
-        near = "; ".join(f"{written(p)} ({ratio:.3f} times, chance {data.percent(self.chances[p.cell['key']])})"
-                         for p, ratio in self.close)
-        said += [f"  no more than 5 % slower: {near}" if near else "  all others are more than 5 % slower",
+        said += [f"  may be as fast: {self._near}" if self.close else "  no other that was timed may be as fast",
                  f"  in full: {self.command}"]
+        said += [f"  unsteady: {self.result.unsteady}"] if self.result.unsteady else []
         return [line for text in said for line in textwrap.wrap(text, width, subsequent_indent="    ",
                                                                 break_on_hyphens=False)]
+
+    @property
+    def _near(self) -> str:
+        """The methods of `close`, each with the ratio of its time to that of the answer and with its chance."""
+        return _some([f"{written(p)} ({_spread(p.over(self.best))} times, chance "
+                      f"{data.percent(self.chances.get(p.cell['key'], 0.0))})" for p in self.close], "; ")
 
     @property
     def _among(self) -> str:
@@ -178,7 +219,7 @@ class Answer:
     @property
     def untried(self) -> int:
         """The candidates that the time budget left without a sample."""
-        return sum(reason in (NOT_TRIED, NOT_FINISHED) for _, reason in self.out)
+        return sum(each.group == UNTRIED for each in self.out)
 
     @property
     def failed_trials(self) -> list[str]:
@@ -198,14 +239,27 @@ class Answer:
 
     def _others(self, width: int) -> list[str]:
         grouped: dict[str, list[str]] = {}
-        for method, reason in self.out:
-            grouped.setdefault(reason, []).append(method)
-        lines = ["Not chosen:"]
+        for each in self.out:
+            ratio = "" if each.ratio is None else f" ({data.number(each.ratio)})"
+            grouped.setdefault(each.reason, []).append(f"{each.method}{ratio}")
+        lines = ["Not chosen, the nearest to the answer first:"]
         for reason, methods in grouped.items():
-            names = ", ".join(methods[:MOST_SHOWN]) + (f" and {len(methods) - MOST_SHOWN} more"
-                                                       if len(methods) > MOST_SHOWN else "")
-            lines += textwrap.wrap(f"  {names}: {reason}", width, subsequent_indent="    ", break_on_hyphens=False)
+            lines += textwrap.wrap(f"  {reason}: {_some(methods, ', ')}", width, subsequent_indent="    ",
+                                   break_on_hyphens=False)
         return lines if self.out else []
+
+
+def _some(names: Sequence[str], between: str) -> str:
+    """The first of many names, and how many more there are."""
+    more = f" and {len(names) - MOST_SHOWN} more" if len(names) > MOST_SHOWN else ""
+    return f"{between.join(names[:MOST_SHOWN])}{more}"
+
+
+def _spread(ratio: Interval) -> str:
+    """`1.02 [0.97, 1.1]`; without its interval where too few frames were drawn for one."""
+    low, middle, high = ratio
+    ends = "" if low is None or high is None else f" [{data.number(low)}, {data.number(high)}]"
+    return f"{data.number(middle)}{ends}"
 
 
 def _candidates(count: int) -> str:
@@ -217,11 +271,9 @@ def _left_early(point: Point) -> bool:
 
 
 def _reason(point: Point) -> str:
-    if point.row.get("reason") == LATE:
-        return NOT_TRIED
-    if point.status != "ok":
-        return f"{point.sign}: {point.row.get('reason') or ''}".rstrip(": ")
-    return str(point.row.get("stop_reason") or "")
+    """Why a point has no right image."""
+    reason = point.row.get("reason")
+    return NOT_TRIED if reason == LATE else f"{point.sign}: {reason or ''}".rstrip(": ")
 
 
 def answer_of(question: Question, result: Result, excluded: Sequence[Excluded], config: str,

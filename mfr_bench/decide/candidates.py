@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..methods.spec import Method, Param, Value
+from ..report.advice import written_as
 from .question import Question
 
 PREPARING_S = 0.6  # seconds to compile, draw and check a candidate where nothing is known of the device
@@ -25,10 +26,15 @@ class Candidate:
     label: str
     params: Mapping[str, Value]
 
+    @property
+    def written(self) -> str:
+        """The method as a config or a command takes it: its id, and the parameters."""
+        return written_as(self.method, self.params)
+
 
 @dataclass(frozen=True)
 class Excluded:
-    """A method that cannot keep the bounds, and why."""
+    """A method that cannot keep the bounds, as a config or a command takes it, and why."""
 
     method: str
     reason: str
@@ -69,7 +75,7 @@ def within_time(found: list[Candidate], excluded: list[Excluded],
         ranked.append((turns[each.method], len(ranked), each))
     room = max(2, int(PREPARING_SHARE * budget_s / PREPARING_S))
     ordered = [each for *_, each in sorted(ranked, key=lambda entry: entry[:2])]
-    late = [Excluded(each.label, NOT_TRIED) for each in ordered[room:]]
+    late = [Excluded(each.written, NOT_TRIED) for each in ordered[room:]]
     return ordered[:room], [*excluded, *late]
 
 

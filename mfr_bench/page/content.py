@@ -104,6 +104,7 @@ class Experiment:
     environment: tuple[tuple[str, str], ...]
     reproduce: str
     lacking: str
+    unsteady: str
 
 
 def without_paths(text: Any) -> str:
@@ -125,7 +126,8 @@ def experiment(result: Result, anchor: str, figures: Sequence[Path]) -> Experime
         figures=tuple(_figure(path, options) for path, options in zip(figures, result.figures, strict=False)
                       if path.is_file()),
         images=_images(result.points), environment=_environment(result.manifest),
-        reproduce=command_of(result.manifest, result.name), lacking=result.lacking)
+        reproduce=command_of(result.manifest, result.name), lacking=result.lacking + result.why_unmeasured,
+        unsteady=without_paths(result.unsteady))
 
 
 def _source(result: Result) -> str:

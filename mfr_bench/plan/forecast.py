@@ -234,16 +234,32 @@ class Forecast:
 
     def run(self, cells: Sequence[Cell]) -> Prediction:
         """One run that measures these cells."""
-        rates, spent_s, checks_s, around_s = self.rates, 0.0, 0.0, self.rates.start_s if cells else 0.0
+        spent_s, checks_s, total_s = 0.0, 0.0, self.rates.start_s if cells else 0.0
         sources: Counter[str] = Counter()
         for cell in cells:
             stats = expected_stats(cell.scene)
             frame = self.frame(cell, stats)
-            spent_s += frames_s(frame, cell.measure) + rates.looks_s
+            drawing_s, whole_s = self._cell_s(cell, stats, frame)
+            spent_s, total_s = spent_s + drawing_s, total_s + whole_s
             sources[frame.source] += 1
-            checks_s += rates.check_s(stats)
-            around_s += rates.around_s(stats) + rates.report_s
-        return Prediction(spent_s + around_s, spent_s, checks_s, sources)
+            checks_s += self.rates.check_s(stats)
+        return Prediction(total_s, spent_s, checks_s, sources)
+
+    def _cell_s(self, cell: Cell, stats: SceneStats, frame: FrameTime) -> tuple[float, float]:
+        """Seconds of a cell's frames, and of all that it takes."""
+        spent_s = frames_s(frame, cell.measure) + self.rates.looks_s
+        return spent_s, spent_s + self.rates.around_s(stats) + self.rates.report_s
+
+    def within(self, cells: Iterable[Cell], seconds: float) -> int:
+        """How many of these cells, one after another, should be done in so many seconds."""
+        count, spent_s = 0, 0.0
+        for cell in cells:
+            stats = expected_stats(cell.scene)
+            spent_s += self._cell_s(cell, stats, self.frame(cell, stats))[1] - self.rates.report_s
+            if spent_s > seconds:
+                break
+            count += 1
+        return count
 
 
 def _work(fragments: int) -> float:

@@ -40,6 +40,7 @@ CELL_S = 0.01  # to begin and end a cell, beside its frames
 PREPARING = ("scene", "compile", "first frame")  # phases of events.Begun before the first sample
 COMPILE, SAMPLING, CHECK, WAIT = "compile", "sampling", "check", "wait"
 REFRESH_S, REFRESH = 1.0, 0.05  # a forecast stands for so long, or for this share of what it says, if that is less
+CELL_REFRESH_S = 1e-3  # and for so long for each cell that is left: ten times what these take to be foretold
 
 
 @dataclass
@@ -69,6 +70,7 @@ class TimeLeft:
     _now: str | None = None  # the kind of work that goes on
     _last_s: float = 0.0  # when the last event came
     _said: tuple[float, float] | None = None  # the last forecast, and when it was made
+    _stale: bool = False  # whether a cell is done since then
 
     def __post_init__(self) -> None:
         self._stats = {key: expected_stats(cell.scene) for key, cell in self.cells.items()}
@@ -114,7 +116,7 @@ class TimeLeft:
         self._counted |= self._counting(key)
         self._correct(self.cells[key].scene, row["values"].get("fragments"))
         self._keep(key, self._hands.pop(key, InHand()))
-        self._said = None
+        self._stale = True
         self.forecast.learn(row)
 
     def _correct(self, scene: Scene, fragments: int | None) -> None:
@@ -143,11 +145,17 @@ class TimeLeft:
     # --- what is foretold ------------------------------------------------------------------------
 
     def left_s(self, elapsed_s: float) -> float:
-        """Seconds until the run has ended. A forecast stands for a second at most, in which the time left runs down."""
-        if self._said is None or not 0 <= elapsed_s - self._said[1] < min(REFRESH_S, REFRESH * self._said[0]):
-            self._said = self._forecast_s(), elapsed_s
+        """Seconds until the run has ended. While a forecast stands, for seconds, the time left runs down."""
+        if self._said is None or not 0 <= elapsed_s - self._said[1] < self._stands_s:
+            self._said, self._stale = (self._forecast_s(), elapsed_s), False
         said_s, at_s = self._said
         return max(0.0, said_s - (elapsed_s - min(at_s, self._last_s)) + self.end_s)
+
+    @property
+    def _stands_s(self) -> float:
+        """Seconds for which the last forecast stands; after a row no longer than making the next one is worth."""
+        usual_s = 0.0 if self._stale else min(REFRESH_S, REFRESH * self._said[0])
+        return max(usual_s, CELL_REFRESH_S * len(self._left))
 
     def _forecast_s(self) -> float:
         """Seconds from the last event until the last cell is done."""

@@ -54,6 +54,7 @@ class Advice:
     limits: Bounds
     noise: float | None  # relative; how far one thing measured twice is from itself
     unmeasured: int  # planned cells of the experiment without a record
+    unsteady: str = ""  # what the machine did otherwise at the end of its run
     dates: str = ""  # on which it was measured
     config: str = ""  # what `mfr-bench run` takes to measure it; empty where that is not known
     distance: str = ""  # from the scene that was asked for, in words
@@ -100,6 +101,12 @@ class Advice:
         return None if None in ratio else point.apart(ratio)
 
     @property
+    def apart_from_times(self) -> list[Point]:
+        """The points whose times, divided by that of the fastest, lie outside of the interval of their ratio."""
+        return [p for p in self.kept[1:] if None not in (ratio := self.ratio(p))
+                and not ratio[0] <= p.row["time_ms"] / self.kept[0].row["time_ms"] <= ratio[2]]
+
+    @property
     def rivals(self) -> list[Point]:
         """Points that may be as fast as the fastest."""
         return [p for p in self.kept[1:] if not self.told_apart(p)]
@@ -117,7 +124,8 @@ def advise(results: Iterable[Result], limits: Bounds, like: Mapping[str, Any] | 
     like: keys of a scene with their values. config_of: what `mfr-bench run` takes to measure a result again.
     """
     found = [Advice(result.name, str(device_name(place.points[0].cell)), place, limits,
-                    result.manifest.get("noise_floor_rel"), result.unmeasured, result.dates, config_of(result))
+                    result.manifest.get("noise_floor_rel"), result.unmeasured, result.unsteady,
+                    result.dates, config_of(result))
              for result in results for place in (places(result) if result.points else ())]
     if not like:
         return found
@@ -174,7 +182,12 @@ def chosen(point: Point) -> dict[str, Any]:
 
 def written(point: Point) -> str:
     """The method as a config or a command takes it."""
-    return " ".join([point.method, *(f"{name}={data.plain(value)}" for name, value in chosen(point).items())])
+    return written_as(point.method, chosen(point))
+
+
+def written_as(method: str, params: Mapping[str, Any]) -> str:
+    """The id of a method with these parameters, as a command takes it."""
+    return " ".join([method, *(f"{name}={data.plain(value)}" for name, value in params.items())])
 
 
 def _grid(advice: Advice) -> Grid:
@@ -201,6 +214,16 @@ def _certainty(advice: Advice) -> str:
     names = ", ".join(written(p) for p in advice.rivals[:MOST_SHOWN])
     more = len(advice.rivals) - MOST_SHOWN
     return f"Not told apart from {names}{f' and {more} more' if more > 0 else ''}; {noise}."
+
+
+def _why_apart(advice: Advice) -> str:
+    """Explain a ratio that is not the quotient of the two times beside it; empty where there is none."""
+    shown = [p for p in advice.apart_from_times if p in advice.kept[:MOST_SHOWN]]
+    if not shown:
+        return ""
+    names = ", ".join(map(written, shown))
+    return ("Ratios compare frames that were drawn in turns, under the same load; a time is the median of all frames. "
+            f"So the ratio of {names} is another than the quotient of the times.")
 
 
 def _missed(advice: Advice) -> str:
@@ -239,8 +262,11 @@ def _text(advice: Advice, width: int) -> str:
     lines = [part for line in about for part in textwrap.wrap(line, width, break_on_hyphens=False)]
     if advice.kept:
         lines += ["\n\n".join(chunk.text() for chunk in _grid(advice).chunks(width))]
+        lines += textwrap.wrap(_why_apart(advice), width, break_on_hyphens=False)
     count, kept = len(advice.measured), len(advice.kept)
     said = f"{_certainty(advice)} {kept} of {count} cells keep the limits." if advice.kept else _missed(advice)
+    if advice.unsteady:
+        said += f" Unsteady: {advice.unsteady}."
     if advice.unmeasured:
         said += f" {data.without_record(advice.unmeasured)}: {_again(advice)}."
     return "\n".join([*lines, *textwrap.wrap(said, width, break_on_hyphens=False)])
@@ -259,7 +285,8 @@ def _record(advice: Advice) -> dict[str, Any]:
             "metric": advice.limits.metric, "max_error": advice.limits.most_error,
             "memory_mb": advice.limits.memory_mib, "best": _cell(advice, kept[0]) if kept else None,
             "runners_up": [_cell(advice, p) for p in kept[1:]], "sure": advice.sure, "noise_floor_rel": advice.noise,
-            "measured": len(advice.measured), "keep_limits": len(kept), "unmeasured": advice.unmeasured}
+            "unsteady": advice.unsteady or None, "measured": len(advice.measured), "keep_limits": len(kept),
+            "unmeasured": advice.unmeasured}
 
 
 def _cell(advice: Advice, point: Point) -> dict[str, Any]:

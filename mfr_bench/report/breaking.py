@@ -56,17 +56,27 @@ def detail(point: Point) -> str:
 
 @dataclass(frozen=True)
 class Ladder:
-    """One method's points along the stressor in one panel, from the mildest level to the harshest."""
+    """One method's points along the stressor in one panel, from the mildest level to the harshest.
+
+    planned: the levels that the config has there, where some planned cells have no record; else none.
+    """
 
     label: str
     method: str
     panel: Any
     points: Mapping[Any, Point]
+    planned: tuple[Any, ...] = ()
 
     @property
     def first(self) -> tuple[Any, Point] | None:
         """The first level that breaks the method, with its point."""
         return next(((level, p) for level, p in self.points.items() if state(p) != HOLDS), None)
+
+    @property
+    def unknown(self) -> int:
+        """How many planned levels have no record; those harsher than one that breaks the method do not count."""
+        until = self.planned.index(self.first[0]) if self.first and self.first[0] in self.planned else None
+        return sum(level not in self.points for level in self.planned[:until])
 
     @property
     def worst(self) -> Point | None:
@@ -77,11 +87,24 @@ class Ladder:
 
 def levels(result: Result, axis: str) -> list[Any]:
     """The levels of the stressor in the order of the config, which goes from mild to harsh."""
+    order, found = _swept(result, axis), data.values(result.points, axis)
+    return list(dict.fromkeys([*(v for v in order if v in found), *(v for v in found if v not in order)]))
+
+
+def _swept(result: Result, axis: str) -> list[Any]:
+    """The values of an axis as the config lists them."""
     swept = {**(result.manifest.get("sweep") or {}), **(result.manifest.get("zip") or {})}
     listed = next((v for name, v in swept.items() if data.bare(name) == data.bare(axis)), [])
-    order = [tuple(v) if isinstance(v, list) else v for v in listed]
-    found = data.values(result.points, axis)
-    return list(dict.fromkeys([*(v for v in order if v in found), *(v for v in found if v not in order)]))
+    return [tuple(v) if isinstance(v, list) else v for v in listed]
+
+
+def _planned(result: Result, axis: str, panels: str | None, panel: Any) -> tuple[Any, ...]:
+    """The levels of a panel by the config, where some planned cells have no record; else none."""
+    order = _swept(result, axis) if result.unmeasured else []
+    zipped = {data.bare(name) for name in result.manifest.get("zip") or {}}
+    if panels and {data.bare(axis), data.bare(panels)} <= zipped:
+        order = [level for level, of in zip(order, _swept(result, panels), strict=False) if of == panel]
+    return tuple(dict.fromkeys(order))
 
 
 def ladders(result: Result, points: Sequence[Point], axis: str, panels: str | None) -> list[Ladder]:
@@ -92,13 +115,16 @@ def ladders(result: Result, points: Sequence[Point], axis: str, panels: str | No
         if p.at(axis) is not None:
             found.setdefault((p.label, p.at(panels) if panels else None), {})[p.at(axis)] = p
     return [Ladder(label, next(iter(members.values())).method, panel,
-                   {level: members[level] for level in order if level in members})
+                   {level: members[level] for level in order if level in members},
+                   _planned(result, axis, panels, panel))
             for (label, panel), members in found.items()]
 
 
 def first_break(ladder: Ladder) -> str:
-    """Name the first level that breaks the method, and how."""
+    """Name the first level that breaks the method, and how; and how many levels that may change this have no record."""
     if ladder.first is None:
-        return f"holds up to {data.plain(list(ladder.points)[-1])}"
+        unknown = f" (of {len(ladder.planned)} levels {ladder.unknown} not measured)" if ladder.unknown else ""
+        return f"holds up to {data.plain(list(ladder.points)[-1])}{unknown}"
     level, point = ladder.first
-    return f"{data.plain(level)}: {state(point)}, {detail(point)}"
+    unknown = f" ({ladder.unknown} milder not measured)" if ladder.unknown else ""
+    return f"{data.plain(level)}: {state(point)}, {detail(point)}{unknown}"

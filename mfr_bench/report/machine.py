@@ -12,7 +12,8 @@ from ..store.record import plain
 from .data import Result, heading, load
 
 Outcome = Literal["passed", "failure", "error", "skipped"]
-ABOUT = ("title", "source", "profile", "device", "timer", "versions", "packages", "started", "noise_floor_rel")
+ABOUT = ("title", "source", "profile", "device", "timer", "versions", "packages", "started", "noise_floor_rel",
+         "calibration_drift")
 
 
 def record(folder: ResultFolder) -> dict[str, Any]:

@@ -57,12 +57,16 @@ class DeviceProcess:
         """End the worker; the next `receive` raises Died with this status and reason."""
         self._worker.kill((status, reason))
 
+    def abandon(self) -> None:
+        """End the worker without waiting for its end; once what it has sent is received, `receive` raises Died."""
+        self._worker.abandon()
+
     def close(self, early: bool) -> None:
         """End the process, `early` without waiting for what it is at."""
         if self._worker is None:
             return
         if early:
-            self.kill("crashed", "the run has ended")
+            self.abandon()
         self._worker.close()
 
     def calibrate_again(self) -> Mapping[str, object] | None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..measure.split import Split
-from ..plan import CellOutcome, Outcomes, expected_stats
-from ..plan.budget import coarseness
+from ..plan import CellOutcome, Outcomes
+from ..plan.budget import groups
 from ..store import ResultFolder
 from ..store.arrays import read_arrays, write_arrays, write_packed
 from ..store.folder import folders_with_cells
@@ -67,26 +67,8 @@ class Ledger:
                 self._done(sheet, job, row)
 
     def groups(self, coarse_first: bool = False) -> list[list[Job]]:
-        """The jobs to measure, each key once: the cells of a scene together, small scenes before large ones.
-
-        With `coarse_first`, every experiment gets its coarse points before any gets finer ones.
-        """
-        looks = self._looks() if coarse_first else {}
-        pending: dict[Any, dict[str, Job]] = {}
-        for sheet in self.sheets:
-            for job in sheet.pending:
-                group = looks.get(job.key, 0), job.cell.scene
-                pending.setdefault(group, {}).setdefault(job.key, job)
-        order = sorted(pending, key=lambda group: (group[0], expected_stats(group[1]).F))
-        return [list(pending[group].values()) for group in order]
-
-    def _looks(self) -> dict[str, int]:
-        """The coarsest look that needs each key in any experiment."""
-        found: dict[str, int] = {}
-        for sheet in self.sheets:
-            for key, look in zip(sheet.jobs, coarseness([job.cell for job in sheet.jobs.values()]), strict=True):
-                found[key] = min(look, found.get(key, look))
-        return found
+        """The jobs to measure, each key once, in the order of `plan.budget.groups`."""
+        return groups_of(self.sheets, [[job.key for job in sheet.pending] for sheet in self.sheets], coarse_first)
 
     # --- while cells are measured ----------------------------------------------------------------
 
@@ -166,6 +148,16 @@ class Ledger:
     def _home(self, key: str) -> Journal:
         """The journal that has the samples of a cell: of several experiments, the first one's."""
         return self._journal(next(sheet for sheet in self.sheets if key in sheet.jobs and key not in sheet.statuses))
+
+
+def groups_of(sheets: Sequence[Sheet], pending: Sequence[Collection[str]], coarse_first: bool) -> list[list[Job]]:
+    """The jobs of these keys of each sheet, in the order of `plan.budget.groups`."""
+    jobs: dict[str, Job] = {}  # of equal keys the first sheet's
+    for sheet, keys in zip(sheets, pending, strict=True):
+        for key in keys:
+            jobs.setdefault(key, sheet.jobs[key])
+    plans = [{key: job.cell for key, job in sheet.jobs.items()} for sheet in sheets]
+    return [[jobs[key] for key in keys] for keys in groups(plans, pending, coarse_first)]
 
 
 def relatives(root: Path | None, own: Iterable[ResultFolder]) -> list[ResultFolder]:

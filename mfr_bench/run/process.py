@@ -41,7 +41,7 @@ class Worker:
         self._log = os.memfd_create("worker")  # what drivers print; its last line tells of a crash
         self._kills, self._held, self._held_at = kernel_kills(), 0, -LOOK_S
         self._cause: Cause | None = None
-        self._killed = float("inf")  # when
+        self._killed, self._abandoned = float("inf"), False  # when
         with theirs:
             arguments = [str(theirs.fileno()), str(os.getpid()), want, timer or "", ":".join(sys.path)]
             self.process = subprocess.Popen(
@@ -59,9 +59,16 @@ class Worker:
             event = self._link.recv() if self._link.poll(timeout_s) else None
         except Exception:  # noqa: BLE001 - a process that crashes may leave half a message, or any other
             raise Died(self._end()) from None
-        if event is None and time.monotonic() > self._killed + END_S:
+        if event is None and self._gone:
             raise Died(self._end())
         return event
+
+    @property
+    def _gone(self) -> bool:
+        """Whether it was killed and has ended, or does not end. Processes that it started may hold its link longer."""
+        if self._killed == float("inf"):
+            return False
+        return self._abandoned or self.process.poll() is not None or time.monotonic() > self._killed + END_S
 
     def resident_bytes(self) -> int:
         """Main memory that it uses now, as far as it was looked at just before."""
@@ -75,6 +82,11 @@ class Worker:
             self._cause, self._killed, self._held_at = cause, time.monotonic(), -LOOK_S
         self.process.kill()
 
+    def abandon(self) -> None:
+        """Kill it, and wait no more for its end, which the kernel may take seconds for where the machine is busy."""
+        self.kill(("crashed", "the run has ended"))
+        self._abandoned = True
+
     def close(self) -> None:
         """Let it end, or end it."""
         self._link.close()
@@ -86,7 +98,7 @@ class Worker:
         """Its status, with or without its will; None where even killing it does not end it."""
         for _ in range(2):
             with suppress(subprocess.TimeoutExpired):
-                return self.process.wait(END_S)
+                return self.process.wait(0 if self._abandoned else END_S)
             self.process.kill()
         return self.process.poll()
 

@@ -19,6 +19,8 @@ from .memory import free_bytes
 from .process import Died, Worker
 from .trust import Trust
 
+GRACE_S = 0.5  # for the worker to end between two frames where the user asked for it
+
 Watch = Callable[[Begun | Sampled], None]  # receives the phases that begin and the samples
 
 
@@ -36,7 +38,7 @@ class Supervisor:
         self.free_bytes = free_bytes()
         self._process = DeviceProcess(want, asked, worker=worker)
         self._trust = Trust(want, lambda: asked() or self._over)
-        self._deadline = self._last = float("inf")
+        self._deadline = self._last = self._asked_at = float("inf")
         self._then: tuple[Job, ...] = ()  # the group after the one that is measured
 
     def __enter__(self):
@@ -109,6 +111,8 @@ class Supervisor:
                     return True
                 self._look(hand)
         except Died as death:
+            if self._overstayed:
+                raise KeyboardInterrupt from None
             return self._over or self._blame(hand, death, ledger)
         ledger.add_split(ended.split_s, ended.beside_s)
         if (ended.interrupted or (left and self.asked())) and not self._late:
@@ -155,6 +159,11 @@ class Supervisor:
         return None
 
     @property
+    def _overstayed(self) -> bool:
+        """Whether the user asked to stop so long ago that what the worker is at is given up, such as a compilation."""
+        return time.monotonic() >= self._asked_at + GRACE_S
+
+    @property
     def _over(self) -> bool:
         """Whether the time is up for the worker, too."""
         return time.monotonic() >= self._last
@@ -174,10 +183,14 @@ class Supervisor:
 
     def _look(self, hand: Hand) -> None:
         """Tell the worker to stop where the user asked; end it where it takes more time or memory than it may."""
+        if self.asked():
+            self._asked_at = min(self._asked_at, time.monotonic())
         if (self.asked() or self._late) and not self._stopping:
             self._stopping = True
             self._process.send(Stop())
-        if self._over:
+        if self._overstayed:
+            self._process.abandon()
+        elif self._over:
             self._end(hand, "timeout", "the time is up")
         elif limit_s := hand.overdue_s():
             self._end(hand, "timeout", f"no end within {limit_s:g} s{hand.limited_by}")

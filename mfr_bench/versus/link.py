@@ -8,7 +8,8 @@ import select
 import subprocess
 import sys
 import tempfile
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ PROGRAM = ("import runpy, sys; sys.path[:] = sys.argv.pop().split(':'); "
 SIDE = Path(__file__).with_name("side.py")
 OPENING_S = 120.0  # for a device to be opened and calibrated
 END_S = 5.0  # for a process to end by itself
+LOOK_S = 0.1  # between two looks whether the user wants the work to stop
 
 
 class SideError(Exception):
@@ -32,10 +34,10 @@ class SideError(Exception):
 
 
 class Link:
-    """A process that runs the code of a tree."""
+    """A process that runs the code of a tree. asked: whether the user wants the work to stop."""
 
-    def __init__(self, tree: Tree):
-        self.tree = tree
+    def __init__(self, tree: Tree, asked: Callable[[], bool] = lambda: False):
+        self.tree, self._asked = tree, asked
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 - open as long as the process
         path = [*([str(tree.program)] if tree.program else []), *sys.path]
         environment = {**os.environ, **tree.environment}
@@ -46,7 +48,10 @@ class Link:
         self._half = b""
 
     def ask(self, do: str, limit_s: float, **more: Any) -> Mapping[str, Any]:
-        """The answer to a request. Raises SideError where it is an error, where the process ends, or takes longer."""
+        """The answer to a request. Raises SideError where it is an error, where the process ends, or takes longer.
+
+        Raises KeyboardInterrupt once the user asks to stop; the process is ended then, whatever it is at.
+        """
         try:
             self._process.stdin.write(json.dumps({"do": do, **more}).encode() + b"\n")
             self._process.stdin.flush()
@@ -61,9 +66,15 @@ class Link:
         return answer
 
     def _line(self, do: str, limit_s: float) -> bytes:
+        until = time.monotonic() + limit_s
         while b"\n" not in self._half:
-            ready, _, _ = select.select([self._process.stdout], [], [], limit_s)
+            ready, _, _ = select.select([self._process.stdout], [], [], min(limit_s, LOOK_S))
+            if self._asked():
+                self.close(at_once=True)
+                raise KeyboardInterrupt
             if not ready:
+                if time.monotonic() < until:
+                    continue
                 self.close(at_once=True)
                 raise SideError(f"no answer to {do} within {limit_s:g} s", dead=True)
             part = self._process.stdout.read()

@@ -76,13 +76,13 @@ def measure(trees: tuple[Tree, Tree], ask: Ask, progress: Callable[[int, int], N
             seed: int = 0, asked: Callable[[], bool] = lambda: False) -> Measured:
     """Measure every cell that both trees have. Raises UsageError and DeviceError where a tree cannot begin.
 
-    Raises KeyboardInterrupt before the next cell once `asked` is true; both processes have ended then.
+    Raises KeyboardInterrupt once `asked` is true; both processes have ended then.
     """
     found: Measured | None = None
     shuffle = random.Random(seed)  # noqa: S311 - an order, not a secret
     for number in range(ask.rounds):
         with ExitStack() as stack:
-            links = tuple(stack.enter_context(closing(Link(tree))) for tree in trees)
+            links = tuple(stack.enter_context(closing(Link(tree, asked))) for tree in trees)
             opened = _opened(links, ask)
             found = found or _start(opened)
             _round(links, opened, found, ask, number, shuffle, progress, asked)

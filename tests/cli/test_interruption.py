@@ -3,6 +3,7 @@
 import signal
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
@@ -80,6 +81,38 @@ with Interruption(device_here=True):
     assert (ended.returncode, ended.stdout, ended.stderr) == (130, "goes on\n", "interrupted\n")
 
 
+def planned(reached):
+    with Interruption() as interruption, interruption.at_once():
+        reached.append("planning")
+        signal.raise_signal(signal.SIGINT)
+        reached.append("never")
+
+
+def measured(reached):
+    with Interruption() as interruption, interruption.at_once():
+        with interruption.in_its_time():
+            signal.raise_signal(signal.SIGINT)
+            reached.append("measured")
+        reached.append("never")
+
+
+def foretold(reached):
+    with Interruption() as interruption, interruption.at_once(), interruption.in_its_time():
+        signal.raise_signal(signal.SIGINT)
+        reached.append("goes on")
+        with interruption.at_once():
+            reached.append("never")
+
+
+@pytest.mark.parametrize(("work", "until"), [(planned, "planning"), (measured, "measured"), (foretold, "goes on")])
+def test_planning_and_drawing_end_at_the_first_and_measuring_in_its_time(work, until):
+    """A wish that came while frames are drawn is obeyed before anything else is begun."""
+    reached = []
+    with pytest.raises(KeyboardInterrupt):
+        work(reached)
+    assert reached == [until]
+
+
 def test_work_that_met_the_wish_ends_in_its_own_way():
     with pytest.raises(ValueError, match="mine"):
         at_work(signal.SIGINT, reached=[], error=ValueError("mine"))
@@ -107,6 +140,16 @@ def test_progress_says_that_it_is_stopping():
     assert progress._line() == "tiny 0/3  starting"
     wish.append("stop")
     assert progress._line() == f"tiny 0/3  {STOPPING}"
+
+
+@pytest.mark.parametrize(("until_s", "said"), [
+    (50.0, "52 s left of the time budget"), (5000.0, "forecast: 4 min 00 s left"),
+    (-3.0, "2 s left of the time budget")])
+def test_progress_foretells_no_more_than_the_time_budget(monkeypatch, until_s, said):
+    monkeypatch.setattr("mfr_bench.cli.progress.time.monotonic", lambda: 100.0)
+    progress = Progress(3, "tiny", until=100.0 + until_s)
+    progress.ahead = SimpleNamespace(left_s=lambda elapsed_s: 240.0, end_s=2.0, share=0.0)
+    assert progress._line() == f"tiny 0/3, {said}  starting"
 
 
 def test_ctrl_c_while_the_program_is_loaded_is_a_line(tmp_path):

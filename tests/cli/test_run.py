@@ -87,6 +87,16 @@ def test_an_unsteady_device_is_told_of(measured, mfr):
     assert "unsteady: the same work took twice as long" in mfr("table", measured).out
 
 
+def test_a_run_that_was_unsteady_says_so_itself(mfr, tiny, here, monkeypatch):
+    """`table` told it, and the run whose numbers they are did not; nor did its tables on disk."""
+    drift = "the same work took 2 times as long at the end of the run as at its start"
+    monkeypatch.setattr("mfr_bench.measure.calibration.disagreement", lambda start, end: drift)
+    ended = mfr("run", tiny, "--out", "out", "--report", "page.html")
+    assert f"unsteady: {drift}" in " ".join(ended.out.split())
+    assert f"unsteady: {drift}" in (here / "out" / "tables" / "results.md").read_text()
+    assert f"unsteady: {drift}" in (here / "page.html").read_text()
+
+
 def test_the_manifest_keeps_the_split_and_the_noise_floor(measured):
     manifest = json.loads((measured / "manifest.json").read_text())
     assert {"start-up", "plan", "scene", "upload", "compile", "read-back", "oracle", "check", "flip", "first frames",
@@ -190,6 +200,19 @@ def test_a_dry_run_prints_the_plan_and_writes_nothing(mfr, tiny, here):
     assert f"{CELLS} cells -> out" in ended.out
     assert ended.out.count("  measure\n") == CELLS
     assert ended.out.endswith(f"{CELLS} to measure, 0 not\n")
+
+
+def test_a_dry_run_says_what_fits_the_time_budget(mfr, tiny, monkeypatch):
+    ended = mfr("run", tiny, "--dry-run", "--out", "out", "--time-budget", "10h")
+    assert ended.out.endswith("all of it should fit the time budget of 10 h 00 min\n")
+    monkeypatch.setattr("mfr_bench.plan.forecast.Forecast.within", lambda self, cells, seconds: 1)
+    ended = mfr("run", tiny, "--dry-run", "--out", "out", "--time-budget", "20m")
+    assert ended.status == 0
+    assert ended.out.splitlines()[-2] == f"  1 to measure, {CELLS - 1} not, {CELLS - 1} for lack of time"
+    assert " ".join(ended.out.split()).endswith(
+        f"in the time budget of 20 min 00 s there should be time for 1 of {CELLS} cells; the same command, repeated, "
+        "measures the others")
+    assert ended.out.count("left out: the time budget ends before it, by the forecast") == CELLS - 1
 
 
 def test_a_dry_run_says_what_is_skipped_and_why(mfr, tiny):

@@ -1,5 +1,8 @@
 """`stress`: the shipped stressors, found by name, measured, and told by where they break."""
 
+import json
+import re
+
 import pytest
 
 from mfr_bench.config import load, stress_configs
@@ -60,6 +63,33 @@ def test_a_wrong_image_is_told_and_is_no_failure(mfr, plant):
     assert ended.status == 0
     assert "none: " in ended.out
     assert " 1 wrong" in ended.out
+
+
+def test_a_budget_is_shared_by_all_stressors(mfr, here, monkeypatch):
+    """One of fourteen took all of it, and nothing said so. The time is up after a few cells of each."""
+    only, names = ("--only", "peel-f2b,peel-dual,ab-array,ab-ll,ab-sb"), ("depth-gap", "slant")
+    from mfr_bench.run.supervisor import Supervisor
+
+    left = [5]
+    monkeypatch.setattr(Supervisor, "_late", property(lambda self: left[0] <= 0))
+    measure_group = Supervisor._measure_group
+
+    def counted(self, group, *more):
+        left[0] -= 1
+        return measure_group(self, group, *more)
+
+    monkeypatch.setattr(Supervisor, "_measure_group", counted)
+    ended = mfr("stress", *names, *only, "--profile", "smoke", "--out", "s", "--time-budget", "1h")
+    assert ended.status == 0
+    found = {name: rows(here / "s" / f"stress-{name}" / "results.csv") for name in names}
+    assert all(found.values()) and len({row["method"] for row in found["slant"]}) >= 3
+    line, = (line for line in ended.out.splitlines() if re.match(r"left out for the time budget: \d+ of", line))
+    planned = sum(len(json.loads((here / "s" / f"stress-{name}" / "manifest.json").read_text())["cells"])
+                  for name in names)
+    done = sum(map(len, found.values()))
+    assert line == (f"left out for the time budget: {planned - done} of {planned} cells, of 2 of 2 configs; the same "
+                    "command measures them")
+    assert " not measured)" in ended.out and "left out for the time budget" in ended.out.partition("First level")[2]
 
 
 def test_a_dry_run_measures_nothing(mfr, here):

@@ -82,6 +82,6 @@ def test_a_candidate_that_never_compiles_does_not_keep_the_answer_waiting(here, 
                   env=sabotaged(tmp_path / "sabotage", STUCK))
     assert ended.status in (0, 1), ended.err  # 1: no candidate was measured in time
     answer = json.loads(ended.out)
-    reason, = (entry["reason"] for entry in answer["excluded"] if entry["method"] == "AB_LL")
+    reason, = (entry["reason"] for entry in answer["excluded"] if entry["method"] == "ab-ll")
     assert reason.startswith("timeout: compile: no end within") or "within the time budget" in reason
     assert answer["method"] != "ab-ll"

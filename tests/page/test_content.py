@@ -47,6 +47,18 @@ def test_times_are_over_that_of_the_fastest_of_the_scene_that_shows_every_fragme
     assert {p.label: round(found[id(p)], 3) for p in result.points if id(p) in found} == {"AB_LL": 1.0, "AB_SB": 2.5}
 
 
+def test_what_the_time_left_out_and_an_unsteady_machine_are_marked(tmp_path):
+    folder = planted.folder(tmp_path, [planted.cell("ab-ll", "AB_LL", 4.0)],
+                            calibration_drift="the same work took 2 times as long")
+    assert '<p class="warn">unsteady: the same work took 2 times as long</p>' in page_text([folder])
+    manifest = folder.manifest()
+    folder.write_manifest(manifest | {"cells": [*manifest["cells"], "another"], "left_out": {"AB_SB": 1},
+                                      "calibration_drift": None})
+    text = page_text([folder])
+    assert '<p class="warn">1 planned cell has no record, left out for the time budget</p>' in text
+    assert "unsteady" not in text
+
+
 def test_figures_and_kept_images_are_inside(text):
     images = re.findall(r'<img src="data:image/webp;base64,([^"]+)" width="(\d+)" height="(\d+)"', text)
     assert len(images) == 3

@@ -5,11 +5,12 @@ from types import SimpleNamespace
 
 import pytest
 
+from mfr_bench.cli.interruption import Interruption
 from mfr_bench.cli.session import Choices, Session
 from mfr_bench.config.model import Measure, Scene
 from mfr_bench.methods import catalog
 from mfr_bench.plan import Cell
-from mfr_bench.plan.budget import TimeBudget, bisection, coarseness
+from mfr_bench.plan.budget import PARTS, TimeBudget, bisection, coarseness
 from mfr_bench.plan.ending import SAFE, ending_s, measurable, reports_s
 from mfr_bench.run.jobs import jobs
 from mfr_bench.run.ledger import Ledger
@@ -48,6 +49,35 @@ def test_every_method_gets_its_coarse_points_before_any_gets_finer_ones(tmp_path
     assert sorted(job.key for group in plain for job in group) == sorted(job.key for group in coarse for job in group)
 
 
+def of_three(tmp_path, measure):
+    """Three experiments, each with its ends and its middle, of ten methods; the first has the smallest scenes."""
+    methods = [method for method in catalog() if catalog()[method].param("k") is None][:10]
+    found = []
+    for number, layers in enumerate(((1, 2, 3), (4, 6, 8), (16, 24, 32))):
+        cells = [replace(cell(n, method, **{"scene.depth_complexity": n}), measure=measure) for n in layers
+                 for method in methods]
+        found.append(Sheet(ResultFolder(tmp_path / str(number)), jobs(cells, catalog(), DEVICE, "wall")))
+    return Ledger(found, DEVICE)
+
+
+def test_every_experiment_has_its_turn_before_any_has_its_next(tmp_path):
+    """Ordered by their size alone, the scenes of one stressor took all of a budget that fourteen were given."""
+    order = [group[0].cell.scene.depth_complexity for group in of_three(tmp_path, Measure()).groups(coarse_first=True)]
+    assert order == [1, 4, 16, 3, 8, 32, 2, 6, 24]
+
+
+def test_every_experiment_has_some_methods_before_any_has_all_where_one_sample_is_taken(tmp_path):
+    ledger = of_three(tmp_path, Measure(min_samples=1, max_samples=1))
+    groups = ledger.groups(coarse_first=True)
+    found = [(group[0].cell.scene.depth_complexity, len(group)) for group in groups]
+    first, second = PARTS
+    assert found[:12] == [(n, count) for count in (first, 10 - first) for n in (1, 4, 16, 3, 8, 32)]
+    assert first < 10 < first + second
+    assert sorted(job.key for group in groups for job in group) == sorted(
+        job.key for group in ledger.groups() for job in group)
+    assert [len(group) for group in ledger.groups()] == [10] * 9  # without a budget no scene is made twice
+
+
 @pytest.mark.parametrize(("seconds", "end_s", "deadline"), [
     (480, 4.0, 100 + 480 - 10.0),
     (10, 20.0, 100 + 5),  # never more than half is set aside
@@ -77,14 +107,14 @@ def test_no_more_cells_are_counted_than_can_be_measured(cells, seconds, slowness
 
 
 @pytest.mark.parametrize(("budget_s", "told", "empty", "rows"), [
-    (1.0, 1, 2, 10),  # of the experiment whose scenes come first
-    (2.0, 2, 1, 20), (3600.0, 3, 0, 30)])
+    (0.2, 2, 1, 2),  # of the experiments whose turns come first
+    (1.0, 3, 0, 10), (3600.0, 3, 0, 30)])
 def test_the_end_is_foretold_by_the_cells_that_can_be_measured(tmp_path, monkeypatch, budget_s, told, empty, rows):
     scenes = [[Scene(size=(8, 8), depth_complexity=n, seed=seed) for seed in range(10)] for n in (1, 2, 3)]
     sheets = [Sheet(ResultFolder(tmp_path / str(n)), jobs([replace(cell(n), scene=scene) for scene in found], catalog(),
                                                           DEVICE, "wall")) for n, found in enumerate(scenes)]
     parts = [SimpleNamespace(sheet=sheet, experiment=SimpleNamespace(figures=[1, 2])) for sheet in sheets]
-    session = Session(SimpleNamespace(ready=lambda: SimpleNamespace(calibrated_s=0.0)), lambda: False,
+    session = Session(SimpleNamespace(ready=lambda: SimpleNamespace(calibrated_s=0.0)), Interruption(),
                       Choices(None, False, False, False, budget_s=budget_s), 0.0)
     session.slowness, asked = 1.0, []
     monkeypatch.setattr("mfr_bench.plan.ending.reports_s", lambda *given, empty: asked.append((*given, empty)) or 0.0)

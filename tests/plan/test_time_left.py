@@ -70,6 +70,18 @@ def measured(ahead, key, begin_s, prepare_s, frames_s, frame_ms, samples=13):
     ahead.done(key, row(ahead.cells[key], frame_ms), begin_s + prepare_s + frames_s)
 
 
+@pytest.mark.parametrize(("cells", "rows_s", "most"), [(5000, 0.1, 3), (20, 0.1, 21)])
+def test_the_time_of_many_cells_is_not_foretold_with_every_row(monkeypatch, cells, rows_s, most):
+    """The forecast of 4,848 cells took 0.4 s for every row, which was half of a run of a minute. Of few none is old."""
+    ahead = started({str(i): cell("a", k=i) for i in range(cells)})
+    made, forecast = [], TimeLeft._forecast_s
+    monkeypatch.setattr(TimeLeft, "_forecast_s", lambda self: made.append(1) or forecast(self))
+    for i in range(20):
+        measured(ahead, str(i), rows_s * i, rows_s / 4, rows_s / 2, 1.0)
+        ahead.left_s(rows_s * (i + 1))
+    assert 1 <= len(made) <= most and (cells > 20 or len(made) >= 19)
+
+
 def test_a_slower_machine_is_learned_from_what_is_done():
     """Every program takes 2 s, twenty times what was foretold, and every cell's frames 3 s, since they wait."""
     cells = {str(i): cell("a", measure=replace(MEASURE, time_limit_s=0.4), k=i) for i in range(10)}

@@ -77,6 +77,29 @@ def test_a_difference_below_the_noise_floor_is_none(tmp_path):
     assert [p.method for p in noisy.rivals] == ["hybrid"]
 
 
+def test_a_ratio_that_is_not_the_quotient_of_the_times_is_explained(tmp_path):
+    """A load that came when half of the samples of both were taken; the other has more samples without it."""
+    rival = point("hybrid", 2.0, 0.01)
+    one, other = ([1.0] * 10 + [3.0] * 12, [2.0] * 10 + [6.0] * 12 + [2.0] * 11)
+    cells = [point("ab-ll", 2, 0.01) | {"samples_ms": one}, rival | {"samples_ms": other}]
+    for made, time_ms in zip(cells, (3.0, 2.0), strict=True):
+        made["values"] = made["values"] | {"time_ms": time_ms, "time_ms_low": time_ms, "time_ms_high": time_ms}
+    advice, = found(tmp_path, Bounds("rmse", 0.05), cells)
+    assert [p.method for p in advice.kept] == ["ab-ll", "hybrid"]
+    assert advice.ratio(advice.kept[1])[1] == pytest.approx(2)
+    text = " ".join(as_text([advice], 60).split())
+    assert "So the ratio of hybrid is another than the quotient of the times." in text
+    assert max(map(len, as_text([advice], 60).splitlines())) <= 60
+    usual, = found(tmp_path / "usual", Bounds("rmse", 0.05))
+    assert "quotient" not in as_text([usual], 100)
+
+
+def test_an_unsteady_machine_is_told_of(tmp_path):
+    advice, = found(tmp_path, Bounds("rmse", 0.05), calibration_drift="the same work took 2 times as long")
+    assert "Unsteady: the same work took 2 times as long." in as_text([advice], 200)
+    assert json.loads(as_json([advice]))[0]["unsteady"] == "the same work took 2 times as long"
+
+
 def test_one_alone_is_neither_sure_nor_unsure(tmp_path):
     advice, = found(tmp_path, Bounds("rmse", 1e-6, 1.5))
     assert advice.sure is None

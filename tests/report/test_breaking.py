@@ -53,6 +53,25 @@ def test_a_method_that_holds_breaks_nowhere(tmp_path):
     assert found.worst.row["max_abs_error"] == 9e-7
 
 
+@pytest.mark.parametrize(("states", "said"), [
+    ((OK, None, None), "holds up to -4 (of 3 levels 2 not measured)"),
+    ((OK, None, OK), "holds up to -24 (of 3 levels 1 not measured)"),
+    ((None, ("ok", {"lost_fragments": 1}), None), "-12: lost, 1 fragments (1 milder not measured)"),
+    ((("ok", {"lost_fragments": 1}), None, None), "-4: lost, 1 fragments")])
+def test_levels_that_no_time_was_left_for_are_told(tmp_path, states, said):
+    """A method "holds up to 4096" where the levels between had not been measured."""
+    cells = [cell("kb-mdt32", scene={"depth_gap_log2": level}, point={AXIS: level}, values=GOOD | state[1])
+             for level, state in zip(LEVELS, states, strict=True) if state]
+    made = folder(tmp_path, cells, [{"kind": "breaking", "x": AXIS}], sweep={AXIS: list(LEVELS)})
+    missing = states.count(None)
+    made.write_manifest(made.manifest() | {"cells": [*made.manifest()["cells"], *map(str, range(missing))],
+                                           "left_out": {"KB": missing}})
+    result = data.load(made)
+    (found,) = breaking.ladders(result, result.points, AXIS, None)
+    assert breaking.first_break(found) == said
+    assert "no record yet, left out for the time budget" in " ".join(breaking_text(made, 60).split())
+
+
 def test_an_approximate_method_within_the_limit_holds(tmp_path):
     assert ladder_of(tmp_path, *[("ok", {"max_abs_error": 9e-5, "error_bound": None})] * 3).first is None
 

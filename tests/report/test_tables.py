@@ -122,6 +122,34 @@ def test_images_say_which_methods_were_exact(tmp_path, errors, said):
     assert words(section(tables.terminal_table(folder), "Images"), "K⁺B-Array")[2] == said
 
 
+@pytest.mark.parametrize(("promised", "kept", "worst", "said"), [
+    (0.25, 0.25, 0.3, "as promised"), (None, 0.25, 0.3, "as promised"), (0.25, 0.25, 5e-5, "exact"),
+    (1.0, 1.0, 1e-7, "exact"), (None, None, None, "exact")])
+def test_an_image_of_fewer_fragments_is_called_exact_only_where_it_shows_what_all_give(tmp_path, promised, kept, worst,
+                                                                                      said):
+    """The Z-buffer, which keeps one fragment of a pixel, was called exact."""
+    values = {"max_abs_error": 1e-7, "promised_ratio": promised, "hit_ratio": kept, "max_error_all": worst}
+    folder = planted.folder(tmp_path, [at(4, values=values)])
+    assert words(section(tables.terminal_table(folder), "Images"), "K⁺B-Array")[2] == said
+
+
+@pytest.mark.parametrize("width", [0.01, 0.9])
+def test_the_floor_over_itself_is_1_however_much_its_times_scatter(tmp_path, width):
+    folder = planted.folder(tmp_path, [cell("floor", "floor", 2.0, width=width), at(4, time_ms=5.0)], [FIGURE])
+    assert words(section(tables.terminal_table(folder), "Measured"), "floor")[1] == "1"
+    assert data.load(folder).points[0].floor_ratio == (1.0, 1.0, 1.0)
+
+
+def test_cells_that_the_time_budget_left_out_are_said_to_be(tmp_path):
+    folder = planted.folder(tmp_path, [at(4)])
+    manifest = folder.manifest()
+    folder.write_manifest(manifest | {"cells": [*manifest["cells"], "one", "two"], "left_out": {"K⁺B-Array": 2}})
+    said = "2 planned cells have no record yet, left out for the time budget; run the same command again"
+    assert said in tables.terminal_table(folder)
+    folder.write_manifest(manifest | {"cells": [*manifest["cells"], "one", "two"], "left_out": {}})
+    assert "2 planned cells have no record yet; run the same command again" in tables.terminal_table(folder)
+
+
 def test_a_wrong_image_is_said_and_its_time_is_not(tmp_path):
     folder = planted.folder(tmp_path, [at(4), at(8, status="wrong", reason="max_abs_error 0.5 exceeds 0.0001",
                                                  values={"max_abs_error": 0.5})], [FIGURE])

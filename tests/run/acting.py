@@ -60,6 +60,9 @@ class Actor:
     def kill(self, cause):
         self.killed = self.killed or cause
 
+    def abandon(self):
+        self.killed = self.killed or ("crashed", "abandoned")
+
     def close(self):
         self.closed = True
 

@@ -58,5 +58,8 @@ class InProcess:
     def kill(self, cause) -> None:
         self.events.clear()
 
+    def abandon(self) -> None:
+        self.events.clear()
+
     def close(self) -> None:
         self.events.clear()

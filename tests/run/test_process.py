@@ -53,6 +53,15 @@ def test_a_death_says_how_and_with_which_last_words(worker, code, status, reason
     assert end(worker(code)) == ([], (status, reason))
 
 
+def test_one_that_is_given_up_is_waited_for_no_longer_than_for_what_it_has_sent(worker):
+    """Its end may take the kernel seconds, and a process that it has started holds the link as long as it likes."""
+    one = worker("link.send('a'); import subprocess; "
+                 "subprocess.Popen(['sleep', '1000'], pass_fds=[fd], start_new_session=True); time.sleep(1000)")
+    assert one.receive(60) == "a"
+    one.abandon()
+    assert end(one) == ([], ("crashed", "the run has ended"))
+
+
 def test_what_was_sent_before_a_death_is_received_first(worker):
     events, cause = end(worker("link.send('a'); link.send('b'); os.kill(os.getpid(), 11)"))
     assert (events, cause) == (["a", "b"], ("crashed", "killed by SIGSEGV"))

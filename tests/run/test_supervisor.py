@@ -22,7 +22,7 @@ from mfr_bench.run.events import (
     Sampled,
     Stop,
 )
-from mfr_bench.run.supervisor import Supervisor
+from mfr_bench.run.supervisor import GRACE_S, Supervisor
 
 from .acting import CELLS, CRASH, Actor, cell, finished, well
 from .fake_worker import DEVICE
@@ -198,6 +198,26 @@ def test_a_wish_to_stop_reaches_the_worker_once(play):
     with pytest.raises(KeyboardInterrupt):
         play(CELLS, actor, asked=lambda: bool(wish))
     assert sum(isinstance(request, Stop) for request in actor.sent) == 1
+
+
+def test_a_worker_that_does_not_stop_for_the_user_is_given_up(play, monkeypatch):
+    """It may compile for half a minute. The clock is planted; no cell is blamed, and what had come is kept."""
+    now, wish, folder = [0.0], [], []
+    monkeypatch.setattr(processes.time, "monotonic", lambda: now[0])
+
+    def script(group):
+        first, second, *_ = group.jobs
+        folder[:] = [first.key, second.key]
+        return [Begun(first.key, "sampling"), finished(first), Begun(second.key, "compile"), lambda: wish.append(1),
+                lambda: now.__setitem__(0, 0.9 * GRACE_S), lambda: now.__setitem__(0, 1.1 * GRACE_S)]
+
+    actor = Actor(script)
+    with pytest.raises(KeyboardInterrupt):
+        play(CELLS, actor, asked=lambda: bool(wish))
+    assert actor.killed and sum(isinstance(request, Stop) for request in actor.sent) == 1
+    kept = play(CELLS, Actor(well)).actors[0].sent
+    measured, = ([job.key for job in request.jobs] for request in kept if isinstance(request, Group))
+    assert folder[0] not in measured and folder[1] in measured
 
 
 def test_at_the_deadline_what_is_in_hand_stops_and_the_rest_is_left(play, monkeypatch):

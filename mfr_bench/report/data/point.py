@@ -174,9 +174,11 @@ def time_ratio(over: Cell, under: Cell, confidence: float = 0.95) -> Interval:
 
     Cells of one scene and settings were sampled in turns: what slowed both down alike is left out of the interval, and
     so are samples without a counterpart. Where one stalled frame among few that remain hides what the intervals of
-    both medians tell apart, the interval is that of all samples.
+    both medians tell apart, the interval is that of all samples. A cell over itself is 1.
     """
     above, below = (cell.get("samples_ms") or [] for cell in (over, under))
+    if over["key"] == under["key"] and above and above == below:
+        return 1.0, 1.0, 1.0
     least, most = (over["measure"].get(name) for name in ("min_samples", "max_samples"))
     if not (all(over[name] == under[name] for name in ("scene", "measure")) and least and most):
         return ratio_interval(above, below, confidence)

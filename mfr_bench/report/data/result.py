@@ -84,10 +84,21 @@ class Result:
         return "; ".join(part[:10] for part in str(self.manifest.get("started") or "").split("; "))
 
     @property
+    def unsteady(self) -> str:
+        """What the device or its timer did otherwise at the end of the run than at its start; empty where nothing."""
+        return str(self.manifest.get("calibration_drift") or "")
+
+    @property
     def unmeasured(self) -> int:
         """Planned cells without a record: the run was interrupted, or its file was damaged."""
         keys = {p.cell["key"] for p in self.points}
         return sum(key not in keys for key in self.manifest.get("cells", []))
+
+    @property
+    def why_unmeasured(self) -> str:
+        """The words behind the count of planned cells without a record where the time budget is why; else empty."""
+        left = self.manifest.get("left_out") or {}
+        return ", left out for the time budget" if 0 < self.unmeasured <= sum(left.values()) else ""
 
     @property
     def lacking(self) -> str:

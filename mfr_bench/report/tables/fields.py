@@ -10,9 +10,12 @@ ALIKE = "≈"  # before a ratio of times that noise alone may make
 TIME_NOTE = ("median of whole frames, ± half of its 95 % interval; ~ stopped before the target interval; "
              "±? fewer than 6 samples")
 RATIO_NOTE = ("time / time of the same geometry with plain blending, ± half of its 95 % interval; "
-              "≈ r [low, high]: not told from 1, which the interval or the noise floor holds")
+              "≈ r [low, high]: not told from 1, which the interval or the noise floor holds; "
+              "of frames drawn in turns: it may differ from the quotient of the medians")
 FASTEST_NOTE = ("of the methods that show every fragment: time / the fastest's, ± half of its 95 % interval; "
-                "≈ r [low, high]: not told from the fastest's, for the interval or the noise floor holds 1")
+                "≈ r [low, high]: not told from the fastest's, for the interval or the noise floor holds 1; "
+                "of frames drawn in turns: it may differ from the quotient of the medians")
+ITSELF = 1.0, 1.0, 1.0  # the ratio of a time to itself
 NOISY = "noisy"  # instead of half an interval that is wider than the value itself
 NOISY_NOTE = ("noisy: uncertain by more than the value itself, as other work on the machine makes it; measured again "
               "by run --force while the machine does nothing else")
@@ -45,6 +48,8 @@ def ratio_field(point: Point) -> str:
 
 def ratio_text(point: Point, ratio: data.Interval) -> str:
     """A ratio of times; one that noise alone may cause counts as 1, and shows its interval."""
+    if ratio == ITSELF:
+        return "1"
     if None in ratio or point.apart(ratio) or point.method == FLOOR:
         return f"{number(ratio[1])} {spread(ratio)}"
     low, middle, high = map(number, ratio)

@@ -30,7 +30,7 @@ def _skipped(result: Result) -> list[str]:
         told.setdefault((_places(result, label, points), f"{sign}{f': {reason}' if reason else ''}"), []).append(label)
     lines = [f"{data.listed(labels)}{where}: {what}" for (where, what), labels in told.items()]
     if result.unmeasured:
-        lines.append(f"{data.without_record(result.unmeasured)} yet; run the same command again")
+        lines.append(f"{data.without_record(result.unmeasured)} yet{result.why_unmeasured}; run the same command again")
     return [*lines, result.foreign] if result.foreign else lines
 
 
@@ -43,13 +43,12 @@ def _places(result: Result, label: str, points: Sequence[Point]) -> str:
 
 
 def _about(result: Result) -> list[str]:
-    """Title, source, device, timer and noise floor: what a reader needs to judge the numbers."""
+    """Title, source, device, timer, noise floor, steadiness: what a reader needs to judge the numbers."""
     manifest = result.manifest
     title = f"{result.name}: {manifest['title']}" if manifest.get("title") else result.name
     noise = manifest.get("noise_floor_rel")
     noise_line = "" if noise is None else f"noise floor {data.percent(noise)} (the same method measured twice)"
-    drift = manifest.get("calibration_drift")
-    lines = title, result.provenance, result.scene, noise_line, drift and f"unsteady: {drift}"
+    lines = title, result.provenance, result.scene, noise_line, result.unsteady and f"unsteady: {result.unsteady}"
     return [line for line in lines if line]
 
 
@@ -94,7 +93,10 @@ def breaking_text(folder: ResultFolder, width: int = WIDTH) -> str:
     result = data.load(folder)
     parts = [_head(result, width)]
     parts += ["\n".join([grid.title, "\n\n".join(chunk.text() for chunk in grid.chunks(width))])
-              for grid in breaking_grids(result)]
+              for grid in breaking_grids(result) if grid.rows]
+    if result.unmeasured:
+        said = f"{data.without_record(result.unmeasured)} yet{result.why_unmeasured}"
+        parts.append("\n".join(textwrap.wrap(said, width, break_on_hyphens=False)))
     return "\n\n".join(parts) + "\n"
 
 
