@@ -6,7 +6,6 @@ import hashlib
 import re
 from collections.abc import Iterable
 from dataclasses import replace
-from functools import lru_cache
 
 from ..effects import PLAIN, Settings
 from ..methods.spec import Fitted, Pass, SceneStats, Variant
@@ -14,7 +13,10 @@ from .includes import StageSource
 from .prelude import define_values, stages
 
 Stages = tuple[StageSource, ...]  # of one pass
+PassCode = tuple[Pass, tuple[str, ...], int, int]  # constants that the code names, a digest of the rest, characters
+MOST_KEPT = 1024  # variants of which that is kept
 DEFINED = re.compile(r"^#define ([A-Z][A-Z0-9_]*) -?[0-9.]+u?$", re.MULTILINE)  # numbers that a program names
+_kept: dict[tuple[Variant, str, Settings], list[PassCode]] = {}
 NOMINAL = SceneStats(W=1, H=1, n=2, F=1, primitives=1)  # the scene is in a cell's key of its own
 
 
@@ -42,8 +44,13 @@ def hash_of(passes: Iterable[tuple[Pass, Stages]]) -> str:
 
 
 def glsl_hash(variant: Variant, geometry: str, effect: Settings = PLAIN) -> str:
-    """Hash of the code of every stage of every pass, for any scene of this geometry and effect; see `hash_of`."""
-    return hash_of(stages_by_pass(variant, geometry, effect))
+    """Hash of the code of every stage of every pass, for any scene of this geometry and effect; see `hash_of`.
+
+    What `code_of_programs` tells of the variant is kept: putting the code together takes most of the time of both.
+    """
+    passes = stages_by_pass(variant, geometry, effect)
+    _keep(variant, geometry, effect, passes)
+    return hash_of(passes)
 
 
 def code_of_programs(fitted: Fitted) -> tuple[dict[int, int], dict[int, int]]:
@@ -54,19 +61,26 @@ def code_of_programs(fitted: Fitted) -> tuple[dict[int, int], dict[int, int]]:
     """
     drawn: dict[int, int] = {}
     counted: dict[int, int] = {}
-    for step, names, digest, characters in _named(fitted.variant, fitted.stats.geometry, fitted.stats.effect):
+    for step, names, digest, characters in _told(fitted.variant, fitted.stats.geometry, fitted.stats.effect):
         if fitted.needed(step):
             values = define_values(fitted, step)
             (counted if step.probes else drawn)[hash((digest, *map(values.get, names)))] = characters
     return drawn, counted
 
 
-@lru_cache(maxsize=1024)
-def _named(variant: Variant, geometry: str, effect: Settings) -> list[tuple[Pass, tuple[str, ...], int, int]]:
-    """The passes of a variant that have shaders: the constants that these name, a digest of them, their characters."""
+def _told(variant: Variant, geometry: str, effect: Settings) -> list[PassCode]:
+    """What is told of the code of a variant's passes; as it was when its hash was taken, if that is kept."""
+    return _kept.get((variant, geometry, effect)) or _keep(
+        variant, geometry, effect, stages_by_pass(variant, geometry, effect))
+
+
+def _keep(variant: Variant, geometry: str, effect: Settings, passes: list[tuple[Pass, Stages]]) -> list[PassCode]:
     found = []
-    for step, made in stages_by_pass(variant, geometry, effect):
+    for step, made in passes:
         code = "".join(stage.code for stage in made)
         plain = DEFINED.sub("", code)
         found.append((step, tuple(sorted(set(DEFINED.findall(code)))), hash(plain), len(made[-1].code)))
+    if len(_kept) >= MOST_KEPT:
+        _kept.clear()
+    _kept[variant, geometry, effect] = found
     return found

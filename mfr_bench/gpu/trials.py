@@ -317,10 +317,10 @@ def _flushed(device: Device) -> str:
 
 
 def dispatches_need_a_flush(device: Device) -> bool:
-    """Whether a draw after a dispatch is wrong without a flush between them."""
+    """Whether a draw after a dispatch is wrong without a flush between them; of points only where they are wanted."""
     device.flushes_dispatches = False  # while this is found out
     try:
-        return not all(trial(device)[0] for trial in (uniform_blocks, listed_points))
+        return not (uniform_blocks(device)[0] and (not device.wants(TILE_POINTS) or listed_points(device)[0]))
     finally:
         del device.flushes_dispatches
 

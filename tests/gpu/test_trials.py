@@ -100,6 +100,17 @@ def test_a_driver_that_needs_a_flush_gets_one(untried, monkeypatch, trial):
     assert "behind a flush" in detail
 
 
+@pytest.mark.parametrize(("wanted", "tried"), [(None, True), (frozenset({TILE_POINTS}), True), (frozenset(), False)])
+def test_points_after_a_dispatch_are_tried_where_they_are_wanted(untried, monkeypatch, wanted, tried):
+    """Draws of other kinds after a dispatch are tried in any case."""
+    drawn = []
+    for name in ("uniform_blocks", "listed_points"):
+        monkeypatch.setattr(trials, name, lambda device, name=name: (drawn.append(name), (True, ""))[1])
+    monkeypatch.setattr(untried, "wanted", wanted)
+    assert not untried.flushes_dispatches
+    assert drawn == ["uniform_blocks", *["listed_points"] * tried]
+
+
 def test_a_frame_knows_whether_it_flushes_before_it_draws(untried, monkeypatch):
     """`adaptive` compiles passes while it draws, when a trial would spoil the state of the frame."""
     with shown(untried, generate(SceneConfig(size=(16, 16), depth_complexity=3))) as on:
