@@ -162,15 +162,13 @@ THICK = (60, 90, 120, 40)  # a layer of which eight show, and yet let pixels no 
 def test_stacks_of_every_network_of_several_sweeps_and_of_merged_blocks(device, count, taken_for):
     """So little is hidden that all fragments count, whatever block and sweep they come in.
 
-    What comes first tells whether a pixel deeper than 64 is merged or swept: eight thick layers behind all others. With
+    Eight thick layers that come first, behind all others, let a pixel deeper than 64 be swept instead of merged. With
     86 or 87 in front of them the third sweep meets 32, as many as it keeps, or 33.
     """
-    order = np.random.default_rng(count).permutation(count)
-    random = np.random.default_rng(1)
+    back, random = 8 * (taken_for == "thick"), np.random.default_rng(count)
+    order = random.permutation(count)
     rgba = np.column_stack([random.integers(0, 256, (count, 3)), random.integers(1, 2 if count > 100 else 12, count)])
-    depths = (order + 1) / (count + 2)
-    back = 8 * (taken_for == "thick")
-    scene = stack([*np.linspace(0.9999, 0.99991, back), *depths], [*[THICK] * back, *rgba])
+    scene = stack([*np.linspace(0.9999, 0.99991, back), *(order + 1) / (count + 2)], [*[THICK] * back, *rgba])
     with stored(device, scene) as frame:
         assert_shows(frame, [*rgba[np.argsort(order)], *[THICK] * back])
 
