@@ -118,24 +118,22 @@ class CellWork:
         self._turns += [[] for _ in self._pair]
 
     def batch(self, sampler: Sampler) -> None:
-        """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed.
-
-        No other process may take a core meanwhile.
-        """
+        """Draw as many frames as the sampler wants next; if it is warm, also one whose passes are timed."""
         self._phases.begin(BETWEEN)
         first, watch = len(sampler.samples_ms), self._watch
         self._last_checked = self._last_checked and sampler is not self.sampler
-        with self.bench.split.work("reference"), watch.turn() as turn, self._phases.within("sampling"):
-            self._take(sampler)
-        self.postponed = watch.slower(turn) and watch.again(turn.took_s, sampler.measure.wait_s)
-        if self.postponed:
-            sampler.set_aside(range(first, len(sampler.samples_ms)))
-        else:
-            self._turns_of(sampler).extend([turn] * (len(sampler.samples_ms) - first))
-        with self._phases.within("sampling"):
-            ends = sampler is self.sampler and not (sampler.wanted or self.postponed)
-            image = self.images.of_sample() if ends else None
-            passes = self._time_passes(1) if sampler.warm and not self.postponed else {}
+        with self.bench.paused():
+            with self.bench.split.work("reference"), watch.turn() as turn, self._phases.within("sampling"):
+                self._take(sampler)
+            self.postponed = watch.slower(turn) and watch.again(turn.took_s, sampler.measure.wait_s)
+            if self.postponed:
+                sampler.set_aside(range(first, len(sampler.samples_ms)))
+            else:
+                self._turns_of(sampler).extend([turn] * (len(sampler.samples_ms) - first))
+            with self._phases.within("sampling"):
+                ends = sampler is self.sampler and not (sampler.wanted or self.postponed)
+                image = self.images.of_sample() if ends else None
+                passes = self._time_passes(1) if sampler.warm and not self.postponed else {}
         self._emit_new(passes)
         if image is not None:
             self.images.check(image)

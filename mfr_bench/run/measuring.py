@@ -211,11 +211,10 @@ class Measuring:
         while entries:
             self._shuffle(entries)
             with self.bench.precompiler.paused():
-                with self.bench.paused():
-                    for cell, sampler in entries:
-                        self._guarded(cell, partial(self._batch, sampler=sampler))
-                    with self.bench.split.work("reference"):
-                        self.bench.watch.look_behind()
+                for cell, sampler in entries:  # between which the process that compares images goes on
+                    self._guarded(cell, partial(self._batch, sampler=sampler))
+                with self.bench.paused(), self.bench.split.work("reference"):
+                    self.bench.watch.look_behind()
                 self._start_pairs(running)
                 ending = [cell for cell in running if not (cell.done or cell.wanted or cell.take_again())]
                 for cell in ending:

@@ -111,7 +111,8 @@ def test_a_signal_to_every_process_of_a_job_leaves_no_cell_as_crashed(here):
 
 
 def test_a_run_that_was_killed_goes_on_within_its_cells(here):
-    (here / "slow.yaml").write_text(SLOW.replace("100000, time_limit_s: 0.2", f"{SAMPLES}, time_limit_s: 60"))
+    (here / "slow.yaml").write_text(SLOW.replace("6, max_samples: 100000, time_limit_s: 0.2",
+                                                  f"{SAMPLES}, max_samples: {SAMPLES}, time_limit_s: 60"))
     process = begun("run", "slow.yaml", "--out", "out")
     wait_for_samples(process, here / "out" / "unfinished.jsonl")
     process.kill()

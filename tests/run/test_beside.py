@@ -30,6 +30,7 @@ FAULTS = {
     "it dies at work": CHILD + "import threading; threading.Timer(0.9, os._exit, [1]).start()",
     "nothing can be shared": "import os\nmade = os.memfd_create\ndef none(name):\n    if name == 'array':\n"
                              "        raise OSError(28, 'no space')\n    return made(name)\nos.memfd_create = none",
+    "one image waits at most": "import mfr_bench.run.aside\nmfr_bench.run.aside.IN_FLIGHT_BYTES = 1",
 }
 
 
