@@ -50,7 +50,7 @@ LIGHT = 0.45  # the lightness from which variants are darker than their method
 
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "*", "d", "8", "H")
 LINES = ("-", (0, (5, 1.5)), (0, (1.5, 1)), (0, (5, 1, 1.2, 1)), (0, (3, 1, 1, 1, 1, 1)))
-HATCHES = ("", "////", "\\\\\\\\", "xxxx", "----", "||||", "++++", "//", "\\\\", "xx", "--", "||", "++", "////----",
+HATCHES = ("", "----", "||||", "++++", "////", "\\\\\\\\", "xxxx", "--", "||", "++", "//", "\\\\", "xx", "////----",
            "\\\\\\\\||||")  # straight lines only: dots make vector files large
 HISTOGRAM = "#8fa3b8"
 MAP_COLOURS = "inferno"  # of maps: grows in lightness, whatever the sight

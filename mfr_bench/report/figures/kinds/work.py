@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NEAR = 1.15  # counts within this factor would hide each other's markers
-ROW_IN, HEADING_IN, FOOT_IN, GAP_IN = 0.26, 0.24, 0.42, 0.16
+ROW_IN, HEADING_IN, FOOT_IN, GAP_IN = 0.26, 0.24, 0.42, 0.36  # GAP_IN: half a tick of eight digits fits
 LIMITS_IN = 1.9  # width of the bars against the device's limits
 COUNTED: Mapping[str, tuple[str, str, str]] = {  # counters that are added up: name, colour, marker
     "fragments shaded": ("geometry", style.BLUE, "o"),
