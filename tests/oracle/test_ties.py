@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from mfr_bench.methods import catalog
 from mfr_bench.oracle.composite import Fragments, composite
 from mfr_bench.oracle.listed import listed
 from mfr_bench.oracle.quality import conformance, pixel_errors
@@ -53,6 +54,15 @@ def every_image(fragments, layers, criterion):
     return np.array([over(taken(order, layers or len(order), criterion)) for order in orders(fragments)])
 
 
+def compete(fragments, layers, criterion):
+    """Whether fragments of one depth and different looks compete for the last places; True for `opaque`, untold."""
+    if criterion == "opaque":
+        return True
+    ordered = sorted((depth for depth, _ in fragments), reverse=criterion == "furthest")
+    last = ordered[layers - 1]
+    return ordered[layers] == last and len({colour for depth, colour in fragments if depth == last}) > 1
+
+
 COLOURS = st.tuples(*[st.sampled_from([0, 10, 200])] * 3, st.sampled_from([0, 30, 128, 255]))
 PIXELS = st.lists(st.lists(st.tuples(st.sampled_from([0.25, 0.5, 0.75]), COLOURS), max_size=5), min_size=1, max_size=3)
 
@@ -67,7 +77,7 @@ def test_the_range_is_that_of_every_order(pixels, layers, criterion):
         assert (found.low[0, x] <= low + CLOSE).all()
         assert (found.high[0, x] >= high - CLOSE).all()
         assert (found.low[0, x, ALPHA], found.high[0, x, ALPHA]) == pytest.approx((low[ALPHA], high[ALPHA]), abs=CLOSE)
-        if layers is None or layers >= len(fragments):
+        if layers is None or layers >= len(fragments) or not compete(fragments, layers, criterion):
             np.testing.assert_allclose(found.low[0, x], low, rtol=0, atol=CLOSE)
             np.testing.assert_allclose(found.high[0, x], high, rtol=0, atol=CLOSE)
     np.testing.assert_array_equal(found.image, composite(quads(*pixels), layers, criterion))
@@ -182,3 +192,16 @@ def test_two_channels_are_ranges_of_the_colours_that_come_back():
     found = answer_of_quads(quads([(0.5, RED), (0.5, BLUE)]), payload=payload)
     np.testing.assert_allclose(found.high[0, 0, 1], 0.75 + 0.25 * 0.25)
     np.testing.assert_allclose(found.low[0, 0, 1], 0.125 + 0.5 * 0.75)
+
+
+@pytest.mark.parametrize("method", catalog().values(), ids=lambda m: m.id)
+def test_a_method_that_spoils_equal_depths_alone_leaves_their_pixels_open(method):
+    answer = answer_of_quads(quads([(0.25, RED), (0.25, BLUE)], [(0.25, RED)]))
+    given = answer.given_by(method)
+    assert (given is answer) == (not method.loses_ties)
+    assert (given.high > 1).any(axis=-1).tolist() == [[method.spoils_ties, False]]
+
+
+def test_the_faintest_fragments_of_one_depth_are_tied():
+    answer = answer_of_quads(quads([(0.5, (200, 10, 10, 1)), (0.5, (10, 10, 200, 1))], [(0.5, RED)]))
+    assert answer.tied.tolist() == [[True, False]]
