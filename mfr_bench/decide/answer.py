@@ -21,7 +21,7 @@ from .candidates import NOT_FINISHED, NOT_TRIED, Excluded
 from .question import Question
 
 CLOSE = 1.05  # times the winner's time, up to which others are named
-SURE = 0.95  # of the chances to be the fastest, which the answer and those that are named beside it hold
+LIKELY = 0.01  # chance to be the fastest that its frames give a method, from which on it is named beside the answer
 TIMED, UNTRIED, INEXACT, FAILED, EXCLUDED = range(5)  # methods that were not chosen, the nearest to the answer first
 MOST_SHOWN = 8  # lines of a list in the text form
 
@@ -87,25 +87,32 @@ class Answer:
     @property
     def confidence(self) -> float:
         """The chance that `best` is the fastest."""
-        return self.chances.get(self.best.cell["key"], 0.0) if self.best else 0.0
+        return self._chance(self.best) if self.best else 0.0
 
     @cached_property
     def close(self) -> list[Point]:
         """The other finalists that may be as fast as `best`, the likeliest to be the fastest first.
 
-        These are the ones that with `best` hold SURE of the chances to be the fastest, those whose interval of the
-        ratio of their times to its holds 1, and those that take no more than 5 % longer by that ratio.
+        These are the ones whose frames give them a chance of LIKELY and more to be the fastest, those whose interval of
+        the ratio of their times to its holds 1, and those that take no more than 5 % longer by that ratio.
         """
         if not self.finalists:
             return []
-        found, held = [], self.confidence
-        whole = sum(self.chances.values())
-        for p in self.finalists[1:]:
-            low, ratio, _ = p.over(self.best)
-            if held < SURE * whole or (low is not None and low <= 1) or (ratio is not None and ratio <= CLOSE):
-                found.append(p)
-            held += self.chances.get(p.cell["key"], 0.0)
-        return found
+        return [p for p in self.finalists[1:] if self._may_be_as_fast(p)]
+
+    def _may_be_as_fast(self, point: Point) -> bool:
+        low, ratio, _ = point.over(self.best)
+        likely = self._chance(point) - self._unseen >= LIKELY
+        return likely or (low is not None and low <= 1) or (ratio is not None and ratio <= CLOSE)
+
+    @property
+    def _unseen(self) -> float:
+        """The part of the chance of each finalist that no frame has given it: together they weigh as one round."""
+        rounds = min(len(p.cell["samples_ms"]) for p in self.finalists)
+        return (1 - CHANCE) / (rounds + 1) / len(self.finalists)
+
+    def _chance(self, point: Point) -> float:
+        return self.chances.get(point.cell["key"], 0.0)
 
     @cached_property
     def out(self) -> list[Out]:
@@ -165,7 +172,7 @@ class Answer:
     def _rival(self, point: Point) -> dict[str, Any]:
         low, ratio, high = point.over(self.best)
         return {"method": point.method, "params": chosen(point), "time_ms": point.row["time_ms"], "ratio": ratio,
-                "ratio_low": low, "ratio_high": high, "chance": round(self.chances.get(point.cell["key"], 0.0), 4)}
+                "ratio_low": low, "ratio_high": high, "chance": round(self._chance(point), 4)}
 
     @property
     def marked(self) -> dict[str, Any]:
@@ -199,17 +206,19 @@ class Answer:
         memory = data.number(best.measure("memory_mib")[1])
         said = [f"  time {time}, memory {memory} MiB, largest error {row['max_error_all']:.3g}, on {row['device']}",
                 f"  fastest{self._among} with a chance of {data.percent(self.confidence)}"]
-        said += [f"  may be as fast: {self._near}" if self.close else "  no other that was timed may be as fast",
-                 f"  in full: {self.command}"]
+        said += [f"  {self._near}", f"  in full: {self.command}"]
         said += [f"  unsteady: {self.result.unsteady}"] if self.result.unsteady else []
         return [line for text in said for line in textwrap.wrap(text, width, subsequent_indent="    ",
                                                                 break_on_hyphens=False)]
 
     @property
     def _near(self) -> str:
-        """The methods of `close`, each with the ratio of its time to that of the answer and with its chance."""
-        return _some([f"{written(p)} ({_spread(p.over(self.best))} times, chance "
-                      f"{data.percent(self.chances.get(p.cell['key'], 0.0))})" for p in self.close], "; ")
+        """The methods of `close`, each with its ratio to the answer and its chance, and what is left of all chances."""
+        named = _some([f"{written(p)} ({_spread(p.over(self.best))} times, chance {data.percent(self._chance(p))})"
+                       for p in self.close], "; ")
+        others = sum(self._chance(p) for p in self.finalists[1:] if p not in self.close)
+        left = f"; the chance of all others together is {data.percent(others)}" if others >= LIKELY else ""
+        return f"may be as fast: {named}{left}" if self.close else f"no other that was timed was as fast{left}"
 
     @property
     def _among(self) -> str:

@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import pytest
 
-from mfr_bench.decide.answer import SURE, answer_of
+from mfr_bench.decide.answer import LIKELY, answer_of
 from mfr_bench.decide.candidates import NOT_FINISHED, Excluded
 from mfr_bench.decide.question import Question
 from mfr_bench.measure.elimination import LATE
 from mfr_bench.report import data
+from mfr_bench.report.data import percent
 from mfr_bench.store.status import EXACT_ERROR
 
 from ..report import planted
@@ -110,19 +111,31 @@ def test_methods_that_may_be_as_fast_are_named_beside_a_chance_that_is_small(ans
     """An answer with a chance of a third was printed beside the words that all others take 5 % longer."""
     found = answer(*(raced(method, noisy(time_ms, f"{seed} {method}")) for method, time_ms in (
         ("ab-array", 10), ("ab-ll", 11), ("ab-sb", 12), ("ab-dfb", 13))))
-    named = [found.best, *found.close]
-    chances = sum(found.chances[p.cell["key"]] for p in named)
-    assert chances >= SURE * sum(found.chances.values())
-    others = [p for p in found.finalists if p not in named]
-    assert all(p.over(found.best)[0] > 1 for p in others)
+    others = [p for p in found.finalists[1:] if p not in found.close]
+    assert all(p.over(found.best)[0] > 1 and found.chances[p.cell["key"]] < LIKELY + 0.99 / 9 / 4 for p in others)
     if found.confidence < 0.9:
         assert found.close and f"may be as fast: {found.close[0].method} (" in found.text(200)
         assert found.record()["close"][0]["chance"] > 0
 
 
-def test_a_clear_answer_says_that_no_other_may_be_as_fast(answer):
+def test_the_chances_that_are_told_add_up(answer):
+    """After one round nothing is known but its times: thirty methods have the rest of the chances together."""
+    times_ms = [10.0, 10.8, *(20.0 + i for i in range(30))]
+    found = answer(*(raced(f"m{i}", [time_ms]) for i, time_ms in enumerate(times_ms)))
+    said = " ".join(found.text(200).split())
+    whole, others = (sum(found.chances[p.cell["key"]] for p in points) for points in (
+        found.finalists, [p for p in found.finalists[1:] if p not in found.close]))
+    assert whole == pytest.approx(0.99)
+    assert (f"the chance of all others together is {percent(others)}" in said) == (others >= LIKELY)
+    assert "m31 (51.0)" not in said.partition("Not chosen")[0]
+
+
+def test_a_clear_answer_says_that_no_other_was_as_fast(answer):
     said = answer(raced("ab-array", [10.0] * 9), raced("ab-ll", [20.0] * 9)).text(200)
-    assert "no other that was timed may be as fast" in said and "may be as fast: " not in said
+    assert "no other that was timed was as fast; the chance of all others together is 4.9 %" in said
+    gone = raced("ab-ll", [20.0] * 9, "eliminated after 9 frames: 2 times")
+    said = answer(raced("ab-array", [10.0] * 9), gone).text(200)
+    assert "no other that was timed was as fast\n" in said and "may be as fast: " not in said
 
 
 def test_an_unsteady_machine_is_told_of(tmp_path):
