@@ -30,7 +30,6 @@ FAULTS = {
     "it dies at work": CHILD + "import threading; threading.Timer(0.9, os._exit, [1]).start()",
     "nothing can be shared": "import os\nmade = os.memfd_create\ndef none(name):\n    if name == 'array':\n"
                              "        raise OSError(28, 'no space')\n    return made(name)\nos.memfd_create = none",
-    "one image waits at most": "import mfr_bench.run.aside\nmfr_bench.run.aside.IN_FLIGHT_BYTES = 1",
 }
 
 
@@ -74,6 +73,16 @@ def test_whatever_becomes_of_it_the_rows_are_the_same(whole, place, fault, tmp_p
                   env=sabotaged(tmp_path / "fault", FAULTS[fault]))
     assert ended.status == 0, ended.err
     assert found(tmp_path / "out") == found(whole)
+
+
+def test_an_image_may_wait_for_the_one_before_while_cells_take_turns(tmp_path):
+    """The last samples of three cells come in one round, and one image may wait."""
+    (tmp_path / "large.yaml").write_text(CONFIG.replace("[kplus-array]", "[kplus-array, ab-array, ab-ll]").replace(
+        "sweep: {scene.depth_complexity: [3, 4]}\n", "").replace(", keep: [error, loss, image, fragments]", ""))
+    fault = "import mfr_bench.run.aside\nmfr_bench.run.aside.IN_FLIGHT_BYTES = 1"
+    ended = apart("run", tmp_path / "large.yaml", "--out", tmp_path / "out", "--device", "cpu",
+                  env=sabotaged(tmp_path / "fault", fault))
+    assert ended.status == 0, ended.err
 
 
 def test_ctrl_c_keeps_what_is_measured_while_its_images_are_still_compared(whole, place, tmp_path):
