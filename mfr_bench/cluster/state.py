@@ -22,8 +22,9 @@ class TaskState:
     """A task, how many of its cells stand in its folder by status, and where it is.
 
     done: it has every cell. running, waiting: the engine has it. ended: neither, so that it wants submitting again.
-    unknown: the engine does not answer. left_s: seconds that the missing cells take at the pace of those that are
-    there; None where fewer than two tell it. A run measures small scenes first, so that more is left rather than less.
+    unknown: the engine does not answer. left_s: seconds that the missing cells take at the pace of those that were
+    measured; None where fewer than two tell it, or all came at once. A run measures small scenes first, so that more is
+    left rather than less.
     """
 
     task: Share
@@ -64,7 +65,7 @@ def _state(submission: Submission, task: Share, jobs: Mapping[str, str] | None) 
         for name in filter(KEY_FILE.fullmatch, folder.names()):
             if cell := folder.cell(name.removesuffix(".json")):
                 statuses[cell["status"]] += 1
-                stamps += [cell["measured"]] if cell.get("measured") else []
+                stamps += [cell["measured"]] if cell.get("measured") and STATUSES[cell["status"]].timed else []
     if statuses.total() >= task.cells:
         return TaskState(task, statuses, DONE)
     if jobs is None and task.job is not None:
@@ -74,9 +75,10 @@ def _state(submission: Submission, task: Share, jobs: Mapping[str, str] | None) 
 
 
 def _left_s(stamps: Sequence[str], missing: int) -> float | None:
-    """The time that missing cells take at the pace between the first cell and the last, by the node's own clock."""
+    """The time that missing cells take at the pace between the first stamp and the last, by the node's own clock."""
     times = []
     for stamp in stamps:
         with suppress(ValueError):
             times.append(calendar.timegm(time.strptime(stamp, STAMP)))
-    return None if len(times) < 2 else (max(times) - min(times)) / (len(times) - 1) * missing
+    passed_s = max(times) - min(times) if times else 0
+    return passed_s / (len(times) - 1) * missing if passed_s else None

@@ -143,3 +143,16 @@ def test_the_time_left_is_that_of_the_pace_so_far(tmp_path):
         folder.write_cell(cell(f"m{number}", measured=stamp))
     (each,) = state.task_states(plan, {"7": state.RUNNING})
     assert (each.cells, each.left_s) == (3, 60.0)
+
+
+def test_cells_that_are_refused_at_once_tell_no_pace(tmp_path):
+    """Eight of them came within a second, and a task with fifty cells to measure had "1 s left"."""
+    plan = planned(cluster(1), tmp_path, ["run.yaml"], shares(1))
+    (task,) = plan.tasks
+    plan = replace(plan, tasks=(replace(task, job="7"),))
+    folder = ResultFolder(plan.folder(task) / "results" / "tiny")
+    refused = {"status": "unsupported", "time_ms": None}
+    for name, second, more in (("a", 0, refused), ("b", 1, {}), ("c", 1, {})):
+        folder.write_cell(cell(name, measured=f"2026-01-01T00:00:{second:02}Z", **more))
+        (each,) = state.task_states(plan, {"7": state.RUNNING})
+        assert each.left_s is None
