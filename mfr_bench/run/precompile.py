@@ -25,7 +25,7 @@ from .memory import free_bytes
 DRIVERS = ("llvmpipe", "zink-llvmpipe")  # slugs of those that compile in the process that draws
 SLOW_S = 0.15  # processor time of a first frame for which something was compiled; others take 0.04 s
 FEW = 4  # cells, for which a process is not worth its start
-COLD_S = 0.1  # processor time of trials that were compiled, which tells that the cache has no programs; else 0.03 s
+COLD_S = 0.04  # processor time of trials that were compiled, which tells that the cache has no programs; else 0.02 s
 AT_ONCE = 12  # cells of a run, from which on it is then worth its start before any of them was drawn
 ASKED = 8  # cells at once: so few that writing to the process never waits for it
 FRAGMENTS = 2**21  # of a frame, above which drawing it takes longer than compiling

@@ -18,6 +18,7 @@ from ..gpu.selftest import calibrate, self_tests
 from ..gpu.timers import GpuTimer, WallTimer
 from ..measure.watch import Watch
 from ..methods import catalog
+from ..methods.spec import TILE_POINTS
 from .answers import Answers
 from .aside import OtherProcess
 from .bench import Bench
@@ -64,7 +65,7 @@ def serve(link: Connection, want: str, timer: str) -> int:
     link.send(Ready(device.info, device.limits, timer, calibration, device.bound_threads, calibrated_s,
                     device.instructions))
     try:
-        if tried_s > COLD_S and needs.cells >= AT_ONCE:
+        if tried_s > COLD_S * (1 + device.wants(TILE_POINTS)) and needs.cells >= AT_ONCE:  # whose trial is the longest
             bench.precompiler.start()
         watch.look()  # compiles the reference frame while the run is still being planned
         answer(link, bench)
