@@ -91,8 +91,9 @@ def test_an_image_that_goes_wrong_while_it_is_timed_is_wrong(run, monkeypatch):
     assert row["values"]["wrong_pixels"] == 192
 
 
-def test_a_fragment_lost_in_any_frame_is_wrong(run, monkeypatch):
-    losses = iter([0, 3])
+@pytest.mark.parametrize("lost", [(0, 3), (3, 0)])
+def test_a_fragment_lost_in_any_frame_is_wrong(run, monkeypatch, lost):
+    losses = iter(lost)
     monkeypatch.setattr(Frame, "lost_in_a_frame", lambda self: next(losses))
     rows, _ = run([cell()])
     assert (rows["ab-array", None]["status"], rows["ab-array", None]["reason"]) == ("wrong", "3 fragments lost")
