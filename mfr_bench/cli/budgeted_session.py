@@ -41,9 +41,6 @@ class BudgetedSession(Session):
         elif parts:
             self.cut.append("the second calibration, which tells whether the machine was steady")
 
-    def _tell_split(self) -> None:
-        """Print nothing: the answer alone goes to stdout."""
-
     def _tell(self, part: Part) -> None:
         self.folder, self.late = part.folder, left_out(part.sheet)
         part.manifest["left_out"] = self.late

@@ -221,7 +221,8 @@ TRY_HOPELESS = click.option("--try-hopeless", is_flag=True, help="Measure cells 
                             "already took longer than the time limit.")
 DRY_RUN = click.option("--dry-run", is_flag=True,
                        help="Print the plan: what would be measured, its memory and time, what skipped, and why.")
-QUIET = click.option("--quiet", is_flag=True, help="Print no progress on stderr; errors still are.")
+QUIET = click.option("--quiet", is_flag=True, help="Print no progress on stderr, nor where the time went at the end; "
+                     "errors still are.")
 MARKDOWN = click.option("--markdown", "as_markdown", is_flag=True, help="Print Markdown.")
 CSV = click.option("--csv", "as_csv", is_flag=True, help="Print CSV, a row per cell.")
 THRESHOLD = click.option("--threshold", metavar="PERCENT", type=Percentage(), default="2", show_default=True,

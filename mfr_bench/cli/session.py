@@ -171,7 +171,7 @@ class Session:
             if len(parts) > 1 and not self.choices.as_json:
                 say_lines(left_out_in_all({part.experiment.name: part.sheet for part in parts}))
             folders = [part.folder for part in parts]
-            if measuring and not self.choices.as_json:
+            if measuring and not (self.choices.as_json or self.choices.quiet):
                 self._tell_split()
             hand_over(folders, self.choices.as_json, self.choices.junit, self.choices.summary)
             if self.choices.page:
