@@ -91,6 +91,20 @@ def test_the_best_by_a_criterion(device, criterion, structure, k):
         assert np.abs(frame.image() - composite(MIXED, k, criterion)).max() < 1e-4
 
 
+def test_the_most_opaque_are_found_among_wide_payloads(device):
+    with drawn(device, "kplus-generic", MIXED, k=3, criterion="opaque", payload="rgba16f") as frame:
+        assert np.abs(frame.image() - composite(MIXED, 3, "opaque")).max() < 1e-4
+
+
+@pytest.mark.parametrize("payload", ["rgba8", "rgba16f"])
+@pytest.mark.parametrize("order", [1, -1])
+def test_of_equal_depths_of_one_red_and_green_the_fainter_stays(device, payload, order):
+    """It has the lesser payload in both formats."""
+    colours = [(200, 10, 30, 120), (200, 10, 90, 60)]
+    with drawn(device, "kplus-array", stack([0.5, 0.5], colours[::order]), k=1, payload=payload) as frame:
+        assert_shows(frame, colours[1:])
+
+
 def test_a_fragment_at_the_near_plane_is_kept(device):
     """Depth 0 is the worst that `furthest` can see; an empty slot is worse still."""
     with drawn(device, "kplus-generic", stack([0.0, 0.5], COLOURS[:2]), k=2, criterion="furthest") as frame:
