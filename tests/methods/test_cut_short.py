@@ -9,7 +9,7 @@ from mfr_bench.oracle.composite import composite, stats_of
 from mfr_bench.scene import generate
 from mfr_bench.store.status import EXACT_ERROR
 
-from .drawing import drawn
+from .drawing import drawn, stack
 
 DEEP = generate(SceneConfig(size=(19, 11), depth_complexity=40, alpha=(0.05, 0.5), fragment_probability=0.8, seed=3))
 CUT = [("peel-f2b", {}, 8), ("peel-f2b", {}, 1), ("peel-f2b", {}, 500), ("peel-kplus", {"k": 8}, 16),
@@ -92,3 +92,8 @@ def test_early_culling_errs_by_what_its_opacity_leaves(device, opacity):
 def test_an_opacity_is_above_0_and_at_most_1(value):
     with pytest.raises(ValueError, match="allowed: a number above 0, up to 1"):
         catalog()["peel-f2b"].param("stop_opacity").parse(value)
+
+
+def test_a_fragment_at_the_far_plane_counts_as_a_layer(device):
+    with drawn(device, "peel-f2b", stack([0.5, 1.0])) as frame:
+        assert frame.probe()["stored_fragments"] == frame.stats.F

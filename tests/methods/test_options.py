@@ -76,6 +76,11 @@ def test_a_local_array_that_is_too_small_counts_what_it_loses(device, sort, room
         assert frame.lost_fragments() == 1 + 4
 
 
+def test_the_last_class_of_pixels_has_those_with_more_fragments_than_the_local_array(device):
+    with drawn(device, "ab-array", staircase([0, 3, 16, 17, 40]), sort="insertion", local_array=16, bma="on") as frame:
+        assert frame.lost_fragments() == 1 + 24
+
+
 @pytest.mark.parametrize(("sort", "bma"), [("hybrid", "off"), ("hybrid", "on"), ("lplus", "off"), ("register", "off")])
 def test_a_local_array_that_is_longer_than_needed_changes_nothing(device, sort, bma):
     scene = staircase([0, 3, 17, 20])
