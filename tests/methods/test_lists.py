@@ -79,6 +79,13 @@ def test_buckets_of_no_depth_range(device, depths):
         assert_shows(frame, [COLOURS[0]] * 4)
 
 
+def test_the_class_of_a_pixel_is_that_of_its_longest_bucket(device):
+    """Twelve fragments are in the first bucket, one in the last."""
+    scene = stack([*np.linspace(0.1, 0.12, 12), 0.9])
+    with drawn(device, "ab-ll-bucket", scene, bma="on") as frame:
+        assert_exact(frame, scene)
+
+
 def test_buckets_share_out_the_fragments(device):
     """Depths at equal distances: the longest list is a quarter."""
     scene = stack(np.linspace(0, 0.984375, 64))
