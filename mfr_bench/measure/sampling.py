@@ -21,8 +21,6 @@ LONE_FRAMES = 3  # to warm up, at most, where one sample follows: slow ones may 
 STALLED = 2.0  # times the fastest frame, from which on a sample may be a stall
 TURNS = 3  # that a batch takes: frames of one turn are alike, and a burst of load that hits one leaves the median alone
 SETTLED_MS = 10.0  # of a frame, from which on it hardly shows that other methods drew since the one before
-HOPELESS_SHARE = 0.25  # of the samples that the limits allow, after which a target that they do not reach ends the cell
-MISSED = 1.25  # times the target, from which on it counts as not reached: what few samples tell of a width is rough
 HALVES_AGREE = 0.05  # of the later half's fastest frame, by which that of the earlier may be slower
 
 
@@ -47,7 +45,6 @@ class Sampler:
     stop_reason: str | None = None
     warm: bool = False
     spent_s: float = 0.0  # in frames, warm-up included
-    _warming_s: float = 0.0  # of it before the first turn's samples
     _settling: bool = False  # whether the next frame is drawn for the caches alone
 
     def __post_init__(self) -> None:
@@ -143,7 +140,6 @@ class Sampler:
             return
         if not self.warm:
             self.warmup_ms.append(time_ms)
-            self._warming_s += time_ms / 1e3
             self.warm = self._warmed_up()
             return
         self.samples_ms.append(time_ms)
@@ -166,28 +162,10 @@ class Sampler:
             return True
         return count in WARMUP_FRAMES and halves_agree(self.warmup_ms)
 
-    @property
-    def _hopeless(self) -> bool:
-        """Whether the limits would end the sampling before the interval is as narrow as asked for.
-
-        The width falls as the root of the number of samples grows. Told from a quarter of the samples on that the
-        limits allow at the pace so far, all of which would about halve the width; and not at the first look, when a
-        burst of load may have hit one turn of three.
-        """
-        count, width = len(self.samples_ms), self.rel_half_width
-        if width is None or count <= self.measure.min_samples:
-            return False
-        pace = count / (self.spent_s - self._warming_s)  # samples in a second
-        at_limit = min(self.measure.max_samples, count + pace * (self.measure.time_limit_s - self.spent_s))
-        missed = width * math.sqrt(count / at_limit) > MISSED * self.measure.target_rel_ci
-        return missed and count >= HOPELESS_SHARE * at_limit
-
     def _next_batch(self) -> None:
         if self.precise:
             self.stop_reason = "precise"
         elif len(self.samples_ms) >= self.measure.max_samples:
             self.stop_reason = "most samples"
-        elif self._hopeless:
-            self.stop_reason = "out of reach"
         else:
             self._begun, self._goal = self._goal, next(self._goals)

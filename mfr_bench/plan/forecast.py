@@ -30,8 +30,6 @@ FIRST_FRAMES = 1.4  # until a cell is prepared, beside what is compiled
 OTHER_FRAMES = 2  # counted fragments, and the last, which cells draw whose last sample was not checked
 WARMUP_MS, WARMUP_POWER = 15, 0.45  # frames of 1 ms that warm up, and how fewer longer ones take
 WARMUP_SHARE = 0.1  # of the time limit, at most
-HOPELESS = 1.6  # times the samples that the limits allow, from which on a target that needs them is out of reach
-HOPELESS_SHARE = 0.25  # of these samples, after which such a cell ends
 LEAST_WARMUP, MOST_WARMUP = 2, 32  # frames
 SETTLED_MS = 10.0  # of a frame, from which on none has to settle
 SETTLING = 2  # of short frames, that do not count since other methods drew before
@@ -313,9 +311,7 @@ def most_s(frame_s: float, measure: Measure) -> float:
 def samples_wanted(frame: FrameTime, measure: Measure) -> float:
     """Samples after which a sampler stops where the time limit does not end it."""
     needed = (MEDIAN_WIDTH * frame.cv / measure.target_rel_ci) ** 2
-    allowed = min(measure.max_samples, 1e3 * measure.time_limit_s / max(0.01, frame.time_ms))
-    wanted = HOPELESS_SHARE * allowed if needed > HOPELESS * allowed else needed
-    return min(measure.max_samples, max(measure.min_samples, wanted))
+    return min(measure.max_samples, max(measure.min_samples, needed))
 
 
 def _distance(fragments: int, of: int) -> float:

@@ -1,7 +1,5 @@
 """The end of sampling and its reason; the share of intervals at that end that contain the truth."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -28,12 +26,6 @@ def steady(value=1.0):
 def noise(seed, deviation):
     """Frames of 1 ms, log-normal, as frame times are: skewed to the slow side, the median 1 ms."""
     return noise_of("lognormal", deviation, seed).tolist()
-
-
-@pytest.fixture
-def to_the_end(monkeypatch):
-    """Samplers that go on to their limits for any target."""
-    monkeypatch.setattr(sampling, "HOPELESS_SHARE", math.inf)
 
 
 def test_steady_frames_stop_as_soon_as_there_are_enough():
@@ -91,7 +83,6 @@ def test_halves_agree_unless_the_later_has_a_frame_5_percent_faster(times, agree
     assert halves_agree(times) == agree
 
 
-@pytest.mark.usefixtures("to_the_end")
 def test_batches_grow_and_take_three_turns_each():
     sampler = Sampler(Measure(target_rel_ci=1e-6, max_samples=60))
     times, ends = iter(noise(1, 0.1)), []
@@ -104,7 +95,6 @@ def test_batches_grow_and_take_three_turns_each():
     assert sampler.noisy
 
 
-@pytest.mark.usefixtures("to_the_end")
 def test_time_runs_out():
     sampler = fed(Sampler(Measure(target_rel_ci=1e-6, time_limit_s=0.1)), noise(2, 0.1))
     assert sampler.stop_reason == "time limit"
@@ -116,47 +106,6 @@ def test_time_that_runs_out_with_a_narrow_interval_was_enough():
     sampler = fed(Sampler(Measure(target_rel_ci=0.05, min_samples=50, time_limit_s=0.02)), steady())
     assert sampler.stop_reason == "precise"
     assert len(sampler.samples_ms) == 18
-
-
-SCATTER = Measure(target_rel_ci=0.02, time_limit_s=0.4)  # 400 frames of a millisecond
-
-
-def scattered(cv, seed):
-    """A cell whose frames scatter so much, to the end of its sampling."""
-    return fed(Sampler(SCATTER), noise(seed, cv))
-
-
-@pytest.mark.parametrize("limit", [{"time_limit_s": 0.4}, {"max_samples": 400}])
-def test_a_target_out_of_reach_of_either_limit_ends_the_sampling_after_a_quarter_of_it(limit):
-    sampler = fed(Sampler(Measure(target_rel_ci=1e-6, **limit)), noise(1, 0.1))
-    assert sampler.stop_reason == "out of reach" and sampler.noisy
-    assert 100 <= len(sampler.samples_ms) <= 150
-
-
-def test_sampling_that_ends_early_leaves_the_interval_at_most_some_twice_as_wide(monkeypatch):
-    early = [scattered(0.4, seed).rel_half_width for seed in range(50)]
-    monkeypatch.setattr(sampling, "HOPELESS_SHARE", math.inf)
-    late = [scattered(0.4, seed).rel_half_width for seed in range(50)]
-    ratios = np.array(early) / np.array(late)
-    assert 1.5 < np.median(ratios) < 2.1 and np.quantile(ratios, 0.9) < 3
-
-
-def test_what_can_be_reached_within_the_limit_is_not_given_up():
-    """Two thirds of the samples that the limit allows are needed."""
-    reached = [scattered(0.13, seed).stop_reason for seed in range(100)]
-    assert reached.count("precise") >= 85
-
-
-def test_the_first_look_puts_no_target_out_of_reach():
-    """A burst hit one turn of three, and is half of what the limit allows."""
-    sampler = fed(Sampler(Measure(target_rel_ci=0.05, min_samples=7, max_samples=14)),
-                  [1.0, 1.0, 1.6, 1.6, 1.6, *noise(1, 0.01)])
-    assert len(sampler.samples_ms) > 7
-
-
-def test_too_few_samples_for_an_interval_are_no_sign_that_the_target_is_out_of_reach():
-    sampler = fed(Sampler(Measure(target_rel_ci=1e-6, min_samples=3, max_samples=12)), noise(1, 0.1))
-    assert len(sampler.samples_ms) > 5 and sampler.stop_reason == "out of reach"
 
 
 def test_too_few_samples_for_an_interval_are_never_precise():
@@ -186,7 +135,6 @@ def test_an_interruption_does_not_hide_why_it_had_stopped():
     assert sampler.stop_reason == "precise"
 
 
-@pytest.mark.usefixtures("to_the_end")
 @pytest.mark.parametrize(("frame_ms", "settling"), [(1.0, 1), (20.0, 0)])
 def test_a_turn_is_a_third_of_a_batch_the_first_with_the_warm_up_before_it(frame_ms, settling):
     """From the second turn on a short frame comes first that does not count."""
@@ -219,7 +167,6 @@ def shares(sampler):
     return found
 
 
-@pytest.mark.usefixtures("to_the_end")
 @pytest.mark.parametrize(("earlier", "then"), [(0, [4, 4, 2, 2, 2, 1]), (8, [2, 2, 2, 1]), (10, [2, 2, 1]),
                                                (12, [2, 1])])
 def test_batches_that_go_on_from_earlier_samples_have_the_shares_that_they_had(earlier, then):
@@ -228,7 +175,6 @@ def test_batches_that_go_on_from_earlier_samples_have_the_shares_that_they_had(e
     assert shares(sampler) == then
 
 
-@pytest.mark.usefixtures("to_the_end")
 @pytest.mark.parametrize(("back", "then"), [
     ([], [2, 2, 1]),
     ([10, 11], [2, 2, 1]),  # the turn before
@@ -263,7 +209,6 @@ def spread_of_medians():
     return np.std([np.log(sampled_of_turns(seed)[0].interval[1]) for seed in range(TRIALS)])
 
 
-@pytest.mark.usefixtures("to_the_end")
 def test_short_turns_take_a_quarter_off_the_error_of_as_many_samples_where_turns_differ(monkeypatch):
     sampler, turns = sampled_of_turns(1)
     assert (len(sampler.samples_ms), turns) == (SPREAD_SAMPLES, 12)

@@ -83,16 +83,16 @@ def test_the_time_of_many_cells_is_not_foretold_with_every_row(monkeypatch, cell
 
 
 def test_a_slower_machine_is_learned_from_what_is_done():
-    """Every program takes 2 s, twenty times what was foretold, and every cell's frames 3 s, since they wait."""
+    """Every program takes 2 s, twenty times what was foretold, and every cell's frames 2 s, since they wait."""
     cells = {str(i): cell("a", measure=replace(MEASURE, time_limit_s=0.4), k=i) for i in range(10)}
     ahead = started(cells)
     foretold_s = ahead.left_s(0.0)
     assert foretold_s < 10
     for i in range(5):
-        measured(ahead, str(i), 5.0 * i, 2.0, 3.0, 30.0)
+        measured(ahead, str(i), 4.0 * i, 2.0, 2.0, 30.0)
     assert ahead.share == pytest.approx(0.5)
-    assert ahead.left_s(25.0) == pytest.approx(25.0, rel=0.3)
-    assert ahead.left_s(25.9) == pytest.approx(ahead.left_s(25.0) - 0.9)
+    assert ahead.left_s(20.0) == pytest.approx(20.0, rel=0.3)
+    assert ahead.left_s(20.7) == pytest.approx(ahead.left_s(20.0) - 0.7)
 
 
 def test_a_forecast_stands_for_a_second_and_runs_down():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -12,7 +11,6 @@ import pytest
 from mfr_bench.config.model import KEPT, Measure
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.frame import Frame
-from mfr_bench.measure import sampling
 from mfr_bench.methods import catalog
 from mfr_bench.oracle import truth
 from mfr_bench.run import answers, measuring
@@ -55,7 +53,7 @@ def test_of_the_first_frames_so_much_is_the_devices_as_later_ones_take(run):
     assert spent_s["compile"] > 0 and spent_s["count"] > 0
 
 
-def test_frames_are_interleaved(run, monkeypatch):
+def test_frames_are_interleaved(run):
     """Every method's turn comes before any method's next: of 2 frames to warm up and 3, of 1 that settles and 3, of 2.
 
     One of them has an A/A pair from the second round on.
@@ -64,7 +62,6 @@ def test_frames_are_interleaved(run, monkeypatch):
     timer = Clock(0.01)
     frame_ms = timer.frame_ms
     timer.frame_ms = lambda draw, repeats: (order.append(draw.__self__.variant.method.id), frame_ms(draw))[1]
-    monkeypatch.setattr(sampling, "HOPELESS_SHARE", math.inf)  # its own noise ends no cell
     longer = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=15)
     run([cell(m, measure=longer) for m in ("floor", "zbuffer", "ab-array")], timer)
     alone, pair = 2 + 3 + (1 + 3) + (1 + 1) + 3 * (1 + 1) + 2 * (1 + 2) + (1 + 1), 2 * (2 + 5 + (1 + 5) + (1 + 5))
