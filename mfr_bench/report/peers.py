@@ -73,8 +73,8 @@ had changed here in between, or were missing before, as those of all other metho
 to 2.5 times as long on that host, registers and stores 1.1 to 1.6 times, which moves ratios: compare rows of one
 device. Its rows of front-to-back peeling are medians of 7 rounds, those without the resolve of 15. What a sort of 64
 fragments in a local array takes there changes from process to process, and where the array is longer by a few elements
-that nothing uses: of AB_SB with the hybrid sort 206 to 261 ms in eight processes, with the same shaders. Intervals
-are of one process.
+that nothing uses: of AB_SB (Shell sort) 206 to 261 ms in eight processes, with the same shaders. Intervals are of one
+process.
 
 Rows without the resolve are the same frames without their last pass. Times of lists vary most, and some of their
 intervals stay wide: they depend on whether both threads of llvmpipe ask for cells at the same time.

@@ -23,10 +23,14 @@ def young(monkeypatch):
 def few(monkeypatch):
     """A catalog of a few methods, so that the race is short."""
     from mfr_bench import methods
+    from mfr_bench.report import style
 
     whole = methods.catalog()
     chosen = {name: whole[name] for name in ("floor", "ab-array", "peel-f2b", "kplus-array", "wboit", "zbuffer")}
     monkeypatch.setattr(methods, "catalog", lambda: chosen)
+    style.method_colours.cache_clear()
+    yield
+    style.method_colours.cache_clear()
 
 
 def test_an_answer_names_the_fastest_and_why_the_others_are_out(mfr, on_device, few, here):  # noqa: F811
