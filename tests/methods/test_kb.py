@@ -71,6 +71,10 @@ def tear(slots):
     slots[:, :, 1] = slots[::-1, :, 1].copy()
 
 
+def fade(slots, certain):
+    slots[certain:, :, 1] = 0
+
+
 @pytest.mark.parametrize("damage", [lose, double, tear])
 def test_damage_is_repaired_in_k_passes(repaired, damage):
     rounds(repaired, 1, damage)
@@ -81,11 +85,12 @@ def test_damage_is_repaired_in_k_passes(repaired, damage):
     assert error(repaired) <= EXACT_ERROR
 
 
-def test_each_pass_makes_one_layer_certain_whatever_hazards_do(repaired):
-    """Every slot that a hazard could touch is lost in every round; after i rounds the i nearest are right."""
+@pytest.mark.parametrize("damage", [lose, fade])
+def test_each_pass_makes_one_layer_certain_whatever_hazards_do(repaired, damage):
+    """Every slot that a hazard could touch is damaged in every round; after i rounds the i nearest are right."""
     repaired._run(repaired.variant.steps[0], 0, None)  # clear
     for certain in range(K):
-        rounds(repaired, 1, lambda slots, certain=certain: lose(slots, certain))
+        rounds(repaired, 1, lambda slots, certain=certain: damage(slots, certain))
         assert error(repaired, certain + 1) <= EXACT_ERROR
 
 

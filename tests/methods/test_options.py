@@ -48,6 +48,12 @@ def test_every_sort_gives_the_full_list(device, sort, bma):
 
 
 @pytest.mark.parametrize("sort", SORTS)
+def test_every_sort_orders_a_hundred_fragments(device, sort):
+    scene = stack(RANDOM.permutation(100) / 128, RANDOM.integers(3, 40, (100, 4)), size=(1, 1))
+    np.testing.assert_allclose(image_of(device, "ab-array", scene, sort=sort), composite(scene), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("sort", SORTS)
 @pytest.mark.parametrize("k", [7, 40])
 def test_every_sort_gives_the_k_nearest_of_a_full_list(device, sort, k):
     image = image_of(device, "kb-ab-array", MIXED, sort=sort, k=k)
@@ -94,6 +100,15 @@ def test_lplus_needs_no_more_than_its_batches(device, length):
     scene = staircase([0, 1, 31, 32, 33, 64, 65, 100])
     image = image_of(device, "ab-array", scene, sort="lplus", local_array=length)
     np.testing.assert_allclose(image, composite(scene), rtol=0, atol=1e-5)
+
+
+def test_what_a_limit_of_iterations_leaves_out_is_counted(device):
+    """Some drivers end the loops of a shader after 65,535 iterations; the opacity tells how many layers are shown."""
+    layers, alpha = 1000, 1
+    with drawn(device, "ab-array", stack(np.linspace(0.9, 0.1, layers), [(9, 9, 9, alpha)] * layers, size=(1, 1)),
+               sort="lplus", local_array=16) as frame:
+        shown = np.log1p(-float(frame.image()[0, 0, 3])) / np.log1p(-alpha / 255)
+        assert shown + frame.lost_fragments() == pytest.approx(layers, abs=0.1)
 
 
 @pytest.mark.parametrize("stage", ["fragment", "compute"])
@@ -165,6 +180,16 @@ def test_occupancy_keeps_the_bounds_of_the_depth_range(device, depths):
     with drawn(device, "kplus-array", stack(depths, rgba), k=len(depths), occupancy=32) as frame:
         assert discarded_share(frame) == 0
         np.testing.assert_allclose(frame.image()[..., 3], 1 - np.prod(1 - rgba[:, 3] / 255), rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("depths", [[0.30748048, 0.82578546, 0.9985538], [0.19500334, 0.4958479, 0.88264805]])
+def test_occupancy_keeps_a_depth_that_rounding_puts_beyond_its_interval(device, depths):
+    """The middle depth is one step of float32 beyond the end of the interval that it is counted in."""
+    near, middle, far = np.float32(depths)
+    interval = np.floor((middle - near) / (far - near) * np.float32(32))
+    assert middle > near + (far - near) * ((interval + np.float32(1)) / np.float32(32))
+    with drawn(device, "kplus-array", stack(depths[::-1]), k=2, occupancy=32) as frame:
+        np.testing.assert_allclose(frame.image(), composite(frame.scene_buffer.scene, 2), rtol=0, atol=1e-5)
 
 
 def test_occupancy_reports_the_share_that_never_reaches_the_store(device):

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from mfr_bench.gpu.frame import Frame
 from mfr_bench.measure.watch import Watch
+from mfr_bench.run.cell import CellWork
 from mfr_bench.run.events import WAIT, Begun
 
 from .planted_cells import MEASURE, Clock, Run, cell
@@ -56,6 +59,28 @@ def test_samples_that_a_later_turn_shows_to_have_been_slower_are_taken_again(dev
     row, _, waits = measured(device, tmp_path, WAITING, 9)
     assert row["samples_ms"] == [1.0] * 7 and set(row["references_ms"]) == {QUIET_MS}
     assert row["aside_ms"] == [1.8] * 6 and waits
+
+
+def test_a_wrong_image_of_samples_taken_again_is_found_where_the_run_is_interrupted(device, tmp_path, monkeypatch):
+    """The image of the last sample was checked, and right, before samples were taken back."""
+    taken_back, image, take_again = [], Frame.image, CellWork.take_again
+
+    def taking_again(work):
+        again = take_again(work)
+        if again:
+            taken_back.append((work.sampler, len(work.sampler.samples_ms)))
+        return again
+
+    monkeypatch.setattr(CellWork, "take_again", taking_again)
+    monkeypatch.setattr(Frame, "image", lambda self: image(self) + np.float32(bool(taken_back)))
+    made = Run(device, [cell(measure=replace(WAITING, max_samples=30))], Clock(), tmp_path,
+               interrupted=lambda: any(len(sampler.samples_ms) > left for sampler, left in taken_back))
+    Host(made, 9)
+    with pytest.raises(KeyboardInterrupt):
+        made.all()
+    row, = made.rows
+    assert taken_back == [(taken_back[0][0], 24)] and row["values"]["samples"] == 25
+    assert (row["status"], row["values"]["stop_reason"]) == ("wrong", "interrupted")
 
 
 def test_they_are_kept_where_no_time_is_given_for_it(device, tmp_path):
