@@ -161,7 +161,11 @@ def test_a_folder_without_cells_is_an_empty_table(mfr, folder):
     ended = mfr("table", "out")
     assert ended.status == 0
     assert f"{CELLS} planned cells have no record yet" in ended.out
-    assert without_gl("plot", "out").out.count("out/figures/") == 4
+    drawn = without_gl("plot", "out")
+    assert (drawn.status, drawn.out) == (0, "")
+    assert [line.split(":")[:2] for line in drawn.err.splitlines()] == [
+        [f"out/figures/tiny-{number}", f" not drawn ({kind})"]
+        for number, kind in ((1, "lines of time_ms"), (2, "bars of memory_bytes"))]
 
 
 def test_a_folder_that_can_only_be_read_is_shown_all_the_same(mfr, folder):
