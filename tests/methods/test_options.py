@@ -192,15 +192,16 @@ def test_occupancy_keeps_a_depth_that_rounding_puts_beyond_its_interval(device, 
         np.testing.assert_allclose(frame.image(), composite(frame.scene_buffer.scene, 2), rtol=0, atol=1e-5)
 
 
-def test_occupancy_reports_the_share_that_never_reaches_the_store(device):
-    """64 equally spaced depths fill 64 intervals one each: with k = 8 the end of the 8th interval culls the rest."""
+@pytest.mark.parametrize("k", [8, 32])
+def test_occupancy_reports_the_share_that_never_reaches_the_store(device, k):
+    """64 equally spaced depths fill 64 intervals one each: the end of the k-th culls the rest, the last of a word too."""
     depths = np.arange(1, 65) / 128
-    with drawn(device, "kplus-array", stack(depths[::-1]), k=8, occupancy=64) as frame:
+    with drawn(device, "kplus-array", stack(depths[::-1]), k=k, occupancy=64) as frame:
         frame.draw()
         passes = frame.geometry_passes
-        assert discarded_share(frame) == pytest.approx(1 - 8 / 64, abs=1 / 64)
+        assert discarded_share(frame) == 1 - k / 64
         assert frame.geometry_passes == passes == 3
-    with drawn(device, "kplus-array", stack(depths[:3], size=SIZE), k=8) as frame:
+    with drawn(device, "kplus-array", stack(depths[:3], size=SIZE), k=k) as frame:
         assert "shaded_fragments" not in frame.probe()
 
 

@@ -98,6 +98,15 @@ def test_the_order_of_equal_depths_is_the_one_that_is_said(device, method, phras
         np.testing.assert_allclose(frame.image()[0], expected, rtol=0, atol=1e-5)
 
 
+def test_a_list_that_is_sorted_by_compare_and_swap_keeps_the_order_of_arrival(device):
+    if device.kind != "cpu":
+        pytest.skip("this device may shade fragments of a pixel at once")
+    arrivals, scene = every_arrival()
+    with drawn(device, "lin-pre", scene, insert="cas32") as frame:
+        expected = [over(RGBA[list(arrived(arrival))]) for arrival in arrivals]
+        np.testing.assert_allclose(frame.image()[0], expected, rtol=0, atol=1e-5)
+
+
 def test_the_furthest_of_a_core_is_the_first_to_arrive(device):
     """The tail is the other tied fragment and what lies behind."""
     if device.kind != "cpu":
