@@ -194,7 +194,7 @@ def test_occupancy_keeps_a_depth_that_rounding_puts_beyond_its_interval(device, 
 
 @pytest.mark.parametrize("k", [8, 32])
 def test_occupancy_reports_the_share_that_never_reaches_the_store(device, k):
-    """64 equally spaced depths fill 64 intervals one each: the end of the k-th culls the rest, the last of a word too."""
+    """64 equally spaced depths fill 64 intervals, one each. The end of the k-th culls the rest; k = 32 ends a word."""
     depths = np.arange(1, 65) / 128
     with drawn(device, "kplus-array", stack(depths[::-1]), k=k, occupancy=64) as frame:
         frame.draw()
