@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -50,6 +51,7 @@ class Progress:
         self.total, self.name, self.asked, self.quiet, self.done = total, name, asked, quiet, 0
         self.ahead, self._foretell, self._until = None, foretell, until
         self._last, self._start = "starting", time.monotonic()
+        self._learning = threading.Lock()  # a thread redraws the line; what it reads must not change meanwhile
         self._live = _live_line(self._text) if total and not quiet else None
 
     def __enter__(self):
@@ -72,7 +74,8 @@ class Progress:
         self._begin()
         self.done += 1
         if self.ahead:
-            self.ahead.done(row["key"], row, self._elapsed_s)
+            with self._learning:
+                self.ahead.done(row["key"], row, self._elapsed_s)
         self._last = outcome(row)
         if self.quiet:
             return
@@ -87,10 +90,12 @@ class Progress:
         from ..run.events import Begun
 
         self._begin()
-        if self.ahead and isinstance(event, Begun):
-            self.ahead.began(event.key, event.phase, self._elapsed_s)
-        elif self.ahead:
-            self.ahead.sampled(event.key, event.samples_ms)
+        if self.ahead:
+            with self._learning:
+                if isinstance(event, Begun):
+                    self.ahead.began(event.key, event.phase, self._elapsed_s)
+                else:
+                    self.ahead.sampled(event.key, event.samples_ms)
         self._last = self._last if self.done else "measuring"
 
     def _begin(self) -> None:
@@ -107,11 +112,13 @@ class Progress:
 
     @property
     def _left(self) -> str:
-        left_s, most_s = self.ahead.left_s(self._elapsed_s), max(0.0, self._until - time.monotonic()) + self.ahead.end_s
+        with self._learning:
+            left_s, share = self.ahead.left_s(self._elapsed_s), self.ahead.share
+        most_s = max(0.0, self._until - time.monotonic()) + self.ahead.end_s
         if most_s < left_s:
             return f"{exact_duration(most_s)} left of the time budget"
         left = f"{exact_duration(left_s)} left"
-        return left if self.ahead.share >= ENOUGH else f"forecast: {left}"
+        return left if share >= ENOUGH else f"forecast: {left}"
 
     def _text(self):
         from rich.text import Text

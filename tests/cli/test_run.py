@@ -5,7 +5,6 @@ import re
 
 import pytest
 
-from mfr_bench.cli.progress import Progress
 from mfr_bench.cli.session import MANY
 from mfr_bench.report.data import percent
 
@@ -341,16 +340,6 @@ def test_a_quiet_run_prints_results_alone(mfr, tiny):
     assert ended.status == 0
     assert ended.err == ""
     assert f"{CELLS} cells: {CELLS} ok" in ended.out and "device busy" not in ended.out
-
-
-def test_the_live_line_shows_life_at_sixty_columns(monkeypatch):
-    """The time that has passed stands first, so that it moves however narrow the terminal is."""
-    now = [100.0]
-    monkeypatch.setattr("mfr_bench.cli.progress.time.monotonic", lambda: now[0])
-    progress = Progress(28, "a-config-of-a-long-name-that-fills-the-line-of-a-terminal")
-    before = progress._text().plain[:60]
-    now[0] += 1
-    assert progress._text().plain[:60] != before
 
 
 # --- entries that meet in one cell ---------------------------------------------------------------
