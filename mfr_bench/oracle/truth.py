@@ -60,16 +60,16 @@ class SceneTruth:
             return answer_of_fragments(self._fragments, promise.layers, promise.criterion, payload)
         return answer_of_quads(self.scene, promise.layers, promise.criterion, payload)
 
-    def reference(self) -> np.ndarray:
-        """float64 (H, W, 4): the image that errors of quality are against, of all fragments.
+    def reference(self) -> Answer:
+        """The answer that errors of quality are against: all fragments.
 
         Of a multisampled scene it is that of its samples, whatever else is made of coverage.
         """
         effect = self.scene.effect
         if effect.msaa == 1:
-            return self.answer(Promise()).image
+            return self.answer(Promise())
         fragments = self._fragments or listed(self.scene)
-        return answer_of_effect(fragments, replace(effect, coverage=PLAIN.coverage)).image
+        return answer_of_effect(fragments, replace(effect, coverage=PLAIN.coverage))
 
     @cached_property
     def edge_pixels(self) -> int:

@@ -77,19 +77,19 @@ class Known:
         return self.answers[promise]
 
     @cached_property
-    def _of_samples(self) -> np.ndarray:
+    def _of_samples(self) -> Answer:
         with self._split.work("oracle"):
             return self.truth.reference()
 
     @property
-    def reference(self) -> np.ndarray:
-        """The image of all fragments, that errors of quality are against."""
-        return self.answer(ALL).image if self.scene.effect.coverage == PLAIN.coverage else self._of_samples
+    def reference(self) -> Answer:
+        """The answer of all fragments, that errors of quality are against."""
+        return self.answer(ALL) if self.scene.effect.coverage == PLAIN.coverage else self._of_samples
 
     @cached_property
     def displays(self) -> tuple[np.ndarray, ...]:
         """What a screen shows of the image of all fragments."""
-        return displays(self.reference)
+        return displays(self.reference.image)
 
     def once(self, what: str, digest: bytes, compare: Callable[[], Any]) -> Any:
         """A comparison of the image with this digest; equal images, as exact methods give them, share it."""
@@ -205,7 +205,7 @@ class Compare:
 
     def _quality(self, known: Known, image: np.ndarray, digest: bytes, split: Split) -> dict[str, float | int | None]:
         full = known.reference
-        found = known.once("quality", digest, lambda: quality.quality(image, full, with_flip=False))
+        found = known.once("quality", digest, lambda: quality.quality(image, full.image, with_flip=False, orders=full))
         if not self.flip:
             return found
         with split.work("flip"):
@@ -272,5 +272,5 @@ class Keep:
         image = self.image.array()
         makers = {"image": lambda: np.rint(255 * np.clip(image, 0, 1)),
                   "error": lambda: quality.pixel_errors(image, known.answer(self.promise)),
-                  "loss": lambda: quality.pixel_errors(image, Answer.only(known.reference))}
+                  "loss": lambda: quality.pixel_errors(image, known.reference)}
         return {name: make() for name, make in makers.items() if name in self.wanted}

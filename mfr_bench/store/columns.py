@@ -91,11 +91,10 @@ COLUMNS = (
            "depths", drawn="measure", producer="oracle.quality"),
     Column("order_error", "float", "", "largest channel error of a tied pixel against the order of submission",
            drawn="measure", producer="oracle.quality"),
-    Column("max_error_all", "float", "", "largest channel error against the full list's image", drawn="error",
-           producer="oracle.quality"),
-    Column("wrong_pixels_all", "int", "pixels",
-           "pixels with a channel error above 1/512 against the full list's image", drawn="error",
-           producer="oracle.quality"),
+    Column("max_error_all", "float", "", "largest channel error against the full list's image, in the nearest order of "
+           "equal depths", drawn="error", producer="oracle.quality"),
+    Column("wrong_pixels_all", "int", "pixels", "pixels with a channel error above 1/512 against the full list's "
+           "image, in the nearest order of equal depths", drawn="error", producer="oracle.quality"),
     Column("label", "str", "", "name of the method in tables and figures", "cell", "place", "run.ledger"),
     Column("layout", "str", "", "how quads are placed", "scene", producer="config.model"),
     Column("scene", "json", "", "every key of the scene: as configured, at the point of the sweep", "cell",

@@ -125,7 +125,7 @@ def test_blending_by_the_device_in_samples_is_the_oracle_of_samples(device):
         flat.position[..., 2] = np.linspace(0.9, -0.9, 25, dtype=np.float32)[:, None]
         with shown(device, in_samples(flat, Settings(msaa=count))) as on:
             image = on.render(catalog()["floor"].variant({}))
-            np.testing.assert_allclose(image, on.truth.reference(), atol=EXACT_ERROR)
+            np.testing.assert_allclose(image, on.truth.reference().image, atol=EXACT_ERROR)
 
 
 def wedge(alpha=0.5):

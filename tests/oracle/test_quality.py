@@ -147,6 +147,25 @@ def test_tied_pixels_are_held_against_every_order():
     assert beside["tied_error"] < 1e-7
 
 
+def test_against_all_fragments_tied_pixels_may_have_every_order_but_lose_none():
+    """The other errors are against the order of submission."""
+    high, lowest = ORACLE.copy(), ORACLE.copy()
+    high[3, 5, 0] += 0.25
+    lowest[3, 5, 0] -= 0.5
+    full = Answer(ORACLE, ORACLE.copy(), high, Answer(ORACLE, lowest, high))
+
+    def found(by):
+        return quality(planted((3, 5, 0), by=by), full.image, with_flip=False, orders=full)
+
+    other = found(0.25)
+    assert (other["max_error_all"], other["wrong_pixels_all"]) == (pytest.approx(0, abs=1e-7), 0)
+    assert other["rmse"] == pytest.approx(0.25 / math.sqrt(ORACLE.size), rel=1e-3)
+    lost = found(-0.5)
+    assert (lost["max_error_all"], lost["wrong_pixels_all"]) == (pytest.approx(0.5), 1)
+    beyond = found(0.375)
+    assert (beyond["max_error_all"], beyond["wrong_pixels_all"]) == (pytest.approx(0.125), 1)
+
+
 @pytest.mark.parametrize(("tied", "error"), [(7, 0), (8, 0.5)])
 def test_what_is_lost_by_chance_is_forgiven_to_a_method_that_loses_equal_depths(tied, error):
     """Up to a hundredth of the 768 pixels; the error of tied pixels says it all the same."""

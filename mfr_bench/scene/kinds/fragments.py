@@ -53,8 +53,8 @@ class Fragments(Kind):
 - `file`: an .npz of recorded fragments, relative to the config; [recording.md](recording.md) says what it holds and how
   to make one. `size` is the viewport of the file.
 - `order`: `file` as recorded, `random`, or by depth either way.
-- Depths, colours and opacities are those of the file. Pixels in which two fragments share a depth are left out of the
-  errors, and counted in `tied_pixels`.
+- Depths, colours and opacities are those of the file. Of fragments that share a depth any order is right ([Equal
+  depths](#equal-depths)); `tied_pixels` counts their pixels.
 - `msaa` above 1 takes the coverage masks of the file ([msaa.md](msaa.md)); on any device, since nothing is rasterized
   into samples. With `msaa: 1` a fragment covers its pixel, whatever its mask.
 """
