@@ -12,11 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ..report import style
 from ..report.checkerboard import over_checkerboard
 
 COLOURS = 256  # of a figure's palette, at most
-APART = 80  # of two colours of a palette: no colour of a figure is further than that from the one that stands for it
+APART = 130  # of two colours of a palette: no colour of a figure is further than that from the one that stands for it
 AREA = 0.002  # share of the pixels from which a colour is in the palette, however near another one is
+NAMED_AREA = 0.0001  # the same of a colour that stands for a pass, a method or an outcome: less than a key of a legend
 CHECKER_PIXELS, CHECKER_GREYS = 8, (0.8, 1.0)  # of a square behind what is transparent
 LARGEST_PIXELS = 512  # side of a kept image; larger ones are shown at every n-th pixel
 SMALLEST_PIXELS = 192  # smaller ones are enlarged by whole factors
@@ -40,7 +42,7 @@ def _with_few_colours(image):
     """The image with each colour replaced by the nearest of a palette.
 
     The palette has the most frequent colours that are far enough apart: those of text, lines and bars as they are, and
-    few of those between them at smooth edges. Pillow's median cut gives text most of a palette, and lines of like
+    few of those between them at smooth edges; and all that a legend may name, such as the like ones of two passes. Pillow's median cut gives text most of a palette, and lines of like
     colours, such as red and purple ones, a common one.
     """
     from PIL import Image
@@ -48,7 +50,8 @@ def _with_few_colours(image):
     found = sorted(image.getcolors(image.width * image.height), reverse=True)
     colours = np.array([colour for _, colour in found], dtype=np.int32)
     areas = np.array([count for count, _ in found]) / (image.width * image.height)
-    nearest = colours[_nearest_chosen(colours, np.where(areas >= AREA, 1, APART**2))]
+    least = np.where(np.isin(_codes(colours), _named()), NAMED_AREA, AREA)
+    nearest = colours[_nearest_chosen(colours, np.where(areas >= least, 1, APART**2))]
     table = np.zeros((2**24, 3), dtype=np.uint8)  # only the pages of colours that are there take memory
     table[_codes(colours)] = nearest
     return Image.fromarray(table[_codes(np.asarray(image, dtype=np.int32))])
@@ -69,6 +72,14 @@ def _nearest_chosen(colours: np.ndarray, apart: np.ndarray) -> np.ndarray:
         nearest[own < distance] = place
         distance = np.minimum(distance, own)
     return nearest
+
+
+def _named() -> list[int]:
+    """The colours that stand for something in figures, as numbers of 24 bits."""
+    outcomes = [fill for fill, _ in style.STATE_COLOURS.values()]
+    return [int(colour[1:], 16) for colour in (
+        *style.PASS_COLOURS.values(), *style.SPARE_PASS_COLOURS, *style.VARIANT_COLOURS,
+        *style.method_colours().values(), *outcomes)]
 
 
 def _codes(colours: np.ndarray) -> np.ndarray:

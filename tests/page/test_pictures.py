@@ -49,3 +49,16 @@ def test_smooth_edges_take_few_colours(tmp_path):
         before = len(image.convert("RGB").getcolors(2**24))
     after = len(np.unique(shown(figure_picture(path)[0]).reshape(-1, 3), axis=0))
     assert after <= 256 and after < before / 4
+
+
+def test_a_colour_that_a_legend_names_is_kept_however_little_there_is_of_it(tmp_path):
+    """Those of two passes are near each other: what shows `referencing` was shown in the colour of `resolve`."""
+    colours = [style.PASS_COLOURS[name] for name in ("resolve", "referencing")]
+    image = Image.new("RGB", (400, 400), "white")
+    draw = ImageDraw.Draw(image)
+    draw.rectangle((0, 0, 200, 200), fill=colours[0])
+    draw.rectangle((300, 300, 309, 301), fill=colours[1])
+    image.save(tmp_path / "a.png")
+    after = shown(figure_picture(tmp_path / "a.png")[0])
+    for (x, y), colour in zip(((100, 100), (305, 300)), colours, strict=True):
+        assert tuple(after[y, x]) == tuple(int(colour[i:i + 2], 16) for i in (1, 3, 5))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ... import style
@@ -23,6 +24,11 @@ def draw(result: Result, options: Options) -> Figure:
         return [Segment("", point.shown(options["y"])[1], style.method_colour(point.method))]
 
     points = tuple(series_of(result, options))
+    return bar_figure(Chart(result, options, points, segments, _hatches(points, options), {}), [])
+
+
+def _hatches(points: Sequence[Point], options: Options) -> dict[str, str]:
+    """Patterns by label, which find a method again from group to group; sorted bars go by the names below them."""
     methods = {p.label: p.method for p in points}
-    hatches = style.hatches({label: style.method_colour(method) for label, method in methods.items()}, methods)
-    return bar_figure(Chart(result, options, points, segments, hatches, {}), [])
+    colours = {label: style.method_colour(method) for label, method in methods.items()}
+    return {} if options.get("sorted") else style.hatches(colours, methods)
