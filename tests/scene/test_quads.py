@@ -3,6 +3,7 @@
 import hashlib
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +11,11 @@ from hypothesis import given
 
 from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.hashing import hash3
-from mfr_bench.oracle.composite import fragment_counts
+from mfr_bench.oracle.composite import composite, fragment_counts
 from mfr_bench.scene import generate
 from mfr_bench.scene.kinds.quads import TILE
 
+from ..methods.drawing import drawn, stack
 from ..scenes import configs
 
 FIELDS = ("rect", "depth", "rgba")
@@ -217,3 +219,12 @@ def test_drawn_fragments_are_thinned_by_the_fragment_probability():
     counts = fragment_counts(generate(config))
     assert counts.mean() == pytest.approx(22 * 0.25, rel=0.02)
     assert 0.2 < (counts < 4).mean() < 0.5  # pixels with fewer than k = 4 of n = 40 fragments
+
+
+def test_a_fragment_whose_hash_is_the_threshold_is_rejected_on_the_device_too(device):
+    scene = stack([0.75, 0.5], size=(1, 1))
+    scene = replace(scene, fragment_probability=hash3(0, 1, scene.seed) / 2**32)
+    assert scene.keep_threshold == hash3(0, 1, scene.seed) and not scene.kept(1, 0, 0, 1, 1).any()
+    with drawn(device, "ab-array", scene) as frame:
+        assert frame.lost_fragments() == 0
+        np.testing.assert_allclose(frame.image(), composite(scene), rtol=0, atol=1e-6)
