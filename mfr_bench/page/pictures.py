@@ -42,8 +42,9 @@ def _with_few_colours(image):
     """The image with each colour replaced by the nearest of a palette.
 
     The palette has the most frequent colours that are far enough apart: those of text, lines and bars as they are, and
-    few of those between them at smooth edges; and all that a legend may name, such as the like ones of two passes. Pillow's median cut gives text most of a palette, and lines of like
-    colours, such as red and purple ones, a common one.
+    few of those between them at smooth edges; and all that a legend may name, such as the like ones of two passes.
+    Pillow's median cut gives text most of a palette, and lines of like colours, such as red and purple ones, a common
+    one.
     """
     from PIL import Image
 
