@@ -1,7 +1,7 @@
 #!/bin/sh
 # A loop stores an element of a local array where its counter points next, if it compares the next value before.
 #
-# Seen with Mesa 22.3.6 (llvmpipe), moderngl 5.13.0, Python 3.11; other versions were not tried:
+# Seen with Mesa 22.3.6 (llvmpipe), moderngl 5.13.0, Python 3.11; right with Mesa 25.0.7, others were not tried:
 #   llvmpipe (LLVM 15.0.6, 256 bits) 4.5 (Core Profile) Mesa 22.3.6
 #   asked behind the stores: 127 128 125 126 123 124 121 122 …, as it should be
 #   asked before the stores: 128 128 127 127 125 125 123 123 …, as if held[i] were held[i + 2]
