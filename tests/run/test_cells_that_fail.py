@@ -9,6 +9,7 @@ import pytest
 
 from mfr_bench import glsl
 from mfr_bench.config.model import Measure
+from mfr_bench.config.model import Scene as SceneConfig
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.methods import catalog
 from mfr_bench.methods.spec import Fitted
@@ -122,6 +123,16 @@ def test_frames_of_different_images_are_counted_and_wrong_where_one_is_promised(
     assert rows["ab-array", None]["values"]["distinct_images"] == rows["kb", 4]["values"]["distinct_images"] == 3
     assert (rows["ab-array", None]["status"], rows["kb", 4]["status"]) == ("wrong", "ok")
     assert rows["ab-array", None]["reason"] == "3 different images of one scene"
+
+
+def test_images_that_differ_where_equal_depths_leave_them_open_are_one(run, monkeypatch):
+    """Every pixel is tied, and every image another."""
+    monkeypatch.setattr(Frame, "image", lambda self, real=Frame.image: real(self) + np.float32(1e-6 * self.drawn))
+    scene = SceneConfig(size=(9, 6), depth_complexity=6, alpha=(0.1, 0.6), depth_copies=2, copies="different", seed=4)
+    measure = Measure(target_rel_ci=1e-9, min_samples=7, max_samples=7, repeat_images=5)
+    rows, _ = run([cell("ab-ll", scene, measure)])
+    row = rows["ab-ll", None]
+    assert (row["values"]["tied_pixels"], row["values"]["distinct_images"], row["status"]) == (54, 1, "ok")
 
 
 def test_the_worst_of_all_repeated_images_counts(run, monkeypatch):
