@@ -29,6 +29,7 @@ KNOWN = {*SHELL, *PARSERS, "glsl", "c", "cpp", "c++", "text", "toml", "diff", ""
 # What is not run here takes over a minute, or needs what a test has not; tests of their own run all but the first.
 NOT_RUN = {"meshes fetch": "a network", "run --mesh": "minutes at 1280x720 without a GPU", "decide": "two minutes",
            "versus": "minutes, and a repository", "stress --profile smoke": "every stressor, minutes",
+           "stress --time-budget": "as long as it says",
            "status /shared": "a folder at the root", "collect /shared": "a folder at the root",
            "race all": "minutes: every method and option",
            "advise results --max-error 1/255 --memory-mb 64 --devices": "results of two devices"}

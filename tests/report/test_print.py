@@ -159,7 +159,7 @@ def test_a_software_driver_shows_no_race_and_the_figure_says_so(tmp_path, render
 
 
 def test_characters_that_the_font_lacks_are_told_once(tmp_path):
-    folder = planted.folder(tmp_path, [cell("ab-array", "日本 ☃ k⁺", 4.0, point={"k": k}) for k in (1, 2)],
+    folder = planted.folder(tmp_path, [cell("ab-array", "日本 ☃ k⁺", 4.0, params={"k": k}) for k in (1, 2)],
                             [{"kind": "lines", "x": "k", "y": "time_ms"}])
     with pytest.warns(UserWarning, match="font") as told:
         figures.write_figures(folder)
