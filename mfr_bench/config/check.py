@@ -239,8 +239,7 @@ class _Checker:
             if key in kind.needs and key not in figure:
                 self.problem((*path, key), f"missing; allowed: {', '.join(allowed_names)}")
             elif isinstance(figure.get(key), str) and figure[key] not in allowed_names:
-                self.problem((*path, key), f"unknown column {shown(figure[key])}; "
-                                           f"{one_of(figure[key], allowed_names)}")
+                self.problem((*path, key), f"unknown column {shown(figure[key])}; {one_of(figure[key], allowed_names)}")
         drawn = ["kind", "x", "y", *(key.name for key in keys_of(kind))]
         for key in [key for key in figure if key not in drawn and key in EVERY_KEY]:
             self._unknown((*path, key), f"no use in a figure of kind {figure['kind']}", drawn)

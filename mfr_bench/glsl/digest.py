@@ -69,7 +69,7 @@ def code_of_programs(fitted: Fitted) -> tuple[dict[int, int], dict[int, int]]:
 
 
 def _told(variant: Variant, geometry: str, effect: Settings) -> list[PassCode]:
-    """What is told of the code of a variant's passes; as it was when its hash was taken, if that is kept."""
+    """The code of a variant's passes in numbers; as it was when its hash was taken, if that is kept."""
     return _kept.get((variant, geometry, effect)) or _keep(
         variant, geometry, effect, stages_by_pass(variant, geometry, effect))
 

@@ -348,8 +348,10 @@ class Frame:
         left_out = {id(step) for step, _ in self._planned_now().left_out}
         self._runners |= {id(step): PassRunner(self, step) for step in self.variant.passes
                           if step.probes and id(step) not in self._runners and id(step) not in left_out}
-        yield
-        self._probing = False
+        try:
+            yield
+        finally:
+            self._probing = False
 
     def compile_probes(self) -> None:
         """Draw the probing passes alone behind a frame, with which drivers compile them; the counts mean nothing."""

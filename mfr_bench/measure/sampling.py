@@ -12,15 +12,14 @@ from dataclasses import dataclass, field
 from statistics import median
 
 from ..config.model import Measure
+from ..plan.forecast import SETTLED_MS, WARMUP_SHARE
 from ..stats import Interval, goals, sampled_interval
 
 WARMUP_FRAMES = (2, 4, 8, 16, 32)  # looked at after so many
-WARMUP_SHARE = 0.1  # of the time limit, at most
 CONFIRMED = 3  # samples, at least, where the first that reached the time limit is not like the fastest frame
 LONE_FRAMES = 3  # to warm up, at most, where one sample follows: slow ones may be stalls, or compile
 STALLED = 2.0  # times the fastest frame, from which on a sample may be a stall
 TURNS = 3  # that a batch takes: frames of one turn are alike, and a burst of load that hits one leaves the median alone
-SETTLED_MS = 10.0  # of a frame, from which on it hardly shows that other methods drew since the one before
 HALVES_AGREE = 0.05  # of the later half's fastest frame, by which that of the earlier may be slower
 
 

@@ -87,7 +87,7 @@ def every_arrival(depths: Sequence[float] = DEPTHS) -> tuple[list[tuple[int, ...
 
 @pytest.mark.parametrize(("method", "phrase", "k"), SAID)
 def test_the_order_of_equal_depths_is_the_one_that_is_said(device, method, phrase, k):
-    """Of the tied payloads the second is the lesser."""
+    """The second of the tied payloads is the lesser."""
     if device.kind != "cpu" and "payload" not in phrase:
         pytest.skip("this device may shade fragments of a pixel at once")
     params = {name: value for name, value in (("k", k), ("atomic64", "emulated")) if catalog()[method].param(name)}

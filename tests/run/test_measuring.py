@@ -359,7 +359,7 @@ def test_a_last_sample_whose_image_is_wrong_is_found(run, monkeypatch):
 @pytest.mark.parametrize("single", [False, True])
 @pytest.mark.parametrize("from_frame", [1, 2, 3])
 def test_images_that_are_wrong_from_a_later_frame_on_are_found(run, monkeypatch, single, from_frame):
-    """With `max_samples: 1` a frame is drawn first, one warms up, one is timed."""
+    """A frame is drawn first, one warms up, one is timed: that is `max_samples: 1`."""
     image = Frame.image
     monkeypatch.setattr(Frame, "image", lambda self: image(self) + np.float32(self.drawn >= from_frame))
     _, made = run([cell(measure=Measure(min_samples=1, max_samples=1) if single else MEASURE)])
