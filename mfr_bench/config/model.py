@@ -21,6 +21,7 @@ Seconds = Annotated[float, Interval(gt=0, le=86400), Allowed("seconds above 0, u
 Mebibytes = Annotated[float, Interval(gt=0, le=2**24), Allowed("MiB above 0, up to 16777216")]
 
 KEPT = tuple(ARRAYS)  # arrays that a cell may keep
+OF_IMAGES = ("image", "error", "loss")  # those of its last image
 
 
 class _Plain:
@@ -76,6 +77,11 @@ class Measure(_Plain):
         """The fields; keys that came later are left out at their defaults, so that older records stay valid."""
         return {name: value for name, value in super().as_dict().items()
                 if name not in ("wait_s", "eliminate", "max_error") or value}
+
+    @property
+    def keeps_image(self) -> bool:
+        """Whether an array of the last image is kept."""
+        return bool(set(OF_IMAGES).intersection(self.keep))
 
     @property
     def single(self) -> bool:

@@ -27,7 +27,8 @@ OWN = (MEASURED, IN_HAND := "by its samples so far")  # sources that know how mu
 PASS_FRAMES = 7  # whose passes are timed, where a time is told with an interval
 PASS_SHARE = 0.1  # of the time limit, at most, that they take
 FIRST_FRAMES = 1.4  # until a cell is prepared, beside what is compiled
-OTHER_FRAMES = 2  # counted fragments, and the last, which cells draw whose last sample was not checked
+OTHER_FRAMES = 1  # whose fragments are counted
+KEPT_FRAMES = 1  # the last, whose image is kept, where one is
 WARMUP_MS, WARMUP_POWER = 15, 0.45  # frames of 1 ms that warm up, and how fewer longer ones take
 WARMUP_SHARE = 0.1  # of the time limit, at most
 LEAST_WARMUP, MOST_WARMUP = 2, 32  # frames
@@ -238,22 +239,22 @@ class Forecast:
             stats = expected_stats(cell.scene)
             frame = self.frame(cell, stats)
             drawing_s, whole_s = self._cell_s(cell, stats, frame)
-            spent_s, total_s = spent_s + drawing_s, total_s + whole_s
+            spent_s, total_s = spent_s + drawing_s, total_s + whole_s + self.rates.report_s
             sources[frame.source] += 1
             checks_s += self.rates.check_s(stats)
         return Prediction(total_s, spent_s, checks_s, sources)
 
     def _cell_s(self, cell: Cell, stats: SceneStats, frame: FrameTime) -> tuple[float, float]:
-        """Seconds of a cell's frames, and of all that it takes."""
+        """Seconds of a cell's frames, and of all that it takes until the next one begins."""
         spent_s = frames_s(frame, cell.measure) + self.rates.looks_s
-        return spent_s, spent_s + self.rates.around_s(stats) + self.rates.report_s
+        return spent_s, spent_s + self.rates.around_s(stats)
 
     def within(self, cells: Iterable[Cell], seconds: float) -> int:
         """How many of these cells, one after another, should be done in so many seconds."""
         count, spent_s = 0, 0.0
         for cell in cells:
             stats = expected_stats(cell.scene)
-            spent_s += self._cell_s(cell, stats, self.frame(cell, stats))[1] - self.rates.report_s
+            spent_s += self._cell_s(cell, stats, self.frame(cell, stats))[1]
             if spent_s > seconds:
                 break
             count += 1
@@ -282,12 +283,21 @@ def parts_s(frame: FrameTime, measure: Measure) -> tuple[float, float]:
     if frame.source not in OWN:
         sampled_s += UNSTEADY * (longest_s - sampled_s)
     passes_s = min(pass_frames(measure) * frame_s, PASS_SHARE * measure.time_limit_s + frame_s)
-    return sampled_s, passes_s + OTHER_FRAMES * frame_s
+    return sampled_s, passes_s + other_frames(measure) * frame_s
 
 
 def pass_frames(measure: Measure) -> int:
     """Frames of a cell whose passes are timed: one beside a single sample."""
     return 1 if measure.single else PASS_FRAMES
+
+
+def other_frames(measure: Measure) -> int:
+    """Frames of a cell that are not timed, beside its first ones and those that warm it up.
+
+    Fragments are counted in one, the image of another is kept, and each of several images that are compared is one's.
+    """
+    compared = measure.repeat_images if measure.repeat_images > 1 else 0
+    return OTHER_FRAMES + compared + KEPT_FRAMES * measure.keeps_image
 
 
 def warmup_s(frame_s: float, measure: Measure) -> float:

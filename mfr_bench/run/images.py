@@ -19,8 +19,6 @@ from .events import CHECK
 from .jobs import Job
 from .scene_work import SceneWork
 
-OF_IMAGES = ("image", "error", "loss")  # arrays that a cell keeps of its last image
-
 
 class Images:
     """The images of one cell. promised: whether the method promises any. lost: fragments that were dropped in a frame.
@@ -32,7 +30,7 @@ class Images:
         self._bench, self._phases, self._scene, self._measure = bench, phases, scene, job.cell.measure
         self._method, self._variant, self._frame = job.cell.method, variant, frame
         self.promised = variant.guarantee != "none"
-        self._keeps_image = self.promised and bool(set(OF_IMAGES).intersection(self._measure.keep))
+        self._keeps_image = self.promised and self._measure.keeps_image
         self._compared: list[Pending[Compared]] = []  # the first with the errors against all fragments
         self._packed: Pending[Packed] | None = None
         self._edges: Pending[int] | None = None

@@ -21,6 +21,7 @@ from mfr_bench.plan.forecast import (
     Record,
     calibrated,
     frames_s,
+    other_frames,
     rates_of,
     rough_duration,
 )
@@ -42,14 +43,21 @@ def record(method="a", time_ms=5.0, scene=SCENE, **parts):
 
 
 @pytest.mark.parametrize(("time_ms", "cv", "seconds"), [
-    # 1.4 until it is prepared, 17 to warm up and settle, 10 samples, 7 of passes, 2 to check
-    (1.0, 0.01, 0.0014 + 0.027 + 0.007 + 0.002),
-    (1.0, 0.1, 0.0014 + 0.0411 + 0.007 + 0.002),  # (1.96 * 1.2533 * 0.1 / 0.05)**2 samples
-    (50.0, 0.3, 0.07 + 1.025 + 0.15 + 0.1),  # the time limit ends samples and passes
-    (3000.0, 0.01, 4.2 + 7.5 + 3.1 + 6.0),  # no fewer than two frames
+    # 1.4 until it is prepared, 17 to warm up and settle, 10 samples, 7 of passes, 1 whose fragments are counted
+    (1.0, 0.01, 0.0014 + 0.027 + 0.007 + 0.001),
+    (1.0, 0.1, 0.0014 + 0.0411 + 0.007 + 0.001),  # (1.96 * 1.2533 * 0.1 / 0.05)**2 samples
+    (50.0, 0.3, 0.07 + 1.025 + 0.15 + 0.05),  # the time limit ends samples and passes
+    (3000.0, 0.01, 4.2 + 7.5 + 3.1 + 3.0),  # no fewer than two frames
 ])
 def test_the_sampling_rules_bound_a_cells_frames(time_ms, cv, seconds):
     assert frames_s(FrameTime(time_ms, cv, MEASURED), MEASURE) == pytest.approx(seconds, rel=0.02)
+
+
+@pytest.mark.parametrize(("asked", "frames"), [
+    ({}, 1), ({"keep": ("image",)}, 2), ({"keep": ("loss", "error")}, 2), ({"keep": ("fragments",)}, 1),
+    ({"repeat_images": 5}, 6)])
+def test_images_that_are_kept_or_compared_take_frames_of_their_own(asked, frames):
+    assert other_frames(replace(MEASURE, **asked)) == frames
 
 
 def test_cells_of_which_nothing_is_known_are_sometimes_sampled_as_long_as_they_may_be():
@@ -161,9 +169,10 @@ def test_the_nearest_record_is_found_among_many():
 
 
 def test_as_many_cells_fit_a_time_as_are_done_one_after_another():
-    forecast = Forecast([record("a", 5.0), record("b", 20.0)], Rates(report_s=0))
+    """Reports are made after the last of them, and the caller sets their time aside."""
+    forecast = Forecast([record("a", 5.0), record("b", 20.0)], Rates(report_s=0.5))
     cells = [cell("a"), cell("b"), cell("a")]
-    seconds = [forecast.run(cells[:count]).total_s - forecast.rates.start_s for count in (1, 2, 3)]
+    seconds = [forecast.run(cells[:count]).total_s - forecast.rates.start_s - 0.5 * count for count in (1, 2, 3)]
     for count, needed_s in enumerate(seconds, 1):
         assert forecast.within(cells, needed_s + 1e-9) == count
         assert forecast.within(cells, needed_s - 1e-9) == count - 1
