@@ -57,11 +57,14 @@ def rounded(point: Point, error: str) -> float:
     return max(ROUNDING.get(error, 0), point.measure(error)[1])
 
 
-def places(result: Result) -> list[ScenePoints]:
-    """The scenes of a result in its order; what is not ok, or was never an image, is left out."""
+def places(result: Result, points: Iterable[Point] | None = None) -> list[ScenePoints]:
+    """The scenes of a result in its order, of these of its points; what is not ok, or was never an image, is left out.
+
+    points: all of the result, unless they are given.
+    """
     axes = [a for a in result.axes if a == "device" or a.startswith("scene.")
             or data.bare(a) in result.points[0].cell["scene"]]
-    measured = [p for p in result.points if p.status == "ok" and not data.is_floor(p)]
+    measured = [p for p in (result.points if points is None else points) if p.status == "ok" and not data.is_floor(p)]
     found: dict[tuple, list[Point]] = {}
     for p in data.series(result, measured, axes):
         found.setdefault(tuple(p.at(a) for a in axes), []).append(p)

@@ -49,11 +49,21 @@ def test_a_figure_without_a_value_is_not_drawn_and_its_line_says_why(tmp_path, o
         assert figures.write_figures(folder) == []
     line, = (str(each.message) for each in told)
     assert line.startswith(f"{tmp_path / 'figures' / 'planted'}: not drawn ({options['kind']} of ")
-    y = data.drawn_measure(options["y"], "")
-    assert line.endswith("Unsupported: KB (needs x)" if cells else f"no cell has {y}")
+    assert line.endswith("Unsupported: KB (needs x)" if cells else "no cell was measured")
     assert not stale.exists()
     drawn, = figures.write_all([folder])
     assert (drawn.paths, drawn.empty) == ([], [line])
+
+
+@pytest.mark.parametrize(("options", "cells", "why"), [
+    ({"methods": ["ab-ll", "SB, 1"]}, [cell("kb", "KB")], "no cell is of a method of this figure: ab-ll and SB, 1"),
+    ({}, [cell("floor", "floor")], "no cell is of another method than the floor"),
+    ({"y": "memory_bytes"}, [cell("kb", "KB", values={"memory_bytes": None})], "no cell has memory_bytes")],
+    ids=["methods", "floor", "memory"])
+@pytest.mark.parametrize("kind", ["lines", "bars"])
+def test_a_figure_without_a_value_names_what_is_lacking(tmp_path, kind, options, cells, why):
+    """A run of other methods was said to have no times, and one without memory no column of the table's."""
+    assert undrawn(tmp_path, cells, {"kind": kind, "x": "k"} | options) == why
 
 
 MESH = {"depth_complexity": None, "pixel_density": None}

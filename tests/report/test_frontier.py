@@ -81,8 +81,19 @@ def drawn(axes):
 def test_nothing_measured_is_no_mistake(tmp_path):
     empty = load(tmp_path, [])
     assert frontier.tables(empty, "rmse") == []
-    with pytest.raises(NothingToDraw, match="no cell has both time_ms and rmse"):
+    with pytest.raises(NothingToDraw, match="no cell was measured"):
         figures.build(empty, FIGURE)
+
+
+def test_a_frontier_is_that_of_the_figure_s_methods(tmp_path):
+    """Those that the config leaves out of it beat none of them."""
+    result = load(tmp_path)
+    axes, = figures.build(result, {**FIGURE, "methods": ["Beaten", "Exact"]}).axes
+    assert sorted(line.get_label() for line in axes.lines if line.get_marker() != "None") == ["Beaten", "Exact"]
+    with pytest.raises(NothingToDraw, match="no cell has both memory_bytes and rmse"):
+        figures.build(result, {**FIGURE, "x": "memory_bytes", "methods": ["None"]})
+    with pytest.raises(NothingToDraw, match="no cell is of a method of this figure: Other"):
+        figures.build(result, {**FIGURE, "methods": ["Other"]})
 
 
 @pytest.mark.parametrize("x", ["time_ms", "memory_bytes"])

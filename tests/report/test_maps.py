@@ -29,7 +29,8 @@ def test_maps_share_a_scale_and_stand_upright(tmp_path):
 
 def test_maps_of_nothing_say_so(tmp_path):
     """A run may be stopped before the first cell that keeps an array."""
-    assert undrawn(tmp_path, MAPS, {}, made=mapped) == "no cell keeps the array error"
+    assert undrawn(tmp_path, MAPS, {}, made=mapped) == "no cell was measured"
+    assert undrawn(tmp_path, MAPS, {("KB", 8): {}}, made=mapped) == "no cell keeps the array error"
 
 
 def test_maps_have_rows_by_label_and_columns_by_x(tmp_path):

@@ -16,3 +16,8 @@ def drawn_measure(name: str, where: str) -> str:
     if name not in MEASURES:
         raise StoreError(f"{where}: y: {name!r} unknown; allowed: {', '.join(MEASURES)}{nearest(name, MEASURES)}")
     return IN_MIB.get(name, name)
+
+
+def column_of(measure: str) -> str:
+    """The column of results.csv that a drawn measure is taken from."""
+    return next((column for column, drawn in IN_MIB.items() if drawn == measure), measure)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -18,16 +18,35 @@ LOSES_TIES = "of fragments of equal depth it keeps one"
 
 
 def series_of(result: Result, options: Options) -> list[Point]:
-    """The points of a figure, labelled so that each label is one line or one bar per group."""
-    wanted = options.get("methods")
-    points = [p for p in result.points if (p.method in wanted or p.label in wanted or p.cell["label"] in wanted
-                                           if wanted else not data.is_floor(p))]
+    """The points of a figure, labelled so that each label is one line or one bar per group.
+
+    Raises NothingToDraw where there is none.
+    """
+    points = chosen(result, options)
     used = [n for n in (options["x"], options.get("panels")) if n]
     labelled = data.series(result, points, [*used, *_beside(options.get("panels"), options)])
     if options.get("gain_of"):
         return _gains(labelled, str(options["gain_of"]))
     passes = options.get("passes")
     return [replace(p, drawn=p.pass_ms(passes)) for p in labelled] if passes else labelled
+
+
+def chosen(result: Result, options: Options) -> list[Point]:
+    """The points of a figure's methods, else of all but the floor. Raises NothingToDraw where there is none."""
+    wanted = options.get("methods")
+    found = [p for p in result.points if (of_methods(p, wanted) if wanted else not data.is_floor(p))]
+    if found:
+        return found
+    if not result.points:
+        raise NothingToDraw("no cell was measured")
+    if wanted:
+        raise NothingToDraw(f"no cell is of a method of this figure: {data.listed(wanted)}")
+    raise NothingToDraw("no cell is of another method than the floor")
+
+
+def of_methods(point: Point, wanted: Collection[str]) -> bool:
+    """Whether a point is of one of these methods, which are told by id or by label."""
+    return point.method in wanted or point.label in wanted or point.cell["label"] in wanted
 
 
 def _gains(points: Sequence[Point], name: str) -> list[Point]:
@@ -120,7 +139,7 @@ def is_drawn(point: Point, y: str) -> bool:
 def hold_drawn(points: Sequence[Point], y: str) -> None:
     """Raise NothingToDraw where none of the points of a figure has a value of y; with what kept them from it."""
     if not any(is_drawn(p, y) for p in points):
-        raise NothingToDraw(" ".join([f"no cell has {y}.", *refusals(points)]).rstrip("."))
+        raise NothingToDraw(" ".join([f"no cell has {data.column_of(y)}.", *refusals(points)]).rstrip("."))
 
 
 def hold_along(points: Sequence[Point], axis: str) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from ... import data, style
 from ...data import Point, Result, number
 from ..kind import Key, Kind, NothingToDraw
-from ..series import Options, axis_label
+from ..series import Options, axis_label, chosen, of_methods
 from ..sheet import EDGE, fitted, sheet_of
 
 if TYPE_CHECKING:
@@ -59,10 +59,9 @@ class Heat:
 
     @cached_property
     def points(self) -> list[Point]:
-        others = [p for p in self.result.points
+        placed = [p for p in chosen(self.result, self.options)
                   if not data.is_floor(p) and None not in (p.at(self.options["x"]), p.at(self.options["rows"]))]
-        wanted = self.options.get("methods") or ([others[0].label] if others else [])
-        return [p for p in others if p.label in wanted or p.method in wanted or p.cell["label"] in wanted]
+        return placed if self.options.get("methods") else [p for p in placed if of_methods(p, (placed[0].label,))]
 
     @cached_property
     def rivals(self) -> dict[str, list[Point]]:

@@ -16,7 +16,7 @@ from ...frontier import ScenePoints, equal, places
 from ..kind import LOG, X_LABEL, Y_LABEL, Kind, NothingToDraw
 from ..placing import Placed, around
 from ..scales import log_axis, y_label
-from ..series import Options
+from ..series import Options, chosen
 from ..sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, legend_columns, sheet_of
 
 if TYPE_CHECKING:
@@ -37,9 +37,9 @@ KIND = Kind("an error y against a cost x, and what nothing measured beats in bot
 
 def draw(result: Result, options: Options) -> Figure:
     """x is a cost, y an error, both logarithmic; a panel for each scene."""
-    chart = FrontierChart(result, options, tuple(places(result)) if result.points else ())
+    chart = FrontierChart(result, options, tuple(places(result, chosen(result, options))))
     if not any(place.frontier(chart.x, chart.y) for place in chart.places):
-        raise NothingToDraw(f"no cell has both {chart.x} and {chart.y}")
+        raise NothingToDraw(f"no cell has both {data.column_of(chart.x)} and {chart.y}")
     columns = min(3, len(chart.places))
     rows = math.ceil(len(chart.places) / columns)
     names = [*chart.labels, "on no frontier"]
