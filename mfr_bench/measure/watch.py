@@ -12,6 +12,7 @@ from ..stats import SLOWER_REFERENCE
 
 SHARE = 0.1  # of the time of all turns, that a run may spend to take turns again, and to wait
 PAUSE_S = 0.05  # between two looks while waiting
+SELDOM_S = 0.25  # between two looks while no samples are taken
 EVERY_S = 0.03  # for so long a look tells of the moment: one is enough for the short turns that end meanwhile
 
 
@@ -53,22 +54,26 @@ class Watch:
         if self._ended:
             self.look()
 
-    @property
-    def _recent(self) -> bool:
-        """Whether the last look tells of the moment."""
-        return self._clock() - self._last[0] <= EVERY_S
+    def look_seldom(self) -> None:
+        """Look, if the last look is a while ago."""
+        if not self._within(SELDOM_S):
+            self.look()
+
+    def _within(self, seconds: float) -> bool:
+        """Whether the last look is no longer ago."""
+        return self._clock() - self._last[0] <= seconds
 
     @contextmanager
     def turn(self) -> Iterator[Turn]:
         """Watch a turn. What is yielded has the look before it, and that behind it once there is one."""
-        if not self._recent:
+        if not self._within(EVERY_S):
             self.look()
         seen, begun_s = Turn(self._last[1]), self._clock()
         yield seen
         seen.took_s = self._clock() - begun_s
         self._turns_s += seen.took_s
         self._ended.append(seen)
-        if not self._recent:
+        if not self._within(EVERY_S):
             self.look()
 
     def slower(self, turn: Turn) -> bool:
@@ -108,6 +113,9 @@ class Unwatched:
         yield Turn()
 
     def look(self) -> None:
+        """See nothing."""
+
+    def look_seldom(self) -> None:
         """See nothing."""
 
     def look_behind(self) -> None:

@@ -130,10 +130,13 @@ class CellWork:
                 sampler.set_aside(range(first, len(sampler.samples_ms)))
             else:
                 self._turns_of(sampler).extend([turn] * (len(sampler.samples_ms) - first))
-            with self._phases.within("sampling"):
-                ends = sampler is self.sampler and not (sampler.wanted or self.postponed)
-                image = self.images.of_sample() if ends else None
-                passes = self._time_passes(1) if sampler.warm and not self.postponed else {}
+            ends = sampler is self.sampler and not (sampler.wanted or self.postponed)
+            times_passes = sampler.warm and not self.postponed and self._lacks_passes
+            image, passes = None, {}
+            if ends or times_passes:
+                with self._phases.within("sampling"):
+                    image = self.images.of_sample() if ends else None
+                    passes = self._time_passes(1) if times_passes else {}
         self._emit_new(passes)
         if image is not None:
             self.images.check(image)

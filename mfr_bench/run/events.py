@@ -58,7 +58,7 @@ class Stop:
 
 @dataclass(frozen=True)
 class Go:
-    """Everything that was sent until `Synced` is kept."""
+    """Everything that was sent until `Synced` is taken in, and on its way to the disk."""
 
 
 # Phases in which the harness compares images, waits for a quiet machine, and does what comes between two steps of a
@@ -126,7 +126,7 @@ class Sampled:
 
 @dataclass(frozen=True)
 class Synced:
-    """The worker waits for `Go`: what it sent should be kept first, and no time is taken meanwhile."""
+    """The worker waits for `Go`: what it sent should be taken in first, and no time is taken meanwhile."""
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import uuid
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,8 @@ from ..measure.split import Split
 from ..plan import CellOutcome, Outcomes
 from ..plan.budget import groups
 from ..store import ResultFolder
-from ..store.arrays import read_arrays, write_arrays, write_packed
+from ..store.arrays import read_arrays, write_arrays
+from ..store.behind import Behind
 from ..store.folder import folders_with_cells
 from ..store.journal import Journal, Partial
 from ..store.record import PACKAGES
@@ -26,9 +28,10 @@ Report = Callable[[Row], None]
 
 
 class Ledger:
-    """The sheets of one run on one device. Every row is durable when the call that brings it returns.
+    """The sheets of one run on one device. Rows are written behind the caller, and durable after `wait`.
 
-    `elsewhere`: folders whose cells are copied instead of measured. Raises StoreError wherever a disk fails.
+    Until a row is written its samples stay in the journal. `elsewhere`: folders whose cells are copied instead of
+    measured. report: receives each row that is written. Raises StoreError wherever a disk fails.
     """
 
     def __init__(self, sheets: Sequence[Sheet], device: Mapping[str, str], elsewhere: Iterable[ResultFolder] = (),
@@ -39,6 +42,7 @@ class Ledger:
         self._session = uuid.uuid4().hex[:12]
         self._journals = {sheet.folder.path: Journal(sheet.folder.journal_path) for sheet in sheets}
         self._outcomes = Outcomes()
+        self._behind = Behind()
 
     # --- before ----------------------------------------------------------------------------------
 
@@ -97,19 +101,30 @@ class Ledger:
                 total[kind] = total.get(kind, 0.0) + spent_s
 
     def sync(self) -> None:
-        """Let the samples so far outlive a loss of power."""
+        """Let the samples so far outlive a loss of power, as soon as the disk has them, and catch up."""
         with self.split.work("store"):
             for journal in self._journals.values():
-                journal.sync()
+                self._behind.write(journal.syncing(), lambda: None)
+        self.catch_up()
+
+    def catch_up(self) -> None:
+        """Report the rows that are written, and give up their samples in the journal."""
+        with self.split.work("store"):
+            self._behind.catch_up()
+
+    def wait(self) -> None:
+        """Wait until everything is durable."""
+        with self.split.work("store"):
+            self._behind.wait()
 
     def predicted_timeout(self, job: Job) -> str | None:
         """The reason why a cell would take longer than it may, by what smaller ones took, or None."""
         return self._outcomes.predicted_timeout(job.cell)
 
     def write(self, job: Job, finished: Finished) -> None:
-        """A cell's row, into the folder of every experiment that waits for it."""
-        partial = self._home(job.key).partials.get(job.key)
-        values = dict(finished.values) | ({"sessions": partial.sessions} if partial and finished.details else {})
+        """Take a cell's row, and have it written into the folder of every experiment that waits for it."""
+        taken = self._home(job.key).partials.get(job.key)
+        values = dict(finished.values) | ({"sessions": taken.sessions} if taken and finished.details else {})
         row = {
             "experiment": job.cell.experiment, "label": job.cell.label, "point": plain(job.cell.point),
             "key": job.key, "method": job.cell.method, "params": dict(job.cell.params),
@@ -120,25 +135,33 @@ class Ledger:
             **({"failed_trials": list(finished.failed_trials)} if finished.failed_trials else {}),
             **{name: dict(package) for name in PACKAGES if (package := getattr(job, name))},
         }
-        for sheet in self.sheets:
-            if job.key in sheet.jobs and job.key not in sheet.statuses:
-                with self.split.work("store"):
-                    write_packed(sheet.folder, job.key, finished.arrays)
-                    sheet.folder.write_cell(sheet.placed(job.key, row))
-                self._done(sheet, sheet.jobs[job.key], row)
+        sheets = [sheet for sheet in self.sheets if job.key in sheet.jobs and job.key not in sheet.statuses]
+        with self.split.work("store"):
+            files = [(sheet.folder, *sheet.folder.file_of(sheet.placed(job.key, row))) for sheet in sheets]
+        self._behind.write(partial(_write, files, finished.arrays), partial(self._written, sheets, row))
+        for sheet in sheets:
+            self._ended(sheet, sheet.jobs[job.key], row)
         if finished.noise_floor_rel is not None:
             for sheet in self.sheets:
                 if job.key in sheet.jobs and sheet.noise_floor_rel is None:
                     sheet.noise_floor_rel = finished.noise_floor_rel
-        self.report(row)
 
     def close(self) -> None:
+        self.wait()
         for journal in self._journals.values():
             journal.close()
 
+    def _written(self, sheets: Sequence[Sheet], row: Row) -> None:
+        for sheet in sheets:
+            self._journal(sheet).forget(row["key"])
+        self.report(row)
+
     def _done(self, sheet: Sheet, job: Job, row: Row) -> None:
-        sheet.statuses[job.key] = row["status"]
+        self._ended(sheet, job, row)
         self._journal(sheet).forget(job.key)
+
+    def _ended(self, sheet: Sheet, job: Job, row: Row) -> None:
+        sheet.statuses[job.key] = row["status"]
         if outcome := CellOutcome.of(job.cell, row):
             self._outcomes.add(outcome)
 
@@ -148,6 +171,14 @@ class Ledger:
     def _home(self, key: str) -> Journal:
         """The journal that has the samples of a cell: of several experiments, the first one's."""
         return self._journal(next(sheet for sheet in self.sheets if key in sheet.jobs and key not in sheet.statuses))
+
+
+def _write(files: Sequence[tuple[ResultFolder, str, bytes]], arrays: bytes) -> None:
+    """Write the files of one cell in their folders, its arrays, if any, before the record that tells of them."""
+    for folder, name, content in files:
+        if arrays:
+            folder.write_content(f"{name.removesuffix('.json')}.npz", arrays)
+        folder.write_content(name, content)
 
 
 def groups_of(sheets: Sequence[Sheet], pending: Sequence[Collection[str]], coarse_first: bool) -> list[list[Job]]:

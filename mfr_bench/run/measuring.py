@@ -194,7 +194,7 @@ class Measuring:
         if not (job.cell.measure.eliminate or job.cell.measure.single):
             Phases(self.bench, job.key).begin(BETWEEN)
             with self.bench.split.work("reference"):
-                self.bench.watch.look()
+                self.bench.watch.look_seldom()
 
     def _sample(self, running: list[CellWork]) -> None:
         """Feed all samplers in rounds of random order, so that drift hits all alike; finish each as it is done.

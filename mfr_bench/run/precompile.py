@@ -12,15 +12,15 @@ import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from multiprocessing import get_context
 from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any
 
 from ..environment import MIB, usable_cores
 from ..methods.spec import Fitted
 from .jobs import Job
 from .memory import free_bytes
+from .standby import Serve, new
 
 DRIVERS = ("llvmpipe", "zink-llvmpipe")  # slugs of those that compile in the process that draws
 SLOW_S = 0.15  # processor time of a first frame for which something was compiled; others take 0.04 s
@@ -37,7 +37,7 @@ STOP_S = 1.0  # until it stands still, or is killed
 TRIED, SHARE = 3, 0.5  # cells drawn ahead, of whose compiling this one may be left with so much
 LOCKS = Path("/proc/locks")  # Linux: the locks of files, by process
 
-Serve = Callable[..., None]  # in the other process: takes its end of the link, the parent's id, and what is given
+Begin = Callable[..., tuple[BaseProcess, Connection]]  # takes what is to be served, and what that is given
 
 
 def drawable(job: Job, fitted: Fitted) -> bool:
@@ -57,19 +57,19 @@ class Precompiler:
     It is given up where its cache is of no use.
 
     Nothing that becomes of it changes what is measured. serve: what it runs; None where it would not help. given: of
-    its arguments those behind the link and the parent's id. asked: keys of the cells that it has not answered for.
-    drawn_s: processor time of the cells that it has drawn, by key.
+    its arguments those behind the link and the parent's id. begin: how it begins. asked: keys of the cells that it has
+    not answered for. drawn_s: processor time of the cells that it has drawn, by key.
     """
 
-    def __init__(self, serve: Serve | None, *given: object):
-        self._serve, self._given = serve, given
+    def __init__(self, serve: Serve | None, *given: object, begin: Begin = new):
+        self._serve, self._given, self._begin = serve, given, begin
         self._left: dict[str, Job] = {}  # whose turn has not come, in the order of their turns
         self._later: dict[str, Job] = {}  # of the scene that follows
         self._met: set[str] = set()  # cells whose turn came before they were drawn
         self.asked: dict[str, None] = {}
         self.drawn_s: dict[str, float] = {}
         self._tried: list[tuple[float, float]] = []  # of a cell that it compiled for: its time, that of this process
-        self._process: Any = None
+        self._process: BaseProcess | None = None
         self._link: Connection | None = None
         self._spent_s = 0.0
         self._heard_at = 0.0  # by the monotonic clock
@@ -153,16 +153,12 @@ class Precompiler:
         self._process = self._link = None
 
     def _start(self) -> None:
-        context = get_context("spawn")
         try:
-            ours, theirs = context.Pipe()
-            self._process = context.Process(target=self._serve, args=(theirs, os.getpid(), *self._given), daemon=True)
-            self._process.start()
+            self._process, self._link = self._begin(self._serve, *self._given)
         except OSError:  # no memory or no processes left
-            self._process = self._serve = None
+            self._serve = None
             return
-        theirs.close()
-        self._link, self._heard_at = ours, math.inf  # until it answers, it may still be starting
+        self._heard_at = math.inf  # until it answers, it may still be starting
 
     def _give_up(self) -> None:
         self.close()

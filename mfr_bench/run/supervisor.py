@@ -72,11 +72,14 @@ class Supervisor:
         self.ready()
         self._deadline, self._last, self._trust.tell = deadline, last, tell
         groups = list(groups)
-        for group, following in zip_longest(groups, groups[1:]):
-            if self._late:
-                return
-            self._then = tuple(following or ())
-            self._measure_group(group, ledger, watch, try_hopeless)
+        try:
+            for group, following in zip_longest(groups, groups[1:]):
+                if self._late:
+                    return
+                self._then = tuple(following or ())
+                self._measure_group(group, ledger, watch, try_hopeless)
+        finally:
+            ledger.wait()
 
     def _measure_group(self, group: Sequence[Job], ledger: Ledger, watch: Watch,
                        try_hopeless: bool) -> None:
@@ -156,6 +159,8 @@ class Supervisor:
                 self._process.send(Go())
             case Ended():
                 return event
+            case None:
+                ledger.catch_up()
         return None
 
     @property

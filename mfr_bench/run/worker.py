@@ -27,6 +27,7 @@ from .first_frames import serve as draw_ahead
 from .measuring import DeviceLost, Measuring
 from .parent import live_for
 from .precompile import AT_ONCE, COLD_S, Precompiler, helps
+from .standby import Standby
 
 TIMERS = {timer.name: timer for timer in (GpuTimer, WallTimer)}
 LOST = 3  # exit status
@@ -45,6 +46,7 @@ def main() -> None:
 def serve(link: Connection, want: str, timer: str) -> int:
     """Open the device and measure what is asked for. Ends by DeviceLost, by EOFError and ConnectionError where the
     parent has closed the link, or with an exit status where there is no device."""
+    standby = Standby()
     try:
         device = open_device(want)
     except DeviceError as error:
@@ -61,7 +63,7 @@ def serve(link: Connection, want: str, timer: str) -> int:
     beside = OtherProcess(device.kind == "cpu", answers)
     watch = Watch(ReferenceFrame(device))
     bench = Bench(device, TIMERS[timer](device), channel.emit, channel.interrupted, answers, beside, watch,
-                  precompiler_for(device))
+                  precompiler_for(device, standby))
     link.send(Ready(device.info, device.limits, timer, calibration, device.bound_threads, calibrated_s,
                     device.instructions))
     try:
@@ -82,11 +84,13 @@ def try_out(device: Device, needs: Needs) -> float:
     return time.thread_time() - begun_s
 
 
-def precompiler_for(device: Device) -> Precompiler:
+def precompiler_for(device: Device, standby: Standby) -> Precompiler:
     """The process that compiles ahead on the same device; one that is never started where it would not help."""
     if not helps(device.info["slug"]):
+        standby.end()
         return Precompiler(None)
-    return Precompiler(draw_ahead, device.egl.index, device.wanted, device.failed_trials, device.flushes_dispatches)
+    return Precompiler(draw_ahead, device.egl.index, device.wanted, device.failed_trials, device.flushes_dispatches,
+                       begin=standby.begin)
 
 
 def answer(link: Connection, bench: Bench) -> NoReturn:

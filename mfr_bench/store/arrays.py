@@ -24,7 +24,8 @@ NO_ARRAYS = (*BROKEN, MemoryError, SyntaxError, tokenize.TokenError)
 
 def write_arrays(folder: ResultFolder, key: str, arrays: Mapping[str, np.ndarray]) -> None:
     """Keep a cell's arrays; nothing where there are none. Raises StoreError."""
-    write_packed(folder, key, packed(arrays))
+    if arrays:
+        write_file(folder.arrays_path(key), packed(arrays), durable=True)
 
 
 def packed(arrays: Mapping[str, np.ndarray]) -> bytes:
@@ -37,12 +38,6 @@ def packed(arrays: Mapping[str, np.ndarray]) -> bytes:
     typed = {name: np.asarray(array).astype(ARRAYS[name].type) for name, array in arrays.items()}
     np.savez_compressed(content, **typed)
     return content.getvalue()
-
-
-def write_packed(folder: ResultFolder, key: str, content: bytes) -> None:
-    """Keep a cell's arrays as `packed` gives them; nothing where there are none. Raises StoreError."""
-    if content:
-        write_file(folder.arrays_path(key), content, durable=True)
 
 
 def read_arrays(folder: ResultFolder, key: str) -> dict[str, np.ndarray]:

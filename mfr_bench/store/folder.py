@@ -82,10 +82,13 @@ class ResultFolder:
     # --- cells -----------------------------------------------------------------------------------
 
     def write_cell(self, cell: Mapping[str, Any]) -> None:
-        """Store a cell durably.
+        """Store a cell durably. Raises StoreError where the disk fails, and what `file_of` raises."""
+        self.write_content(*self.file_of(cell))
 
-        Raises StoreError (the disk, or a record of a newer program in its place), ValueError (a record that no
-        reader would take).
+    def file_of(self, cell: Mapping[str, Any]) -> tuple[str, bytes]:
+        """The name of a cell's file and its content, for `write_content`.
+
+        Raises StoreError for a record of a newer program in its place, ValueError for one that no reader would take.
         """
         record = {"schema": SCHEMA} | plain(cell)
         unknown = [name for name in record.get("values", {}) if name not in columns.VALUES]
@@ -96,8 +99,12 @@ class ResultFolder:
             raise ValueError(wrong)
         path = self.cells_path / f"{record['key']}.json"
         self._refuse_newer(path)
-        write_file(path, text(record), durable=True)
-        self._damaged.pop(path, None)
+        return path.name, text(record)
+
+    def write_content(self, name: str, content: bytes) -> None:
+        """Store a file of the cells as it is, durably."""
+        write_file(self.cells_path / name, content, durable=True)
+        self._damaged.pop(self.cells_path / name, None)
 
     def has(self, key: str) -> bool:
         """Whether a usable record of the cell exists."""
@@ -159,7 +166,7 @@ class ResultFolder:
         return lambda name: self.content(name) if pack is None or name in loose else pack.read(name)
 
     def write_contents(self, files: Mapping[str, bytes]) -> None:
-        """Store files of the cells as they are, durably: records that were checked elsewhere, and their arrays."""
+        """Store many as `write_content` does: records that were checked elsewhere, and their arrays."""
         write_files(self.cells_path, files)
 
     def write_replicate(self, key: str, content: bytes) -> None:

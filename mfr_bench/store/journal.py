@@ -10,9 +10,10 @@ from __future__ import annotations
 import errno
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -92,12 +93,23 @@ class Journal:
 
     def sync(self) -> None:
         """Let what was added outlive a loss of power; that cells are done, their rows tell. Raises StoreError."""
+        self.syncing()()
+
+    def syncing(self) -> Callable[[], None]:
+        """What `sync` has to do now, for whoever has the time, in another thread too."""
+        handle = os.dup(self._file.fileno()) if self._file is not None and self._unsynced else None
+        self._unsynced = False
+        return partial(self._synced, handle)
+
+    def _synced(self, handle: int | None) -> None:
+        if handle is None:
+            return
         try:
-            if self._file is not None and self._unsynced:
-                os.fsync(self._file.fileno())
+            os.fsync(handle)
         except OSError as error:
             raise StoreError(unwritable(self.path, error)) from error
-        self._unsynced = False
+        finally:
+            os.close(handle)
 
     def forget(self, key: str) -> None:
         """The cell has its row. Raises StoreError."""
@@ -119,9 +131,9 @@ class Journal:
     def _rewrite(self) -> None:
         """A line per cell, and an empty one for each further process that its samples come from."""
         lines = []
-        for key, partial in self.partials.items():
+        for key, taken in self.partials.items():
             first, *more = sorted(self._sessions[key])
-            lines.append({"key": key, "session": first, "samples_ms": partial.samples_ms, "passes": partial.passes})
+            lines.append({"key": key, "session": first, "samples_ms": taken.samples_ms, "passes": taken.passes})
             lines += [{"key": key, "session": session, "samples_ms": [], "passes": {}} for session in more]
         write_file(self.path, b"".join(map(_text, lines)), durable=True)
 

@@ -6,7 +6,7 @@ import pytest
 
 from mfr_bench.config.model import Measure
 from mfr_bench.measure.sampling import Sampler
-from mfr_bench.measure.watch import EVERY_S, PAUSE_S, SHARE, Unwatched, Watch
+from mfr_bench.measure.watch import EVERY_S, PAUSE_S, SELDOM_S, SHARE, Unwatched, Watch
 
 
 class Machine:
@@ -152,3 +152,12 @@ def test_a_long_frame_set_aside_does_not_use_up_the_time_limit():
     assert sampler.stop_reason == "time limit"
     sampler.set_aside([0])
     assert sampler.wanted and not sampler.samples_ms
+
+
+def test_while_no_samples_are_taken_it_looks_seldom():
+    looks, machine = [], Machine((0, 0.3))
+    watch = Watch(lambda best_ms: looks.append(machine.now_s) or 0.3, lambda: machine.now_s)
+    for _ in range(50):
+        watch.look_seldom()
+        machine.now_s += 0.4 * SELDOM_S
+    assert looks == pytest.approx([1.2 * SELDOM_S * number for number in range(17)])

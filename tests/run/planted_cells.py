@@ -59,6 +59,7 @@ class Run:
             self.ledger.sampled(event)
         if isinstance(event, Finished):
             self.ledger.write(self.sheet.jobs[event.key], event)
+            self.ledger.wait()
 
     def all(self, force=False, until=float("inf")):
         self.ledger.settle(force)
