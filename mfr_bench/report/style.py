@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import colorsys
 import zlib
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 
@@ -121,18 +122,28 @@ def hatch_ink(colours: Sequence[str]) -> tuple[float, ...]:
     return HATCH_INKS[min(map(lightness, colours)) > HATCHED_DARK]
 
 
-def hatches(colours: Mapping[str, str], methods: Mapping[str, str]) -> dict[str, str]:
-    """A hatching for each label of a chart of bars: none where lightness is enough to tell it from all others.
+def hatches(methods: Mapping[str, str], coloured: bool) -> dict[str, str]:
+    """A hatching for each label of a chart of bars: the same one in every chart that has these labels.
 
-    Labels whose colours are alike in grey differ in it, and so do those of one method, as far as HATCHES go. colours,
-    methods: by label, in the chart's order.
+    Each label has one of its own as far as HATCHES go; beyond that, those differ that are of one method or whose
+    methods are alike in grey. Where bars have the colours of their methods, a label that lightness and method tell from
+    all others has none.
+
+    methods: by label, in the chart's order. coloured: whether each bar has the colour of its method, and no others.
     """
+    shades = {label: lightness(method_colour(method)) for label, method in methods.items()}
     found: dict[str, str] = {}
-    for label, colour in colours.items():
-        taken = [hatch for other, hatch in found.items()
-                 if methods[other] == methods[label] or abs(lightness(colours[other]) - lightness(colour)) < ALIKE]
-        found[label] = min(HATCHES, key=taken.count)
-    return found
+    for label in methods:
+        every = Counter(found.values())
+        near = Counter(hatch for other, hatch in found.items() if _alike(methods, shades, label, other))
+        found[label] = min(HATCHES, key=lambda hatch, near=near, every=every: (near[hatch], every[hatch]))
+    return {label: hatch if not coloured or any(_alike(methods, shades, label, other) for other in methods
+                                                if other != label) else "" for label, hatch in found.items()}
+
+
+def _alike(methods: Mapping[str, str], shades: Mapping[str, float], one: str, other: str) -> bool:
+    """Whether the colours of two labels' methods do not tell them apart in grey."""
+    return methods[one] == methods[other] or abs(shades[one] - shades[other]) < ALIKE
 
 
 def _towards(end: int, colour: str, share: float) -> str:

@@ -188,9 +188,19 @@ def test_the_answer_of_a_decision_is_framed_and_told(tmp_path):
 def test_bars_that_are_alike_in_grey_differ_in_hatching():
     """Whatever stands side by side: any two methods of the catalog, and the variants of one."""
     colours = style.method_colours()
-    found = style.hatches(colours, {m: m for m in colours})
+    found = style.hatches({m: m for m in colours}, coloured=True)
     alike = [(a, b) for a, b in combinations(colours, 2)
              if abs(style.lightness(colours[a]) - style.lightness(colours[b])) < style.ALIKE]
     assert len(alike) > 200 and all(found[a] != found[b] for a, b in alike)
-    variants = {f"KB {i}": "#0618f7" for i in range(len(style.HATCHES))}
-    assert len(set(style.hatches(variants, dict.fromkeys(variants, "kb")).values())) == len(style.HATCHES)
+    variants = style.hatches({f"KB {i}": "kb" for i in range(len(style.HATCHES))}, coloured=True)
+    assert len(set(variants.values())) == len(style.HATCHES)
+    assert set(style.hatches({"Z-buffer": "z-buffer", "Adaptive": "adaptive"}, coloured=True).values()) == {""}
+
+
+def test_a_label_has_one_hatching_in_all_figures_of_a_set(tmp_path):
+    """By pass, where all bars have the same colours, and by method; there some need none."""
+    cells = planted.sweep(ks=(8,))
+    charts = [built(tmp_path / kind, cells, STACKED | {"kind": kind}).axes[0] for kind in ("stacked_passes", "bars")]
+    stacked, bars = ({p.get_x(): p.get_hatch() for p in axes.patches if p.get_hatch()} for axes in charts)
+    assert len(stacked) == 13 and 1 < len(bars) <= 13
+    assert bars.items() <= stacked.items()

@@ -114,18 +114,27 @@ class Segment:
 
 @dataclass(frozen=True)
 class Chart:
-    """The content of a figure of bars: `legend` maps names to colours, `hatches` labels to patterns."""
+    """The content of a figure of bars.
+
+    legend: colours by the names of segments. coloured: whether a bar has the colour of its method, and no others.
+    """
 
     result: Result
     options: Options
     points: tuple[Point, ...]
     segments: Callable[[Point], list[Segment]]
-    hatches: Mapping[str, str]
     legend: Mapping[str, str]
+    coloured: bool
 
     @property
     def y(self) -> str:
         return self.options["y"]
+
+    @cached_property
+    def hatches(self) -> dict[str, str]:
+        """Patterns by label, which find a method again from group to group; sorted bars go by the names below them."""
+        methods = {p.label: p.method for p in self.points}
+        return {} if self.options.get("sorted") else style.hatches(methods, self.coloured)
 
     @cached_property
     def marks(self) -> list[Mark]:

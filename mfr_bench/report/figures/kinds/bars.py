@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ... import style
@@ -23,12 +22,4 @@ def draw(result: Result, options: Options) -> Figure:
     def segments(point: Point) -> list[Segment]:
         return [Segment("", point.shown(options["y"])[1], style.method_colour(point.method))]
 
-    points = tuple(series_of(result, options))
-    return bar_figure(Chart(result, options, points, segments, _hatches(points, options), {}), [])
-
-
-def _hatches(points: Sequence[Point], options: Options) -> dict[str, str]:
-    """Patterns by label, which find a method again from group to group; sorted bars go by the names below them."""
-    methods = {p.label: p.method for p in points}
-    colours = {label: style.method_colour(method) for label, method in methods.items()}
-    return {} if options.get("sorted") else style.hatches(colours, methods)
+    return bar_figure(Chart(result, options, tuple(series_of(result, options)), segments, {}, coloured=True), [])

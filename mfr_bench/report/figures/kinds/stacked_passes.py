@@ -10,7 +10,7 @@ from ... import style
 from ...data import Point, Result
 from ..bar_chart import Chart, Segment, bar_figure
 from ..kind import FLOOR, LOG, LOG_BASE, PANELS, PRINTED, Y_LABEL, Kind
-from ..series import Options, is_drawn, labels_of, series_of
+from ..series import Options, is_drawn, series_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,10 +24,9 @@ def draw(result: Result, options: Options) -> Figure:
     """Bars grouped by x, one per method, stacked by pass; kplus_2015 Fig. 6, gpupro5 Fig. 1.3."""
     points = series_of(result, options)
     colours = style.pass_colours({name: None for p in points if is_drawn(p, "time_ms") for name in p.passes_ms})
-    hatches = dict(zip(labels_of(points), style.HATCHES * (1 + len(points) // len(style.HATCHES)), strict=False))
     share = options["y"] == "share"
     chart = Chart(result, {**options, "y": "share" if share else "time_ms"}, tuple(points),
-                  lambda p: _pass_segments(p, colours, share), hatches, colours)
+                  lambda p: _pass_segments(p, colours, share), colours, coloured=False)
     return bar_figure(chart, [] if share else _notes(points))
 
 
