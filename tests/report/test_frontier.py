@@ -1,8 +1,9 @@
 """Frontiers of planted cells: what beats what, and what figures and tables say of it."""
 
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import pytest
+from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from mfr_bench.report import data, figures, frontier
@@ -131,6 +132,25 @@ def test_names_and_numbers_hide_neither_each_other_nor_a_mark(tmp_path):
         assert Bbox.intersection(one, other) is None or not min(Bbox.intersection(one, other).size) > 2
     whole = axes.get_window_extent(renderer)
     assert all(whole.x0 - 1 <= box.x0 and box.x1 <= whole.x1 + 1 for box in boxes)
+
+
+@pytest.mark.parametrize("apart", [1.05, 1.2, 2.0])
+def test_no_name_or_number_stands_on_the_frontier(tmp_path, apart):
+    """Names are longer than its steps, and other points lie close above it."""
+    on = [point(f"On the frontier {i}", apart**i, 10.0**-i) for i in range(6)]
+    others = [point(f"M{i}", 1.02 * apart**i, 1.1 * 10.0**-i) for i in range(6)]
+    figure = figures.build(load(tmp_path, [*on, *others]), FIGURE)
+    axes, = figure.axes
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    steps, = (line for line in axes.lines if line.get_drawstyle() == "steps-post")
+    corners = axes.transData.transform([corner for (x, y), (right, below) in pairwise(steps.get_xydata())
+                                        for corner in ((x, y), (right, y), (right, below))])
+    assert len(corners) == 15 and len(axes.texts) > 6
+    for text in axes.texts:
+        left, bottom, right, top = Text.get_window_extent(text, renderer).padded(-1).extents
+        assert not any(min(a[0], b[0]) < right and max(a[0], b[0]) > left and min(a[1], b[1]) < top
+                       and max(a[1], b[1]) > bottom for a, b in pairwise(corners)), text.get_text()
 
 
 def test_an_error_of_0_is_drawn_and_said(tmp_path):

@@ -13,10 +13,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 LINE = 1.05  # height of a line, in sizes of its type
+CLEAR = 0.9  # points on either side of a line that stay free, half its width included
 FAR = 6.0  # points, from which on a thin line leads from a text to its point
 DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1))
 SIDES = {1: ("left", "bottom"), 0: ("center", "center"), -1: ("right", "top")}  # alignments by direction
 
+Place = tuple[float, float]  # in data
 Box = tuple[float, float, float, float]  # left, bottom, right, top, in points
 
 
@@ -28,13 +30,17 @@ def around(*distances: float) -> list[tuple[float, float]]:
 class Placed:
     """The texts of one panel whose scales and limits are set, and what they must leave free."""
 
-    def __init__(self, axes: Axes, marks: Iterable[tuple[tuple[float, float], float]]):
-        """marks: places in data, each with half the side of the square around it that stays free, in points."""
+    def __init__(self, axes: Axes, marks: Iterable[tuple[Place, float]], lines: Iterable[tuple[Place, Place]] = ()):
+        """marks: places in data, each with half the side of the square around it that stays free, in points.
+
+        lines: the two ends of each line, level or upright, that no text may cross.
+        """
         share, (width, height) = axes.get_position(), axes.figure.get_size_inches()
         self._axes, self._width, self._height = axes, POINTS * width * share.width, POINTS * height * share.height
         self._taken = [self._box(*point, 0.0, 0.0, half, half) for point, half in marks]
+        self._taken += [self._along(*ends) for ends in lines]
 
-    def put(self, point: tuple[float, float], text: str, size: float, offsets: Sequence[tuple[float, float]],
+    def put(self, point: Place, text: str, size: float, offsets: Sequence[tuple[float, float]],
             **look: Any) -> bool:
         """Write the text at the first of the offsets, in points, where it hides nothing; whether there is one."""
         half = POINTS * text_width(text, size) / 2, LINE * size / 2
@@ -48,6 +54,11 @@ class Placed:
                                     arrowprops=led if math.hypot(dx, dy) > FAR else None, **look)
                 return True
         return False
+
+    def _along(self, start: Place, end: Place) -> Box:
+        """The box around a line."""
+        one, other = (self._box(*place, 0.0, 0.0, CLEAR, CLEAR) for place in (start, end))
+        return min(one[0], other[0]), min(one[1], other[1]), max(one[2], other[2]), max(one[3], other[3])
 
     def _fits(self, box: Box) -> bool:
         left, bottom, right, top = box

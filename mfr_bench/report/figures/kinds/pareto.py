@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from ....store.columns import COLUMNS, DERIVED, names
@@ -14,7 +15,7 @@ from ... import data, style
 from ...data import Point, Result
 from ...frontier import ScenePoints, equal, places
 from ..kind import LOG, X_LABEL, Y_LABEL, Kind, NothingToDraw
-from ..placing import Placed, around
+from ..placing import Place, Placed, around
 from ..scales import log_axis, y_label
 from ..series import Options, chosen
 from ..sheet import EDGE, HEADING_IN, LEFT, LEGEND_LINE_IN, legend_columns, sheet_of
@@ -25,7 +26,8 @@ if TYPE_CHECKING:
 
 LEAST = 1e-9  # where an error of 0 is drawn
 NAME_PT, NUMBER_PT = 5.4, 4.6  # of what stands next to points on a frontier, and on none
-BELOW = ((3.0, -3.0), (-3.0, -3.0), (4.0, 0.0), (-4.0, 0.0), (3.0, -9.5), (-3.0, -9.5), (3.0, -16.0))  # in points
+BESIDE = ((3.0, -3.0), (-3.0, -3.0), (4.0, 0.0), (-4.0, 0.0), (-3.0, 3.0), (3.0, -9.5), (-3.0, -9.5), (-3.0, 9.5),
+          (3.0, -16.0), (-3.0, -16.0), (3.0, 3.0), (3.0, 9.5))  # offsets of a name, in points
 NEAR = around(2.4, 5.0, 8.5, 12.5, 17.0, 22.0)  # offsets of a number, in points
 SOLID, HOLLOW = 2.4, 1.6  # half the side of a mark on a frontier, and of one on none, in points
 PLOT_IN, LABEL_CHARACTERS = 2.3, 34
@@ -134,19 +136,25 @@ class FrontierChart:
         return [f"On no frontier, by number where there is room: {'; '.join(told)}."] if told else []
 
     def name(self, axes: Axes, place: ScenePoints) -> None:
-        """Write the labels of the frontier below it, where nothing lies, and the others' numbers, as far as they fit.
+        """Write the labels of the frontier beside it, most below, and the others' numbers, as far as they fit.
 
         The legend names the points on a frontier too, by their marks.
         """
         frontier = place.frontier(self.x, self.y)
         on = {p.cell["key"] for p in frontier}
-        placed = Placed(axes, [(self._at(p), SOLID if p.cell["key"] in on else HOLLOW) for p in self._shown(place)])
+        marks = [(self._at(p), SOLID if p.cell["key"] in on else HOLLOW) for p in self._shown(place)]
+        placed = Placed(axes, marks, self._steps(frontier))
         clear = {"boxstyle": "square,pad=0.05", "facecolor": "white", "edgecolor": "none", "alpha": 0.7}
         for p in frontier:
-            placed.put(self._at(p), p.label, NAME_PT, BELOW, color=style.INK, zorder=4, bbox=clear)
+            placed.put(self._at(p), p.label, NAME_PT, BESIDE, color=style.INK, zorder=4, bbox=clear)
         for p in self._shown(place):
             if p.cell["key"] not in on:
                 placed.put(self._at(p), str(self.numbers[p.label]), NUMBER_PT, NEAR, color=style.QUIET, zorder=3.5)
+
+    def _steps(self, frontier: Sequence[Point]) -> list[tuple[Place, Place]]:
+        """The ends of the lines that a frontier is drawn with: from each point right, then down to the next."""
+        corners = [(self._at(p), (self._at(q)[0], self._at(p)[1]), self._at(q)) for p, q in pairwise(frontier)]
+        return [ends for corner in corners for ends in pairwise(corner)]
 
     def _shown(self, place: ScenePoints) -> list[Point]:
         return [p for p in place.points if p.measure(self.x)[1] and p.measure(self.y)[1] is not None]
