@@ -22,11 +22,15 @@ void source_begin(uint p) {
     block##i = NO_FRAGMENT; \
     if (base + uint(i) < gathered) block##i = fragments[base + uint(i)];
 
-// Sorts the block of fragments from `base` on in registers; tells whether there may be more behind it.
-bool sorted_block(uint base) {
+// Sorts the block of fragments from `base` on in registers.
+void sort_block(uint base) {
     EACH(LOAD)
     SORT_BLOCK
-    return base + uint(NETWORK) < gathered;
+}
+
+// Tells whether there are fragments from `base` on.
+bool more_from(uint base) {
+    return base < gathered;
 }
 
 void count_lost() {}  // gather has counted them
@@ -37,12 +41,18 @@ void count_lost() {}  // gather has counted them
     found = found && fetch_next(fragment); \
     block##i = found ? fragment : NO_FRAGMENT;
 
-// Sorts the next block of fragments in registers; tells whether there may be more behind it.
-bool sorted_block(uint base) {
-    bool found = true;
+bool found;
+
+// Sorts the next block of fragments in registers.
+void sort_block(uint base) {
     FRAGMENT fragment;
+    found = true;
     EACH(LOAD)
     SORT_BLOCK
+}
+
+// Tells whether there may be fragments behind the last block.
+bool more_from(uint base) {
     return found;
 }
 
@@ -61,7 +71,8 @@ void count_lost() {
 vec4 resolve_pixel(uint p) {
     source_begin(p);
     vec4 colour = nothing_yet();
-    if (sorted_block(0u)) count_lost();
+    sort_block(0u);
+    if (more_from(uint(NETWORK))) count_lost();
     EACH(COMPOSITE)
     return composited(colour);
 }
@@ -74,14 +85,17 @@ FRAGMENT fragments[LOCAL];
 
 #define KEEP_BLOCK(i) fragments[base + uint(i)] = block##i;
 
+// Returns where the blocks end. A block is stored before anything is compared with the next base, where llvmpipe 22.3.6
+// may store it otherwise (docs/drivers.md).
 uint sort_blocks() {
-    for (uint base = 0u; base < uint(LOCAL); base += uint(NETWORK)) {
-        bool more = sorted_block(base);
+    uint base = 0u;
+    do {
+        sort_block(base);
         EACH(KEEP_BLOCK)
-        if (!more) return base + uint(NETWORK);
-    }
-    count_lost();
-    return uint(LOCAL);
+        base += uint(NETWORK);
+    } while (base < uint(LOCAL) && more_from(base));
+    if (more_from(base)) count_lost();
+    return base;
 }
 
 vec4 resolve_pixel(uint p) {
