@@ -112,7 +112,7 @@ def test_every_method_is_on_the_page(method):
 def test_conformance_page_has_every_method_of_its_configs_and_the_header_of_its_command():
     page = (DOCS / "conformance.md").read_text()
     head, *tables = page.split("\n## ")
-    assert head.startswith(HEAD.format(frames=50).rstrip("\n"))
+    assert head.startswith(HEAD.format(frames="50 frames").rstrip("\n"))
     for table, header in ((tables[0], HEADER), (tables[1], HAZARDS)):
         assert tuple(f.strip() for f in table.splitlines()[2].strip("|").split("|")) == header
     rows = [[f.strip(" `") for f in line.strip("|").split("|")] for line in tables[0].splitlines()[4:] if line]

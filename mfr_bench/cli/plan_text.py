@@ -9,7 +9,7 @@ from typing import Any
 
 from .output import note, place, say_lines
 from .session import Choices, Part, forecast_of, result_folders, sources
-from .time_budget import stop_at
+from .time_budget import end_s, refuse, stop_at, time_left, within_reach
 
 NO_TIME = "left out: the time budget ends before it, by the forecast"
 
@@ -68,16 +68,17 @@ def _hold_to_time(rows, todo, parts: Sequence[Part], forecast, choices: Choices,
     from ..environment import slowness
     from ..run.ledger import groups_of
 
-    sheets = [part.sheet for part in parts]
+    sheets, slow = [part.sheet for part in parts], slowness()
+    refuse(parts, ready.limits)
     groups = groups_of(sheets, [[job.key for job in sheet.pending] for sheet in sheets], coarse_first=True)
-    stop = stop_at(choices.budget_s, started, groups, parts, choices.drawn, ready.calibrated_s, slowness())
-    measured = {job.key for own, each in zip(rows, todo, strict=True) for row, job in zip(own, each, strict=True)
-                if row["decision"] == "measure"}
-    order = {job.key: job.cell for group in groups for job in group if job.key in measured}
-    late = set(list(order)[forecast.within(order.values(), stop - time.perf_counter()):])
+    stop = stop_at(choices.budget_s, started, groups, parts, choices.drawn, ready.calibrated_s, slow)
+    reached = within_reach(groups, parts, choices.budget_s, slow)
+    ends_s = end_s(parts, {job.key for job in reached}, choices.drawn, ready.calibrated_s, slow)
+    left = time_left(reached, forecast, ready.limits.features, ends_s, slow)
+    fits = set(left.within(stop - time.perf_counter()))
     for own, each in zip(rows, todo, strict=True):
         for row, job in zip(own, each, strict=True):
-            if job.key in late and row["decision"] == "measure":
+            if row["decision"] == "measure" and job.key not in fits:
                 row["decision"] = NO_TIME
 
 

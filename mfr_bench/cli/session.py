@@ -15,7 +15,18 @@ from .interruption import Interruption
 from .output import note, say, say_lines, width
 from .page_command import write_page_of
 from .report_commands import hand_over, write_tables_of
-from .time_budget import MANY, end_s, left_out, left_out_in_all, left_out_line, stop_at, within_reach
+from .time_budget import (
+    MANY,
+    end_s,
+    left_out,
+    left_out_in_all,
+    left_out_line,
+    refuse,
+    refused_later,
+    stop_at,
+    time_left,
+    within_reach,
+)
 
 # The parts of a manifest that are of the run that measured: one that finds everything measured leaves them alone.
 OF_THE_MEASURING = ("started", "calibration", "versions", "environment", "calibration_end", "calibration_drift",
@@ -155,6 +166,8 @@ class Session:
 
         ledger, budget_s = self.ledger, self.choices.budget_s
         groups = ledger.groups(coarse_first=budget_s is not None)
+        if budget_s is not None:
+            refuse(parts, self.supervisor.ready().limits)
         deadlines = self._deadlines(groups, parts)
         measuring = [part for part in parts if part.sheet.pending]
         name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
@@ -204,22 +217,12 @@ class Session:
 
     def _time_left(self, groups, parts: Sequence[Part]):
         """The time that the run will take, by earlier results of the device."""
-        from ..glsl.digest import code_of_programs
-        from ..methods import catalog
-        from ..methods.spec import Fitted
-        from ..plan import expected_stats, judge
-        from ..plan.time_left import TimeLeft
-
         ready, folders = self.supervisor.ready(), [part.folder for part in parts]
-        forecast = forecast_of([*folders, *self.beside], ready)
-        reached = within_reach(groups, self.choices.budget_s, self.slowness)
-        cells = {job.key: job.cell for job in reached
-                 if not judge(job.cell, catalog(), expected_stats(job.cell.scene), ready.limits)}
-        code = {key: code_of_programs(Fitted(catalog()[cell.method].variant(cell.params), expected_stats(cell.scene),
-                                             ready.limits.features)) for key, cell in cells.items()}
-        return TimeLeft(forecast, cells, {key: drawn for key, (drawn, _) in code.items()},
-                        {key: counted for key, (_, counted) in code.items()}, self._ends_s(parts, cells.keys()),
-                        self.slowness, forecast.rates.looks_s)
+        if self.choices.budget_s is None:
+            refuse(parts, ready.limits)
+        reached = within_reach(groups, parts, self.choices.budget_s, self.slowness)
+        return time_left(reached, forecast_of([*folders, *self.beside], ready), ready.limits.features,
+                         self._ends_s(parts, {job.key for job in reached}), self.slowness)
 
     def _ends_s(self, parts: Sequence[Part], keys: AbstractSet[str]) -> float:
         """Seconds that should follow the last of the cells of these keys."""
@@ -248,7 +251,7 @@ class Session:
         """Print an experiment's tables, write what is derived from its cells, say how it ended."""
         from ..report import terminal_table
 
-        part.manifest["left_out"] = left_out(part.sheet)
+        part.manifest |= {"left_out": left_out(part.sheet), "refused": refused_later(part.sheet)}
         self._write_what_is_known(part)
         if not self.choices.as_json:
             say((self.table or terminal_table)(part.folder, width()))
@@ -327,7 +330,8 @@ def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
     copied = f"; {sheet.copied} copied from other results, where they are the same" if sheet.copied else ""
     noise = manifest.get("noise_floor_rel")
     total = sheet.counts.total()
-    lines = [f"{total} {'cell' if total == 1 else 'cells'}: {statuses or 'none'}{kept}{copied}"]
+    cells = "1 cell" if total == 1 else f"{total} cells"
+    lines = [f"{cells}: {statuses}{kept}{copied}" if total else "no cell is measured"]
     lines += filter(None, [left_out_line(sheet)])
     if noise is not None:
         lines.append(f"noise floor {percent(noise)}: the same method measured twice differs by that"

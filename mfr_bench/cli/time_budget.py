@@ -38,22 +38,63 @@ def stop_at(budget_s: float, begun: float, groups: Sequence[Sequence], parts: Se
     """
     from ..plan.budget import TimeBudget
 
-    keys = {job.key for job in within_reach(groups, budget_s, slowness)}
+    keys = {job.key for job in within_reach(groups, parts, budget_s, slowness)}
     return TimeBudget(budget_s, begun).deadline(end_s(parts, keys, drawn, calibrated_s, slowness))
 
 
-def within_reach(groups: Sequence[Sequence[Job]], budget_s: float | None, slowness: float) -> list[Job]:
-    """The first of the cells to come, as many as can be measured within the budget at most; without one all of them."""
+def within_reach(groups: Sequence[Sequence[Job]], parts: Sequence, budget_s: float | None,
+                 slowness: float) -> list[Job]:
+    """The first of the cells to come, as many as can be measured within the budget at most; without one all of them.
+
+    What the sheets of the parts know to be refused takes no time, and is none of them.
+    """
     from ..plan.ending import measurable
 
-    to_come = [job for group in groups for job in group]
+    refused = {key for part in parts for key in part.sheet.refused}
+    to_come = [job for group in groups for job in group if job.key not in refused]
     return to_come if budget_s is None else to_come[:measurable(len(to_come), budget_s, slowness)]
 
 
+def refuse(parts: Sequence, limits) -> None:
+    """Let the sheets know which cells the device, the method or the memory budget forbids."""
+    from ..methods import catalog
+    from ..plan import forbidden
+
+    for part in parts:
+        part.sheet.refused = forbidden({job.key: job.cell for job in part.sheet.pending}, catalog(), limits)
+
+
+def time_left(reached: Sequence[Job], forecast, features, ends_s: float, slowness: float):
+    """The time that a run of these cells will take, as a `TimeLeft`: for the run itself and for its dry run.
+
+    features: of the device. ends_s: what follows the last of the cells.
+    """
+    from ..glsl.digest import code_of_programs
+    from ..methods import catalog
+    from ..methods.spec import Fitted
+    from ..plan import expected_stats
+    from ..plan.time_left import TimeLeft
+
+    cells = {job.key: job.cell for job in reached}
+    code = {key: code_of_programs(Fitted(catalog()[cell.method].variant(cell.params), expected_stats(cell.scene),
+                                         features)) for key, cell in cells.items()}
+    return TimeLeft(forecast, cells, {key: drawn for key, (drawn, _) in code.items()},
+                    {key: counted for key, (_, counted) in code.items()}, ends_s, slowness, forecast.rates.looks_s)
+
+
 def left_out(sheet) -> dict[str, int]:
-    """Cells that the time budget left no time for, by label."""
-    labels = [job.cell.label for job in sheet.pending]
+    """Cells that the time budget left no time for, by label: those that may be measured."""
+    labels = [job.cell.label for job in _left(sheet)]
     return {label: labels.count(label) for label in dict.fromkeys(labels)}
+
+
+def _left(sheet) -> list[Job]:
+    return [job for job in sheet.pending if job.key not in sheet.refused]
+
+
+def refused_later(sheet) -> int:
+    """Cells without a row that device, method or memory budget forbids: no time was left to write that down."""
+    return len(sheet.pending) - len(_left(sheet))
 
 
 def left_out_line(sheet) -> str:
@@ -68,7 +109,8 @@ def left_out_line(sheet) -> str:
 
 def left_out_in_all(sheets: Mapping[str, object]) -> str:
     """The same of several experiments in one line, which names those of which nothing was measured."""
-    planned, counts = sum(len(sheet.jobs) for sheet in sheets.values()), [len(s.pending) for s in sheets.values()]
+    planned = sum(len(sheet.jobs) - len(sheet.refused) for sheet in sheets.values())
+    counts = [len(_left(sheet)) for sheet in sheets.values()]
     if not any(counts):
         return ""
     touched = f"{sum(map(bool, counts))} of {len(sheets)} configs"

@@ -11,7 +11,7 @@
 
 from .cells import Cell, expand
 from .expected import expected_stats
-from .limits import Decision, Limits, features_for, judge, overview
+from .limits import Decision, Limits, features_for, forbidden, judge, overview
 from .predicted import NOT_TRIED, CellOutcome, Outcomes, predicted_timeout
 
 __all__ = [
@@ -24,6 +24,7 @@ __all__ = [
     "expand",
     "expected_stats",
     "features_for",
+    "forbidden",
     "judge",
     "overview",
     "predicted_timeout",

@@ -249,17 +249,6 @@ class Forecast:
         spent_s = frames_s(frame, cell.measure) + self.rates.looks_s
         return spent_s, spent_s + self.rates.around_s(stats)
 
-    def within(self, cells: Iterable[Cell], seconds: float) -> int:
-        """How many of these cells, one after another, should be done in so many seconds."""
-        count, spent_s = 0, 0.0
-        for cell in cells:
-            stats = expected_stats(cell.scene)
-            spent_s += self._cell_s(cell, stats, self.frame(cell, stats))[1]
-            if spent_s > seconds:
-                break
-            count += 1
-        return count
-
 
 def _work(fragments: int) -> float:
     """What the time of a method's frame is in proportion to: clears and draws cost more for few fragments."""

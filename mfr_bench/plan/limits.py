@@ -133,9 +133,19 @@ def overview(cells: Iterable[Cell], catalog: Mapping[str, Method],
     return rows
 
 
-def _row(cell: Cell, scene: dict[str, Any], variants: Variants, limits: Limits | None) -> dict[str, Any]:
+def forbidden(cells: Mapping[str, Cell], catalog: Mapping[str, Method], limits: Limits) -> set[str]:
+    """The keys of the cells that the device, the method or the memory budget forbids."""
+    variants = Variants(catalog)
+    return {key for key, cell in cells.items() if _judged(cell, _fitted(cell, variants, limits), limits)}
+
+
+def _fitted(cell: Cell, variants: Variants, limits: Limits | None) -> Fitted:
     features = limits.features if limits else frozenset()
-    fitted = Fitted(variants.of(cell.method, cell.params), expected_stats(cell.scene), features)
+    return Fitted(variants.of(cell.method, cell.params), expected_stats(cell.scene), features)
+
+
+def _row(cell: Cell, scene: dict[str, Any], variants: Variants, limits: Limits | None) -> dict[str, Any]:
+    fitted = _fitted(cell, variants, limits)
     decision = _judged(cell, fitted, limits)
     return {"experiment": cell.experiment, "label": cell.label, "method": cell.method, "point": dict(cell.point),
             "scene": scene, "memory_bytes": sum(fitted.memory_bytes().values()),

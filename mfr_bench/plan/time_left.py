@@ -151,6 +151,25 @@ class TimeLeft:
         said_s, at_s = self._said
         return max(0.0, said_s - (elapsed_s - min(at_s, self._last_s)) + self.end_s)
 
+    def within(self, seconds: float) -> list[str]:
+        """The keys of the first cells, one after another, that should be done in so many seconds of a run that begins.
+        """
+        done: list[str] = []
+        compiled: dict[int, int] = {}
+        counted: dict[int, int] = {}
+        spent_s = 0.0
+        for key, frame in self._frames_now().items():
+            code_s = self._code_s(self.programs[key], compiled) + self._code_s(self._counting(key), counted)
+            spent_s += self.slowness * (USUAL[PROGRAMS] * code_s
+                                        + USUAL[CHECKS] * self.forecast.rates.check_s(self._stats[key]))
+            spent_s += USUAL[FRAMES] * self._frames_s(key, frame)
+            if spent_s > seconds:
+                break
+            done.append(key)
+            compiled |= self.programs[key]
+            counted |= self._counting(key)
+        return done
+
     @property
     def _stands_s(self) -> float:
         """Seconds for which the last forecast stands; after a row no longer than making the next one is worth."""

@@ -20,7 +20,7 @@ Every method against the float64 oracle, as `mfr-bench conformance DIR...` print
 `mfr-bench run conformance determinism`. Each number is the worst of all cells of its row: wrong pixels are those with a
 channel error above 1/512 in one image; kept is how many fragments the method stored, counted in memory, over how many
 it promises to, empty where it holds none; lost fragments are those that it counted itself; images are the distinct ones
-of {frames} frames. A cell that the device cannot run is not counted as ok.
+of {frames}. A cell that the device cannot run is not counted as ok.
 """
 HEADER = ("method", "id", "promise", "ok", "not run", "wrong", "max error", "wrong pixels", "kept", "lost", "images")
 HAZARDS = ("method", "id", "known failure", "exact images", "wrong pixels", "kept", "lost", "images")
@@ -38,7 +38,7 @@ def conformance_page(results: Iterable[Result], catalog: Mapping[str, Method]) -
         variants.setdefault(point.label, _variant(catalog, point))
         (meshes if is_of_mesh(point) else flat).setdefault(point.label, []).append(point)
     of_meshes = [r for r in results if any(map(is_of_mesh, r.points))]
-    parts = [HEAD.format(frames=_repeats(flat)), *_about([r for r in results if r not in of_meshes])]
+    parts = [HEAD.format(frames=_frames(_repeats(flat))), *_about([r for r in results if r not in of_meshes])]
     if flat:
         parts += [_coverage(flat), "## All methods",
                   _grid(HEADER, [_row(variants[label], label, points) for label, points in flat.items()]),
@@ -47,7 +47,12 @@ def conformance_page(results: Iterable[Result], catalog: Mapping[str, Method]) -
                                   if variants[label].guarantee == "approximate"]),
                   "## What was not run", "\n".join(_not_run(flat))]
     parts += section(meshes, variants, _about(of_meshes), _not_run(meshes))
+    parts += [] if variants else ["None of these results has a cell."]
     return "\n\n".join(part.rstrip("\n") for part in parts) + "\n"
+
+
+def _frames(count: int) -> str:
+    return "1 frame" if count == 1 else f"{count} frames"
 
 
 def _repeats(series: Mapping[str, Sequence[Point]]) -> int:

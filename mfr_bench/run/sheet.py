@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from ..store import ResultFolder
@@ -23,6 +23,7 @@ class Sheet:
         self.statuses: dict[str, str] = {}  # by key, of the cells that have ended
         self.kept = 0  # rows
         self.copied = 0
+        self.refused: Collection[str] = ()  # keys of what device, method or memory budget forbids, once that is known
         self.noise_floor_rel: float | None = None
 
     @property

@@ -59,6 +59,7 @@ MANIFEST = {
     "packages": list_of(mapping_of(scalar)), "environment": mapping_of(lambda value: True),
     "answer": lambda value: value == {} or (record_of(ANSWER)(value) and ANSWER.keys() <= value.keys()),
     "split_s": mapping_of(is_number), "beside_s": mapping_of(is_number), "left_out": mapping_of(is_number),
+    "refused": lambda value: is_number(value) and value >= 0,
     "calibration": mapping_of(lambda value: True), "calibration_end": mapping_of(lambda value: True),
     "merged": list_of(mapping_of(lambda value: True)), "noise_floor_rel": lambda value: is_number(value) and value >= 0,
 }

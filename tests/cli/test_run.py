@@ -204,7 +204,7 @@ def test_a_dry_run_prints_the_plan_and_writes_nothing(mfr, tiny, here):
 def test_a_dry_run_says_what_fits_the_time_budget(mfr, tiny, monkeypatch):
     ended = mfr("run", tiny, "--dry-run", "--out", "out", "--time-budget", "10h")
     assert ended.out.endswith("all of it should fit the time budget of 10 h 00 min\n")
-    monkeypatch.setattr("mfr_bench.plan.forecast.Forecast.within", lambda self, cells, seconds: 1)
+    monkeypatch.setattr("mfr_bench.plan.time_left.TimeLeft.within", lambda self, seconds: list(self.cells)[:1])
     ended = mfr("run", tiny, "--dry-run", "--out", "out", "--time-budget", "20m")
     assert ended.status == 0
     assert ended.out.splitlines()[-2] == f"  1 to measure, {CELLS - 1} not, {CELLS - 1} for lack of time"

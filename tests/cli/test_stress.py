@@ -92,6 +92,24 @@ def test_a_budget_is_shared_by_all_stressors(mfr, here, monkeypatch):
     assert " not measured)" in ended.out and "left out for the time budget" in ended.out.partition("First level")[2]
 
 
+def test_cells_that_nothing_can_measure_are_not_left_out_for_the_time(mfr, here, monkeypatch):
+    """The dry run and the run count the same cells; those that device or memory forbids need no time."""
+    arguments = ("stress", "slant", "reach", "--only", "peel-f2b,open-post,ab-array", "--profile", "smoke",
+                 "--out", "s", "--set", "measure.memory_budget_mb=0.02", "--time-budget")
+    planned = mfr(*arguments, "1h", "--dry-run")
+    assert planned.out.endswith("all of it should fit the time budget of 1 h 00 min\n")
+    refused = planned.out.count(" unsupported: ") + planned.out.count(" over_budget: ")
+    measurable = planned.out.count("  measure\n")
+    monkeypatch.setattr("mfr_bench.cli.session.Session._deadlines", lambda *_: (0.0, float("inf")))
+    ended = mfr(*arguments, "1h")
+    assert refused > 0 < measurable
+    assert f"left out for the time budget: {measurable} of {measurable} cells, of 2 of 2 configs" in ended.out
+    told = re.findall(r"(\d+) planned cells have no record yet, left out for the time budget; (\d+) of them cannot be",
+                      " ".join(ended.out.split()))
+    assert sum(int(count) for count, _ in told) == measurable + refused
+    assert sum(int(count) for _, count in told) == refused
+
+
 def test_a_dry_run_measures_nothing(mfr, here):
     ended = mfr("stress", "depth-gap", "reach", "--only", "kb-mdt32", "--profile", "smoke", "--dry-run")
     assert ended.status == 0

@@ -166,14 +166,3 @@ def test_the_nearest_record_is_found_among_many():
     for wanted in [0, 1, 5, 10**8, *(rng.randrange(1, 10**7) for _ in range(100)), *numbers[:50]]:
         ratio = [abs(math.log((each.fragments + OTHER_WORK) / (wanted + OTHER_WORK))) for each in records]
         assert known.nearest(wanted) is records[ratio.index(min(ratio))]
-
-
-def test_as_many_cells_fit_a_time_as_are_done_one_after_another():
-    """Reports are made after the last of them, and the caller sets their time aside."""
-    forecast = Forecast([record("a", 5.0), record("b", 20.0)], Rates(report_s=0.5))
-    cells = [cell("a"), cell("b"), cell("a")]
-    seconds = [forecast.run(cells[:count]).total_s - forecast.rates.start_s - 0.5 * count for count in (1, 2, 3)]
-    for count, needed_s in enumerate(seconds, 1):
-        assert forecast.within(cells, needed_s + 1e-9) == count
-        assert forecast.within(cells, needed_s - 1e-9) == count - 1
-    assert forecast.within(cells, float("inf")) == 3 and forecast.within(cells, -1.0) == forecast.within([], 1.0) == 0

@@ -38,6 +38,17 @@ def test_a_method_from_outside_is_to_be_named(tmp_path):
         conformance_page([load(made)], catalog())
 
 
+def test_without_a_cell_the_page_says_so(tmp_path):
+    page = conformance_page([load(folder(tmp_path / "one", []))], catalog())
+    assert page.endswith("of 1 frame. A cell that the device cannot run is not counted as ok.\n\n"
+                         "None of these results has a cell.\n")
+
+
+def test_where_no_method_has_a_known_failure_the_page_says_so(tmp_path):
+    page = conformance_page([load(folder(tmp_path / "one", [cell("ab-array", "AB_Array", values=SOUND)]))], catalog())
+    assert page.split("## Methods with a known failure\n\n")[1].startswith("None.\n")
+
+
 def test_a_row_is_the_worst_of_all_cells(page):
     assert row(page, "All methods", "KB") == ["KB", "`kb`", "approximate", "2", "1", "0", "0.020", "41", "0.8000", "3",
                                               "7"]

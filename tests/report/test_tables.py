@@ -150,6 +150,44 @@ def test_cells_that_the_time_budget_left_out_are_said_to_be(tmp_path):
     assert "2 planned cells have no record yet; run the same command again" in tables.terminal_table(folder)
 
 
+def test_cells_that_nothing_can_measure_are_no_lack_of_time(tmp_path):
+    folder = planted.folder(tmp_path, [at(4)])
+    manifest = folder.manifest()
+    folder.write_manifest(manifest | {"cells": [*manifest["cells"], "one", "two", "three"], "refused": 1,
+                                      "left_out": {"K⁺B-Array": 2}})
+    said = " ".join(tables.terminal_table(folder).split())
+    assert ("3 planned cells have no record yet, left out for the time budget; 1 of them cannot be measured here at "
+            "all; run the same command again") in said
+
+
+BREAKING = {"kind": "breaking", "x": "k"}
+
+
+@pytest.mark.parametrize("text", [tables.terminal_table, tables.breaking_text,
+                                  lambda folder: tables.markdown(data.load(folder))])
+def test_of_results_without_a_cell_nothing_is_told_but_their_name_and_what_lacks(tmp_path, text):
+    """Device, scene and headers stood there again for each of fourteen stressors of which nothing was measured."""
+    folder = planted.folder(tmp_path, [], [BREAKING])
+    folder.write_manifest(folder.manifest() | {"title": "Nothing", "cells": ["one", "two"]})
+    found = text(folder)
+    assert "Nothing" in found.splitlines()[0] and "2 planned cells have no record yet" in found
+    assert "timer" not in found and "First level" not in found and "---" not in found
+
+
+def test_a_stressor_without_a_method_says_so(tmp_path):
+    folder = planted.folder(tmp_path, [cell("floor", "floor", 2.0, point={"k": 4})], [BREAKING])
+    assert tables.breaking_text(folder).endswith(
+        "First level of k that breaks each method\nNo method but the floor has a cell at any of its levels.\n")
+
+
+@pytest.mark.parametrize("width", [20, 120])
+def test_a_table_without_rows_is_a_word(width):
+    """Its header alone was printed, once for each group of columns that fits."""
+    empty = Grid("title", "", ("a long name of a column",) * 8, ())
+    for laid_out in (Grid.text, Grid.markdown):
+        assert [laid_out(chunk) for chunk in empty.chunks(width)] == ["None."]
+
+
 def test_a_wrong_image_is_said_and_its_time_is_not(tmp_path):
     folder = planted.folder(tmp_path, [at(4), at(8, status="wrong", reason="max_abs_error 0.5 exceeds 0.0001",
                                                  values={"max_abs_error": 0.5})], [FIGURE])

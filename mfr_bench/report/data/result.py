@@ -97,8 +97,12 @@ class Result:
     @property
     def why_unmeasured(self) -> str:
         """The words behind the count of planned cells without a record where the time budget is why; else empty."""
-        left = self.manifest.get("left_out") or {}
-        return ", left out for the time budget" if 0 < self.unmeasured <= sum(left.values()) else ""
+        left = sum((self.manifest.get("left_out") or {}).values())
+        refused = self.manifest.get("refused") or 0
+        if not left or self.unmeasured > left + refused:
+            return ""
+        others = f"; {refused:,} of them cannot be measured here at all" if refused else ""
+        return f", left out for the time budget{others}"
 
     @property
     def lacking(self) -> str:

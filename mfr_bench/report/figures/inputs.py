@@ -21,7 +21,8 @@ from .series import tie_losers
 MARK, LENGTH = "drawn from sha256:", 64
 HEAD_BYTES = 2048  # of a file, where its mark stands
 LIBRARIES = ("matplotlib", "numpy", "pillow")
-UNSEEN = ("split_s", "beside_s", "environment", "calibration_end", "calibration_drift", "left_out")  # of a manifest
+UNSEEN = ("split_s", "beside_s", "environment", "calibration_end", "calibration_drift", "left_out",
+          "refused")  # of a manifest
 CODE = (  # all that drawing loads, but for the declarations of methods, of which `_of_the_catalog` has what is drawn
     "__init__.py", "effects", "environment.py", "errors.py", "lazy.py", "markdown.py", "methods/__init__.py",
     "methods/checking.py", "methods/loading.py", "methods/outside.py", "methods/shared", "methods/spec", "parallel.py",

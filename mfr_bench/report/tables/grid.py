@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 LABEL_WIDTH = 34
 ABSENT = "–"  # a cell that was never measured
+NO_ROWS = "None."  # in place of a header without rows
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,9 @@ class Grid:
 
     def chunks(self, width: int) -> Iterable[Grid]:
         """The grid in pieces of whole columns, each at most `width` wide and with the first column."""
+        if not self.rows:
+            yield self
+            return
         lengths = self.lengths()
         start = 1
         while start < len(self.header) or start == 1:
@@ -51,10 +55,16 @@ class Grid:
                 for row in (self.header, *self.rows)]
 
     def text(self) -> str:
+        """The table as plain text; a word in place of one without rows."""
+        if not self.rows:
+            return NO_ROWS
         header, *rows = ("   ".join(fields).rstrip() for fields in self.aligned())
         return "\n".join([header, "-" * len(header), *rows])
 
     def markdown(self) -> str:
+        """The table as Markdown; a word in place of one without rows."""
+        if not self.rows:
+            return NO_ROWS
         header, *rows = (tuple(field.replace("|", "\\|") for field in row) for row in (self.header, *self.rows))
         escaped = replace(self, header=header, rows=tuple(rows))
         lines = [f"| {' | '.join(fields)} |" for fields in escaped.aligned()]

@@ -17,6 +17,7 @@ from .nodes import nodes_grid
 from .places import places_grids
 
 WIDTH = 120  # columns of a terminal
+NO_METHOD = "No method but the floor has a cell at any of its levels."
 
 
 def _skipped(result: Result) -> list[str]:
@@ -43,9 +44,11 @@ def _places(result: Result, label: str, points: Sequence[Point]) -> str:
 
 
 def _about(result: Result) -> list[str]:
-    """Title, source, device, timer, noise floor, steadiness: what a reader needs to judge the numbers."""
+    """Title, source, device, timer, noise floor, steadiness: what a reader needs to judge the numbers, if any."""
     manifest = result.manifest
     title = f"{result.name}: {manifest['title']}" if manifest.get("title") else result.name
+    if not result.points:
+        return [title]
     noise = manifest.get("noise_floor_rel")
     noise_line = "" if noise is None else f"noise floor {data.percent(noise)} (the same method measured twice)"
     lines = title, result.provenance, result.scene, noise_line, result.unsteady and f"unsteady: {result.unsteady}"
@@ -92,8 +95,9 @@ def breaking_text(folder: ResultFolder, width: int = WIDTH) -> str:
     """The text that `stress` prints of a folder: where each method breaks."""
     result = data.load(folder)
     parts = [_head(result, width)]
-    parts += ["\n".join([grid.title, "\n\n".join(chunk.text() for chunk in grid.chunks(width))])
-              for grid in breaking_grids(result) if grid.rows]
+    for grid in breaking_grids(result) if result.points else ():
+        tables = "\n\n".join(chunk.text() for chunk in grid.chunks(width))
+        parts.append("\n".join([grid.title, tables if grid.rows else NO_METHOD]))
     if result.unmeasured:
         said = f"{data.without_record(result.unmeasured)} yet{result.why_unmeasured}"
         parts.append("\n".join(textwrap.wrap(said, width, break_on_hyphens=False)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -21,10 +22,15 @@ def write_for_paper(folders: Sequence[ResultFolder], target: Path) -> Iterator[P
     """Write a .tex and a .csv file for each result into `target`, a row for each cell that was measured.
 
     The files have the name of the result's folder; where several results are of one name, also those of the folders
-    above it in which their places differ. Raises StoreError.
+    above it in which their places differ. Of results without a time none is written; a warning says so. Raises
+    StoreError.
     """
     for folder, name in zip(folders, _names(folders), strict=True):
-        for ending, content in _files(data.load(folder)).items():
+        result = data.load(folder)
+        if all(point.row["time_ms"] is None for point in result.points):
+            warnings.warn(f"{folder.path}: no table, since no cell of it has a time", stacklevel=2)
+            continue
+        for ending, content in _files(result).items():
             write_file(target / f"{name}.{ending}", content)
             yield target / f"{name}.{ending}"
 
