@@ -75,12 +75,13 @@ class Line:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure or a kept image."""
+    """A figure or a kept image. said: what the small print of a figure says, which its picture leaves out."""
 
     name: str
     uri: str
     width: int
     height: int
+    said: tuple[str, ...] = ()
     x: str = ""
     y: str = ""
 
@@ -191,9 +192,10 @@ def _measure(point: Point, name: str) -> Value:
 
 
 def _figure(path: Path, options: Mapping[str, Any]) -> Picture:
-    uri, width, height = figure_picture(path)
+    uri, width, height, said = figure_picture(path)
     y = str(options.get("y") or "time_ms")
-    return Picture(path.stem, uri, width, height, data.short(str(options.get("x") or "")), y)
+    return Picture(path.stem, uri, width, height, tuple(map(without_paths, said)),
+                   data.short(str(options.get("x") or "")), y)
 
 
 def _images(points: Iterable[Point]) -> tuple[Picture, ...]:

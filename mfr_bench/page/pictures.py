@@ -14,6 +14,7 @@ import numpy as np
 
 from ..report import style
 from ..report.checkerboard import over_checkerboard
+from ..report.figures.seal import SAID, SAID_ROWS
 
 COLOURS = 256  # of a figure's palette, at most
 APART = 130  # of two colours of a palette: no colour of a figure is further than that from the one that stands for it
@@ -29,13 +30,19 @@ def data_uri(content: bytes, kind: str) -> str:
     return f"data:image/{kind};base64," + base64.b64encode(content).decode()
 
 
-def figure_picture(path: Path) -> tuple[str, int, int]:
-    """A figure's file as a data URI with few colours, and its width and height in pixels. Raises OSError."""
+def figure_picture(path: Path) -> tuple[str, int, int, tuple[str, ...]]:
+    """A figure's file as a data URI with few colours, its width and height in pixels, and its small print.
+
+    The small print, which takes half of the bytes as pixels, is left out of the picture where the file has it as text,
+    a line for each thing that it says. Raises OSError.
+    """
     from PIL import Image
 
     with Image.open(path) as opened:
-        image = _with_few_colours(opened.convert("RGB"))
-    return data_uri(_encoded(image), "webp"), image.width, image.height
+        opened.load()
+        said, rows = opened.info.get(SAID, ""), int(opened.info.get(SAID_ROWS, 0))
+        image = _with_few_colours(opened.convert("RGB").crop((0, 0, opened.width, opened.height - rows)))
+    return data_uri(_encoded(image), "webp"), image.width, image.height, tuple(said.splitlines())
 
 
 def _with_few_colours(image):

@@ -8,12 +8,14 @@ import re
 
 import numpy as np
 import pytest
+from markupsafe import escape
 from PIL import Image
 
 from mfr_bench.page.content import MEASURED, command_of, to_the_fastest, without_paths
-from mfr_bench.page.pictures import kept_picture
+from mfr_bench.page.pictures import figure_picture, kept_picture
 from mfr_bench.page.write import SCRIPTS, _file, page_text, write_page
 from mfr_bench.report import data, style
+from mfr_bench.report.figures import figure_paths
 
 from ..report import planted
 
@@ -37,6 +39,12 @@ def test_every_cell_stands_in_the_table_with_its_values(results, text):
         else:
             assert point.row["reason"] in row
     assert all(f">{column.heading}</th>" in text for column in MEASURED)
+
+
+def test_the_small_print_of_figures_stands_below_them_as_text(results, text):
+    found = [figure_picture(path)[3] for path in figure_paths(data.load(results))]
+    assert found and all(said[-1].startswith("kplus2015") or "llvmpipe" in said[-1] for said in found)
+    assert all(f"{escape(without_paths(line))}<br>" in text for said in found for line in said)
 
 
 def test_times_are_over_that_of_the_fastest_of_the_scene_that_shows_every_fragment(tmp_path):

@@ -8,6 +8,7 @@ from PIL import Image, ImageDraw
 
 from mfr_bench.page.pictures import APART, figure_picture
 from mfr_bench.report import style
+from mfr_bench.report.figures import render, sheet
 
 
 def shown(uri):
@@ -31,11 +32,11 @@ def figure(path, colours):
 def test_every_line_keeps_its_colour(tmp_path):
     colours = [*style.FAMILY_COLOURS, style.BAND]
     path = figure(tmp_path / "a.png", style.FAMILY_COLOURS)
-    uri, width, height = figure_picture(path)
+    uri, width, height, said = figure_picture(path)
     with Image.open(path) as image:
         before = np.asarray(image.convert("RGB"), dtype=int)
     after = shown(uri)
-    assert after.shape == before.shape == (height, width, 3)
+    assert after.shape == before.shape == (height, width, 3) and said == ()
     assert np.sqrt(((after - before) ** 2).sum(axis=2)).max() <= APART
     for colour in colours:
         exact = np.array([int(colour[i:i + 2], 16) for i in (1, 3, 5)])
@@ -62,3 +63,20 @@ def test_a_colour_that_a_legend_names_is_kept_however_little_there_is_of_it(tmp_
     after = shown(figure_picture(tmp_path / "a.png")[0])
     for (x, y), colour in zip(((100, 100), (305, 300)), colours, strict=True):
         assert tuple(after[y, x]) == tuple(int(colour[i:i + 2], 16) for i in (1, 3, 5))
+
+
+def test_small_print_that_a_file_has_as_text_is_left_out_of_its_picture(tmp_path):
+    """As pixels it takes half of the bytes of a page, and nobody can copy it."""
+    said = ["Bars: 95 % interval of the median.", "K⁺B-Array; k = 4 … 64", "after kplus2015, Fig. 6 · llvmpipe"]
+    with sheet.styled():
+        figure = sheet.FigureSheet(3.0, ("A title",), ("Bars: 95 % interval", "of the median.", *said[1:]), 1.0,
+                                   tuple(said)).figure()
+    content = render(figure, "drawn from nothing")["png"]
+    (tmp_path / "a.png").write_bytes(content)
+    uri, width, height, found = figure_picture(tmp_path / "a.png")
+    assert found == tuple(said)
+    whole = np.asarray(Image.open(io.BytesIO(content)))
+    dark = (whole < 200).any(axis=(1, 2)).nonzero()[0]
+    assert dark.max() > height and shown(uri).shape == (height, width, 3)
+    title = dark[dark < 40]
+    assert len(title) > 5 and (dark[dark < height] == title).all()

@@ -63,6 +63,17 @@ def test_both_files_have_the_figures_size_and_bear_the_mark(tmp_path):
     assert b"<dc:source>a mark</dc:source>" in content["svg"]
 
 
+def test_the_small_print_is_there_as_text_and_its_rows_hold_nothing_else(tmp_path):
+    from PIL import Image
+
+    image = Image.open(io.BytesIO(figures.render(built(tmp_path, two_methods(), STACKED), "a mark")["png"]))
+    image.load()
+    said, rows = image.info["Description"].split("\n"), int(image.info["Description-Rows"])
+    assert said[0].startswith("Bar and number: the whole frame's median (ms)") and "llvmpipe" in said[-1]
+    dark = (np.asarray(image) < 250).any(axis=(1, 2))[::-1]
+    assert dark[:rows].any() and dark[rows:].any() and not dark[rows - 1:rows + 3].any()
+
+
 def test_lines_images_and_clipping_stand_at_their_place_in_pixels():
     """An image of four colours fills axes of 150 by 75 pixels, whose lower left corner is at 75, 30 from below."""
     figure = blank()

@@ -18,9 +18,11 @@ from matplotlib.transforms import Affine2D, Bbox, TransformedPath
 
 from . import seal
 from .glyphs import EM, Setting, face_of
-from .sheet import POINTS
+from .sheet import POINTS, small_print
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from matplotlib.backend_bases import GraphicsContextBase
     from matplotlib.figure import Figure
     from matplotlib.font_manager import FontProperties
@@ -45,6 +47,8 @@ class PngAndSvg(RendererBase):
         self._scale = dpi / POINTS
         self._to_pixels = Affine2D().scale(self._scale)
         self._dpi, self._mark = dpi, mark
+        self._said, said_in = small_print(figure)
+        self._said_rows = math.ceil(said_in * dpi)
         self._text = io.StringIO()
         metadata = {"Date": None, "Creator": None} | ({"Source": mark} if mark else {})
         self._svg = RendererSVG(self.width, self.height, self._text, image_dpi=dpi, metadata=metadata)
@@ -60,7 +64,7 @@ class PngAndSvg(RendererBase):
         return seal.sealed_svg(self._text.getvalue().encode())
 
     def png(self) -> bytes:
-        """The PNG file, without the transparency that no figure has."""
+        """The PNG file, without the transparency that no figure has; it has the small print as text, too."""
         pixels = np.asarray(self._image.buffer_rgba())
         height, width, _ = pixels.shape
         rows = np.zeros((height, 1 + 3 * width), np.uint8)  # before each row of pixels its filter: none
@@ -70,7 +74,14 @@ class PngAndSvg(RendererBase):
             seal.PNG_SIGNATURE, seal.chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, PNG_RGB, 0, 0, 0)),
             seal.chunk(b"pHYs", struct.pack(">2IB", per_metre, per_metre, PNG_METRES)),
             seal.chunk(b"tEXt", b"Source\0" + self._mark.encode()) if self._mark else b"",
+            *self._small_print(),
             seal.chunk(b"IDAT", zlib.compress(rows, LEVEL)), seal.chunk(b"IEND", b"")))
+
+    def _small_print(self) -> Iterator[bytes]:
+        """Chunks with the small print, not compressed and of no language that is told, and the rows that show it."""
+        if self._said:
+            yield seal.chunk(b"iTXt", seal.SAID.encode() + b"\0" * 5 + self._said.encode())
+            yield seal.chunk(b"tEXt", f"{seal.SAID_ROWS}\0{self._said_rows}".encode())
 
     # --- what is asked of a renderer -------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""Checksums in a figure's files, by which one that was damaged after it was drawn is known.
+"""The parts of a figure's files, and checksums by which one that was damaged after it was drawn is known.
 
 The chunks of a PNG file have theirs by its format; an SVG file gets one as a comment at its end.
 """
@@ -10,6 +10,7 @@ import zlib
 from collections.abc import Callable, Mapping
 
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
+SAID, SAID_ROWS = "Description", "Description-Rows"  # texts of a PNG: the small print, and how many rows show it
 AROUND = 12  # bytes of a chunk that are not content: its length, kind and checksum
 
 

@@ -80,12 +80,16 @@ def widest(texts: Iterable[str], points: float) -> float:
 
 @dataclass(frozen=True)
 class FigureSheet:
-    """A figure's frame: title on top, small print at the bottom, and the height between them."""
+    """A figure's frame: title on top, small print at the bottom, and the height between them.
+
+    title, small: in lines that fit. said: all that the small print says, one text for each thing.
+    """
 
     width: float
     title: tuple[str, ...]
     small: tuple[str, ...]
     body: float
+    said: tuple[str, ...] = ()
 
     @property
     def height(self) -> float:
@@ -106,7 +110,8 @@ class FigureSheet:
         figure = Figure(figsize=(self.width, self.height))
         FigureCanvasAgg(figure)
         self._write(figure, self.title, self.height - EDGE, "top", fontsize=style.TITLE_PT, fontweight="bold")
-        self._write(figure, self.small, EDGE, "bottom", fontsize=style.SMALL_PT, color=style.QUIET, linespacing=1.3)
+        self._write(figure, self.small, EDGE, "bottom", fontsize=style.SMALL_PT, color=style.QUIET, linespacing=1.3,
+                    label="\n".join(self.said))
         return figure
 
     def _write(self, figure: Figure, lines: Sequence[str], y: float, side: str, **look: Any) -> None:
@@ -132,8 +137,17 @@ def sheet_of(result: Result, options: Options, points: Sequence[Point], notes: I
     title = str(options.get("title") or result.manifest.get("title") or result.name)
     lines = (*notes, _on_races(result, options), result.lacking, *printed.notes(result), result.readings,
              result.scene_of(points or result.points), result.provenance)
-    small = [part for line in lines if line for part in fitted(line, style.SMALL_PT, width)]
-    return FigureSheet(width, tuple(fitted(title, style.TITLE_PT, width, "bold")), tuple(small), body)
+    said = tuple(filter(None, lines))
+    small = [part for line in said for part in fitted(line, style.SMALL_PT, width)]
+    return FigureSheet(width, tuple(fitted(title, style.TITLE_PT, width, "bold")), tuple(small), body, said)
+
+
+def small_print(figure: Figure) -> tuple[str, float]:
+    """What a figure's small print says, a line for each thing, and the height in inches that it takes at the bottom."""
+    for text in figure.texts:
+        if text.get_label():
+            return text.get_label(), EDGE + SMALL_LINE_IN * (text.get_text().count("\n") + 1)
+    return "", 0.0
 
 
 def _on_races(result: Result, options: Options) -> str:
