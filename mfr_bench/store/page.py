@@ -35,7 +35,7 @@ FILES = """
 | `tables/summary.csv` | a row per cell that the config has, by label and place on each axis: what tables show |
 | `tables/pass_times.csv` | a row per such cell, a column per pass: median times in ms |
 | `comparison.json` | by `merge`: what comparing devices reads of cells; used while manifest and cells are the same |
-| `figures/<name>.png`, `.svg` | the config's figures, numbered; with a digest of their inputs, in a PNG the small print |
+| `figures/<name>.png`, `.svg` | the config's figures; with a digest of their inputs, PNGs with their small print |
 
 A cell whose scene moves, or whose method chooses k from the scene, has `frames` in its file. For each of them:
 `frame` (from 0), `fragments`, `covered_pixels`, `max_fragments`, `chosen_k` (null where nothing is chosen), `kept`
