@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..errors import MfrError
+from ..methods.shared import K
 from ..methods.spec import IMAGE, Pass, State, Target
 from ..oracle.composite import fragment_counts
 from ..plan.forecast import FIRST_ROUNDS
@@ -141,7 +142,7 @@ def calibrate(device: Device, again: bool = False) -> Calibration:
     gpu_ms: list[float] = []
     rounds = FIRST_ROUNDS
     while rounds <= MOST_ROUNDS and sum(w >= LONG_ENOUGH_MS for w in wall_ms) < COMPARED:
-        frame = bench.frame(replace(BUSY, steps=(replace(BUSY.steps[0], defines={"ROUNDS": rounds}),)))
+        frame = bench.frame(replace(BUSY, fixed=(K.at(rounds),)))
         frame.draw()
         wall_ms.append(min(wall.frame_ms(frame.draw) for _ in range(REPEATS)))
         gpu_ms.append(min(gpu.frame_ms(frame.draw) for _ in range(REPEATS)))
