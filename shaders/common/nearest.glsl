@@ -1,8 +1,9 @@
 // Selects the nearest fragments of a pixel into the local array. Once it is full, the furthest of it is looked for and
 // put into element 0, where the next nearer fragment replaces it (max-array, kplus_2015 §3.2): not before, and not
 // behind the last.
-// Invariant: the elements behind those that are selected, up to MOST_CHOSEN, are FIRST_FRAGMENT, which is never the
-// furthest: a loop of constant length over all of them is the faster.
+// Invariant: the first call for a pixel selects MOST_CHOSEN fragments. Elements behind those that a later one selects
+// are of earlier calls, no further than its `from`, so that none is the furthest, and a loop of constant length over
+// all of them, which is the faster, finds the same.
 #include "common/local.glsl"
 
 const uint MOST_CHOSEN = uint(min(LOCAL, KEEP));
@@ -26,7 +27,6 @@ void furthest_to_front() {
 uint select_nearest(uint p, uint from, uint room, out uint left) {
     uint offered = 0u;
     left = EMPTY;
-    for (uint i = room; i < MOST_CHOSEN; ++i) fragments[i] = FIRST_FRAGMENT;
     FRAGMENT fragment;
     for (fetch_begin(p); offered < room && fetch_next(fragment);) {
         if (fragment.x < from) continue;

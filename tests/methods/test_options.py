@@ -95,6 +95,17 @@ def test_a_local_array_that_is_longer_than_needed_changes_nothing(device, sort, 
         np.testing.assert_allclose(image, composite(scene, layers), rtol=0, atol=1e-5)
 
 
+@pytest.mark.parametrize("k", [7, LPLUS + 1, LPLUS + 8, 2 * LPLUS + 6])
+def test_lplus_takes_none_of_what_lies_behind_its_batch(device, plant, k):
+    """Whatever the local array holds before the first batch, and the nearer batches' fragments behind a shorter one."""
+    begin = "    vec4 colour = nothing_yet();\n    uint from"
+    furthest = "fragment_of(0xFFFFFFFEu, PAYLOAD(0xFFFFFFFFu))"
+    plant("common/resolve_lplus.glsl", begin,
+          f"    for (uint i = 0u; i < uint(LOCAL); ++i) fragments[i] = {furthest};\n{begin}")
+    image = image_of(device, "kb-ab-array", MIXED, sort="lplus", k=k)
+    np.testing.assert_allclose(image, composite(MIXED, k), rtol=0, atol=1e-5)
+
+
 @pytest.mark.parametrize("length", [1, 5, LPLUS])
 def test_lplus_needs_no_more_than_its_batches(device, length):
     scene = staircase([0, 1, 31, 32, 33, 64, 65, 100])
