@@ -16,6 +16,7 @@ PIXELS = SIZE[0] * SIZE[1]
 SECOND_WORDS = 1000  # of the block whose length is asked for
 TRIANGLES = 3
 TURNS = 7  # of a loop at most
+HELD = 128  # elements of a local array
 
 
 def block_length(device: Device) -> tuple[bool, str]:
@@ -50,6 +51,15 @@ def behind_loop(device: Device) -> tuple[bool, str]:
              zip(seen.reshape(-1, 3).T, (turns * (words[own] + last) // 2, own, last), strict=True)]
     return not any(wrong), (f"of {PIXELS} pixels {wrong[0]} have a wrong sum, {wrong[1]} another element of their own, "
                             f"{wrong[2]} another last element")
+
+
+def stored_ahead(device: Device) -> tuple[bool, str]:
+    """Whether a loop stores elements of a local array in their place, where it compares the next place before."""
+    words = np.arange(HELD, 0, -1, dtype=np.uint32)
+    _, seen = _drawn(device, "screen/triangle.vert", "probe/stored_ahead.frag",
+                     [words, np.zeros(PIXELS, dtype=np.uint32)], columns=SIZE[0], count=HELD)
+    return bool((seen == HELD).all()), (f"{seen.min()} of {HELD} elements are in their place; no method compares the "
+                                        "next place before it stores")
 
 
 def texture_formats(device: Device) -> tuple[bool, str]:

@@ -49,7 +49,7 @@ from . import rawgl, samples
 from .context import Device
 from .frame import Frame
 from .probes import COUNTED, LOCKED, ROUTED, ROUTED_SCENE, ProbeBench, probe_method
-from .trial_alone import behind_loop, block_length, primitive_numbers, texture_formats
+from .trial_alone import behind_loop, block_length, primitive_numbers, stored_ahead, texture_formats
 from .trial_fetch import fetched
 from .trial_registers import full_registers
 from .trial_triangles import triangles
@@ -350,6 +350,7 @@ TRIALS = (
     Trial("block length", block_length, avoided=True),
     Trial("primitive numbers", primitive_numbers, avoided=True),
     Trial("elements behind a loop", behind_loop, avoided=True),
+    Trial("local arrays in a loop", stored_ahead, avoided=True),
     Trial("textures of one buffer", texture_formats, avoided=True),
     Trial("64-bit atomics", operations64, "shader_atomic_int64"),
     Trial("interlock", interlock, "fragment_shader_interlock"),

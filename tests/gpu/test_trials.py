@@ -53,6 +53,7 @@ def outcome(device, name):
     ("primitive numbers", "probe/numbered.vert", "place = vec2(", "place = vec2(0.1 + ", "0 of 1440 fragments"),
     ("elements behind a loop", "probe/behind_loop.frag", "sum += last", "sum += last + 1u",
      "480 have a wrong sum"),
+    ("local arrays in a loop", "probe/stored_ahead.frag", "== words[i ^ 1u]", "> 128u", "0 of 128"),
     ("textures of one buffer", "probe/texture_format.frag", "texelFetch(texels, 1)", "texelFetch(texels, 0)",
      "0 of 480 pixels"),
     ("interlock", "probe/locked_count.frag", "+ 1u", "+ 2u", "plain increments"),
@@ -76,6 +77,15 @@ def test_a_fault_is_seen(device, plant, name, path, right, wrong, said):
     passed, detail = trial.outcome(device)
     assert not passed
     assert said in detail
+
+
+def test_elements_are_in_their_place_where_they_are_stored_before_the_comparison(device, plant):
+    """As shaders of methods do it; what the trial itself does is wrong on llvmpipe 22.3.6."""
+    compare, store = "bool more = i + 2u < count;", "held[i] = min(a, b);\n        held[i + 1u] = max(a, b);"
+    plant("probe/stored_ahead.frag", f"{compare}\n        {store}", f"{store}\n        {compare}")
+    passed, detail = outcome(device, "local arrays in a loop")
+    assert passed
+    assert "128 of 128" in detail
 
 
 @pytest.fixture
