@@ -9,7 +9,8 @@ from dataclasses import replace
 from typing import Any
 
 from ..methods.spec import Param
-from .model import Measure, Scene
+from ..scene import Scene
+from .settings import Measure
 
 # Names that work without any method: n = r·k (kplus_2015 §5.1), and the k that r multiplies.
 R = Param("r", 1, "depth complexity over k: n = r·k")

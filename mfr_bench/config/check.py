@@ -10,6 +10,7 @@ from typing import Any
 from ..errors import nearest, one_of, shown
 from ..methods.spec import Method, Value
 from ..report.figures.kinds import KINDS, all_keys, keys_of
+from ..scene import Scene
 from ..scene.kinds import KINDS as SCENE_KINDS
 from ..scene.kinds import faults, kind_of, own_keys
 from ..scene.spec.kind import LOCAL, Fault
@@ -17,7 +18,8 @@ from .axes import K, R, measure_at, point_count, points, scene_at
 from .columns import IDENTITY, MEASURED
 from .json_schema import ConfigFile, allowed, parse
 from .layers import AXES
-from .model import KEPT, Experiment, Measure, MethodEntry, Scene
+from .model import Experiment
+from .settings import KEPT, Measure, MethodEntry
 from .source import Document, Path, Problem, dotted
 
 EVERY_KEY = frozenset(key.name for key in all_keys())  # of figures of any kind

@@ -15,7 +15,8 @@ from annotated_types import MinLen, Predicate
 from ..errors import nearest, one_of, shown
 from ..scene import Scene
 from ..scene.spec.values import STRICT, Allowed, Listed, Text
-from .model import Figure, Measure, Source
+from .model import Figure, Source
+from .settings import Measure
 from .source import Path
 
 

@@ -8,7 +8,9 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from ..errors import nearest
-from .model import Measure, Scene, Source
+from ..scene import Scene
+from .model import Source
+from .settings import Measure
 from .source import OVERRIDE, Document, Path, Place, Problem, read
 
 TOP = ("name", "title", "source", "scene", "params", "methods", "sweep", "zip", "measure", "figures", "profiles")

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..config.model import Scene as SceneConfig
 from ..methods.shared import MULTISAMPLING, SYNC, K, clear, resolve, route, routed_targets
 from ..methods.spec import IMAGE, Buffer, Fitted, Method, Pass, when
 from ..oracle.composite import stats_of
+from ..scene import Scene as SceneConfig
 from ..scene import generate
 from .context import Device
 from .frame import Frame

@@ -7,8 +7,8 @@ import time
 from collections.abc import Callable
 from functools import cached_property
 
-from ..config.model import Scene as SceneConfig
 from ..methods import catalog
+from ..scene import Scene as SceneConfig
 from .context import Device
 from .frame import Frame
 from .probes import ProbeBench

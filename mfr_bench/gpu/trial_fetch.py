@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..config.model import Scene as SceneConfig
 from ..methods.spec import IMAGE, Pass, Target
+from ..scene import Scene as SceneConfig
 from .context import Device
 from .probes import ProbeBench, probe_method
 

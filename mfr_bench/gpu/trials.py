@@ -12,7 +12,6 @@ from functools import partial
 
 import numpy as np
 
-from ..config.model import Scene as SceneConfig
 from ..errors import MfrError
 from ..methods import kplus, lists
 from ..methods.shared import ATOMIC64
@@ -44,6 +43,7 @@ from ..methods.spec import (
 from ..oracle.composite import composite
 from ..oracle.quality import conformance
 from ..oracle.ties import Answer
+from ..scene import Scene as SceneConfig
 from ..scene import generate
 from . import rawgl, samples
 from .context import Device

@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from statistics import median
 
-from ..config.model import Measure
+from ..config.settings import Measure
 from ..plan.forecast import SETTLED_MS, WARMUP_SHARE
 from ..stats import Interval, goals, sampled_interval
 

@@ -5,15 +5,18 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..config.axes import measure_at, points, scene_at
-from ..config.model import Experiment, Measure, MethodEntry
+from ..config.settings import Measure, MethodEntry
 from ..errors import UsageError, one_of
 from ..methods import FLOOR
 from ..methods.spec import Method, Value
 from ..scene import Scene
 from ..scene.spec.values import told
+
+if TYPE_CHECKING:
+    from ..config.model import Experiment
 
 
 @dataclass(frozen=True)

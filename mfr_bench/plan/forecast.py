@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from statistics import fmean
 from typing import Any
 
-from ..config.model import Measure
+from ..config.settings import Measure
 from ..methods.spec import SceneStats
 from ..scene import Scene
 from .cells import Cell

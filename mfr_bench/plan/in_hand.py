@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from statistics import median
 
-from ..config.model import Measure
+from ..config.settings import Measure
 from ..stats import sampled_interval
 from .forecast import IN_HAND, MEDIAN_WIDTH, FrameTime, most_s, parts_s, samples_wanted, warmup_s
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..config.model import Measure
+from ..config.settings import Measure
 from ..scene.kinds import kind_of
 from ..scene.spec.kind import mean_depth
 from .cells import Cell

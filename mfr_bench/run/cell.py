@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..config.model import Measure
+from ..config.settings import Measure
 from ..gpu.frame import Frame
 from ..gpu.timers import repeats_for, undisturbed_ms
 from ..gpu.work import work_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ..config.model import Measure
+from ..config.settings import Measure
 from ..effects import Settings
 from ..glsl.digest import glsl_hash
 from ..methods.spec import Method, Variant, Variants

@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from mfr_bench.config.model import KEPT, Measure
 from mfr_bench.config.model import Scene as SceneConfig
+from mfr_bench.config.settings import KEPT, Measure
 from mfr_bench.gpu.frame import Frame
 from mfr_bench.methods import catalog
 from mfr_bench.oracle import truth

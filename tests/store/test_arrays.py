@@ -7,7 +7,7 @@ import os
 import numpy as np
 import pytest
 
-from mfr_bench.config.model import KEPT
+from mfr_bench.config.settings import KEPT
 from mfr_bench.store import ResultFolder
 from mfr_bench.store.arrays import read_arrays, write_arrays
 from mfr_bench.store.columns import ARRAYS
