@@ -57,6 +57,11 @@ def shown(value: Any) -> str:
     return "nothing" if value is None else _short.repr(value)
 
 
+def not_allowed(value: Any) -> str:
+    """What is wrong with a value that is none of those that are allowed, or that is missing after its key."""
+    return "no value is given" if value is None else f"{shown(value)} is not allowed"
+
+
 _short = reprlib.Repr()
 _short.maxstring = _short.maxother = _short.maxlong = 60
 

@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 from pathlib import Path as FilePath
 from typing import Any
 
-from ..errors import nearest, one_of, shown
+from ..errors import not_allowed, one_of, shown
 from ..methods.spec import Method, Value
 from ..report.figures.kinds import KINDS, all_keys, keys_of
 from ..scene import Scene
@@ -114,7 +114,7 @@ class _Checker:
 
     def _entry(self, path: Path, entry: Any) -> MethodEntry | None:
         if not isinstance(entry, dict) or "id" not in entry:
-            self.problem(path, f"{shown(entry)} is not allowed; allowed: a method's id, '{EVERY_METHOD}', "
+            self.problem(path, f"{not_allowed(entry)}; allowed: a method's id, '{EVERY_METHOD}', "
                                "or a mapping with id")
             return None
         method = self.catalog.get(entry["id"]) if isinstance(entry["id"], str) else None
@@ -124,7 +124,7 @@ class _Checker:
             return None
         label = entry.get("label", method.name)
         if not isinstance(label, str) or not label:
-            self.problem((*path, "label"), f"{shown(label)} is not allowed; allowed: text")
+            self.problem((*path, "label"), f"{not_allowed(label)}; allowed: text")
             label = method.name
         names = [p.name for p in method.params]
         params = {}
@@ -170,7 +170,7 @@ class _Checker:
                 if key not in known and key not in SWEPT_KEYS:
                     self._unknown(path, "nothing has this key to sweep", (*known, *SWEPT_KEYS))
                 elif not isinstance(values, list):
-                    self.problem(path, f"{shown(values)} is not allowed; allowed: a list of values")
+                    self.problem(path, f"{not_allowed(values)}; allowed: a list of values")
                 elif not values:
                     self.problem(path, "a sweep over nothing; allowed: a list of at least one value")
                 elif section == "zip" and key in self.axes["sweep"]:
@@ -241,7 +241,7 @@ class _Checker:
             if key in kind.needs and key not in figure:
                 self.problem((*path, key), f"missing; allowed: {', '.join(allowed_names)}")
             elif isinstance(figure.get(key), str) and figure[key] not in allowed_names:
-                self.problem((*path, key), f"unknown column {shown(figure[key])}; {one_of(figure[key], allowed_names)}")
+                self.problem((*path, key), _no_column(figure[key], allowed_names))
         drawn = ["kind", "x", "y", *(key.name for key in keys_of(kind))]
         for key in [key for key in figure if key not in drawn and key in EVERY_KEY]:
             self._unknown((*path, key), f"no use in a figure of kind {figure['kind']}", drawn)
@@ -249,12 +249,20 @@ class _Checker:
         array = figure.get("y")
         if kind.arrays and array in KEPT and array not in kept:
             self.problem((*path, "y"), f"no cell keeps the array {array}; allowed: with {array} in measure.keep")
+        if self.entries and None not in self.entries:
+            self._picked((*path, "methods"), figure.get("methods"))
+
+    def _picked(self, path: Path, picked: Any) -> None:
+        """The labels that a figure picks have to be those of methods; all that are not make one problem."""
         labels = [entry.label for entry in self.entries if entry]
-        picked = figure.get("methods")
-        for j, label in enumerate(picked if isinstance(picked, list) and None not in self.entries else []):
-            if isinstance(label, str) and label not in labels:
-                self.problem((*path, "methods", j), f"no method has the label {shown(label)}; allowed: "
-                                                    f"{', '.join(labels)}{nearest(label, labels)}")
+        unknown = {j: label for j, label in enumerate(picked if isinstance(picked, list) else [])
+                   if isinstance(label, str) and label not in labels}
+        if len(unknown) == 1:
+            (j, label), = unknown.items()
+            self.problem((*path, j), f"no method has the label {shown(label)}; {one_of(label, labels)}")
+        elif unknown:
+            self.problem(path, f"no method has any of the labels {', '.join(map(shown, unknown.values()))}; "
+                               f"allowed: {', '.join(labels)}")
 
     # cells
 
@@ -298,6 +306,13 @@ class _Checker:
         paths = [(section, key) for key in keys for section in (*AXES, "params")]
         paths += [tuple(key.split(".")) for key in keys]
         return next(path for path in paths if path[-1] in self.document.mapping(*path[:-1]))
+
+
+def _no_column(name: str, allowed_names: Iterable[str]) -> str:
+    """What is wrong with a figure along a name that is no column: a key that could be swept, and is not, or none."""
+    if name in SWEPT_KEYS:
+        return f"nothing sweeps {name}; allowed: a list of values for it in sweep or zip, or a figure along another key"
+    return f"unknown column {shown(name)}; {one_of(name, allowed_names)}"
 
 
 def _too_few_samples(measure: Measure) -> Fault | None:

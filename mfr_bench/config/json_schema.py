@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, dataclass, field, fields, is_dataclass
 from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, ClassVar, Literal, Union, get_args, get_origin, get_type_hints
 
 from annotated_types import MinLen, Predicate
 
-from ..errors import nearest, one_of, shown
+from ..errors import SHORT, nearest, not_allowed, one_of
 from ..scene import Scene
 from ..scene.spec.values import STRICT, Allowed, Listed, Text
 from .model import Figure, Source
@@ -33,6 +33,8 @@ class Shape:
 Name = Annotated[str, Predicate(re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,99}").fullmatch),
                  Allowed("letters, digits, . _ + -, at most 100, as in a folder's name")]
 Axis = Annotated[Any, Shape({"type": "array", "minItems": 1})]
+Axes = Annotated[dict[str, Axis], Allowed("a mapping of keys to lists of values, such as {k: [4, 8]}")]
+Params = Annotated[dict[str, Any], Allowed("a mapping of parameters to values, such as {k: 8}")]
 Entry = Annotated[Any, Shape({"anyOf": [
     {"type": "string"},
     {"type": "object", "required": ["id"], "properties": {"id": {"type": "string"}, "label": {"type": "string"}}}]})]
@@ -48,10 +50,10 @@ class ConfigFile:
     title: Text | None = None
     source: Source = Source()
     scene: Scene
-    params: dict[str, Any] = field(default_factory=dict)
+    params: Params = field(default_factory=dict)
     methods: Annotated[list[Entry], MinLen(1), Allowed("a list of at least one method")]
-    sweep: dict[str, Axis] = field(default_factory=dict)
-    zip: dict[str, Axis] = field(default_factory=dict)
+    sweep: Axes = field(default_factory=dict)
+    zip: Axes = field(default_factory=dict)
     measure: Measure = Measure()
     figures: tuple[Figure, ...] = ()
     profiles: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -91,7 +93,7 @@ def parse(cls: type, data: Any) -> tuple[Any, list[tuple[Path, str]]]:
 def _explain(cls: Any, data: Any, loc: Path, path: Path = ()) -> tuple[Path, str]:
     """The path of the first field on the way to `loc` that has no fields of its own, and what is wrong there."""
     if not loc or not isinstance(data, dict if is_dataclass(cls) else list):
-        return path, f"{shown(data)} is not allowed; allowed: {allowed(cls)}"
+        return path, f"{not_allowed(data)}; allowed: {allowed(cls)}"
     key, *rest = loc
     if not is_dataclass(cls):
         return _explain(get_args(cls)[0], data[key], tuple(rest), (*path, key))
@@ -104,9 +106,9 @@ def _explain(cls: Any, data: Any, loc: Path, path: Path = ()) -> tuple[Path, str
         return _explain(hints[key], data[key], tuple(rest), (*path, key))
     if get_origin(hints[key]) is dict and rest:
         value = data[key][rest[0]]
-        return (*path, key, rest[0]), f"{shown(value)} is not allowed; allowed: {allowed(get_args(hints[key])[1])}"
+        return (*path, key, rest[0]), f"{not_allowed(value)}; allowed: {allowed(get_args(hints[key])[1])}"
     close = nearest(str(data[key]), map(str, _choices(hints[key])))
-    return (*path, key), f"{shown(data[key])} is not allowed; allowed: {allowed(hints[key])}{close}"
+    return (*path, key), f"{not_allowed(data[key])}; allowed: {allowed(hints[key])}{close}"
 
 
 @cache
@@ -132,5 +134,14 @@ def allowed(hint: Any) -> str:
     if get_origin(hint) is Literal:
         return " | ".join(map(str, get_args(hint)))
     if is_dataclass(hint):
-        return f"a mapping with {', '.join(_hints(hint))}"
-    return {bool: "true | false", dict: "a mapping", tuple: "a list"}[get_origin(hint) or hint]
+        return f"a mapping with {_keys(hint)}"
+    return {bool: "true | false", dict: "a mapping", tuple: "a list of mappings"}[get_origin(hint) or hint]
+
+
+def _keys(cls: type) -> str:
+    """The keys of a mapping; of many only those that it must have, and where the others are listed."""
+    names = _hints(cls)
+    if len(names) <= SHORT:
+        return ", ".join(names)
+    needed = [f.name for f in fields(cls) if f.default is MISSING and f.default_factory is MISSING]
+    return f"{', '.join(needed)} and any of {len(names) - len(needed)} other keys, which 'mfr-bench schema' lists"

@@ -43,7 +43,9 @@ ONE_LINE = [
     (GOOD.replace("size: [64, 48], ", ""), "F:2: scene.size: missing; allowed: two whole numbers"),
     (GOOD.replace(", depth_complexity: 32", ""), "F:2: scene.depth_complexity: missing; allowed: a whole number"),
     (GOOD.replace("methods: [kplus-array, ab-array]\n", ""), "F:1: methods: missing; allowed: a list"),
-    (GOOD.replace(SCENE, "scene: 5"), "F:2: scene: 5 is not allowed; allowed: a mapping with kind"),
+    (GOOD.replace(SCENE, "scene: 5"),
+     "F:2: scene: 5 is not allowed; allowed: a mapping with size, depth_complexity and any of "),
+    (GOOD.replace(SCENE, "scene:"), "F:2: scene: no value is given; allowed: a mapping with size, depth_complexity"),
     (GOOD.replace("name: good", "name: good\nsource: {papr: x}"), "F:2: source.papr: unknown key; allowed: paper, "),
     (GOOD + "source: {figure: 6}\n", "F:8: source.figure: 6 is not allowed; allowed: text"),
     # scene values
@@ -110,7 +112,7 @@ ONE_LINE = [
     (GOOD + "measure: {min_samples: '8'}\n", "F:8: measure.min_samples: '8' is not allowed"),
     (GOOD + "measure: {min_samples: 50, max_samples: 20}\n", "F:8: measure.max_samples: 50 to 20 samples"),
     (GOOD + "measure: {time_limit_s: .inf}\n", "F:8: measure.time_limit_s: inf is not allowed; allowed: seconds"),
-    (GOOD + "measure:\n", "F:8: measure: nothing is not allowed; allowed: a mapping with target_rel_ci"),
+    (GOOD + "measure:\n", "F:8: measure: no value is given; allowed: a mapping with target_rel_ci"),
     # methods
     (methods("[]"), "F:3: methods: [] is not allowed; allowed: a list of at least one method"),
     (methods("[kplus-aray]"), "F:3: methods[0]: unknown method 'kplus-aray'; allowed: floor, ab-array"),
@@ -132,7 +134,12 @@ ONE_LINE = [
     (GOOD + "params: {load_factor: 0.5}\n", "F:8: params.load_factor: no listed method has this parameter"),
     (GOOD + "params: {k: 0}\n", "F:8: params.k: 0 is not allowed; allowed: a whole number from 1 to 1024"),
     (GOOD + "params: {k: 8.0}\n", "F:8: params.k: 8.0 is not allowed"),
-    (GOOD + "params: 5\n", "F:8: params: 5 is not allowed; allowed: a mapping"),
+    (GOOD + "params: 5\n", "F:8: params: 5 is not allowed; allowed: a mapping of parameters to values, such as {k: "),
+    (sweep("[]"), "F:4: sweep: [] is not allowed; allowed: a mapping of keys to lists of values, such as {k: [4, 8]}"),
+    (sweep(""), "F:4: sweep: no value is given; allowed: a mapping of keys to lists of values"),
+    (GOOD + "zip: 3\n", "F:8: zip: 3 is not allowed; allowed: a mapping of keys to lists of values"),
+    (GOOD.replace("x: k, y: time_ms", "x: scene.seed, y: time_ms"),
+     "F:5: figures[0].x: nothing sweeps scene.seed; allowed: a list of values for it in sweep or zip, or a figure along"),
     (methods("[kplus-array, {id: open-post, load_factor: 1.0}]"), "F:3: methods[1].load_factor: 1.0 is not allowed; "),
     (methods("[kplus-array, {id: open-post, load_factor: 0}]"), "0 is not allowed; allowed: a number between 0 and 1"),
     (methods("[kplus-array, {id: open-post, load_factor: .nan}]"), "F:3: methods[1].load_factor: nan is not allowed"),
@@ -174,6 +181,8 @@ ONE_LINE = [
     (GOOD.replace("x: k", "x: k, colour: red"), "F:5: figures[0].colour: unknown key; allowed: kind, x, y, title"),
     (GOOD.replace("x: k", "x: k, methods: [K+B-Aray]"), "F:5: figures[0].methods[0]: no method has the label 'K+B-"),
     (GOOD.replace("x: k", "x: k, methods: [K+B-Aray]"), "; allowed: K+B-Array, AB_Array; nearest: 'K+B-Array'"),
+    (GOOD.replace("x: k", "x: k, methods: [A, B, AB_Array]"),
+     "F:5: figures[0].methods: no method has any of the labels 'A', 'B'; allowed: K+B-Array, AB_Array"),
     # profiles
     (GOOD.replace("[16, 16]", "[16]"), "F:7: profiles.smoke.scene.size: [16] is not allowed; allowed: two whole"),
     (GOOD.replace("scene.size: [16", "scene.sise: [16"),
@@ -195,6 +204,15 @@ def test_a_mistake_is_one_line(mistakes, text, message):
     assert all("\n" not in line and line.startswith("F:") for line in lines)
     follow_ups = ("profiles.smoke: ", "sweep.k: nothing has", "figures[0].x: unknown", "figures[0].methods[0]")
     assert len([line for line in lines if not any(f in line for f in follow_ups)]) <= 1, lines
+
+
+@pytest.mark.parametrize("written", ["{}", "[]", "3", ""])
+def test_methods_that_are_no_list_are_one_mistake_however_many_labels_figures_name(mistakes, written):
+    """Each label of each figure was said to be that of no method, with nothing allowed."""
+    lines = mistakes(methods(written).replace("x: k", "x: k, methods: [K+B-Array, AB_Array]"))
+    said = "no value is given" if not written else f"{written} is not allowed"
+    assert [line for line in lines if "methods" in line] == [
+        f"F:3: methods: {said}; allowed: a list of at least one method"]
 
 
 def test_all_mistakes_come_at_once_in_the_order_of_the_file(mistakes):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ...errors import nearest, shown
+from ...errors import nearest, not_allowed
 
 Value = int | float | str
 Params = Mapping[str, Value]
@@ -80,14 +80,14 @@ class Param:
             if value in self.choices:
                 return value
             close = nearest(str(value), self.choices)
-            raise ValueError(f"{shown(value)} is not allowed; allowed: {self.allowed}{close}")
+            raise ValueError(f"{not_allowed(value)}; allowed: {self.allowed}{close}")
         number = isinstance(value, (int, float) if self.real else int) and not isinstance(value, bool)
         inside = number and self.low <= value <= self.high
         if self.real:
             inside = inside and value != self.low and (self.closed or value != self.high)
             inside = inside or (number and value == self.off)
         if not inside or (self.of and value not in self.of):
-            raise ValueError(f"{shown(value)} is not allowed; allowed: {self.allowed}")
+            raise ValueError(f"{not_allowed(value)}; allowed: {self.allowed}")
         return float(value) if self.real else value
 
 
