@@ -48,6 +48,23 @@ def interval_position(count: int, confidence: float = 0.95) -> float | None:
     return rank + float((count - rank) * share / (rank + (count - 2 * rank) * share))
 
 
+def whole_percents(shares: Sequence[float]) -> list[int]:
+    """Shares of a whole, together 1, in whole percents that add up to 100, by the largest remainders.
+
+    What is not certain is 99 % at most.
+    """
+    exact = [100 * share for share in shares]
+    found = [math.floor(value + 1e-9) for value in exact]
+    missing = 100 - sum(found)
+    for at in sorted(range(len(found)), key=lambda at: found[at] - exact[at])[:missing]:
+        found[at] += 1
+    others = [at for at, share in enumerate(shares) if share > 0 and found[at] < 100]
+    if others and 100 in found:
+        found[found.index(100)] -= 1
+        found[max(others, key=shares.__getitem__)] += 1
+    return found
+
+
 def median_interval(samples: Sequence[float], confidence: float = 0.95) -> Interval:
     """Median of `samples` between the ends of its order-statistic interval, in the samples' unit.
 

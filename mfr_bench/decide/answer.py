@@ -14,7 +14,7 @@ from ..measure.elimination import CHANCE, LATE, Elimination
 from ..report import data
 from ..report.advice import chosen, written
 from ..report.data import Point, Result
-from ..stats import Interval
+from ..stats import Interval, whole_percents
 from ..store import failed_trials
 from ..store.status import EXACT_ERROR
 from .candidates import NOT_FINISHED, NOT_TRIED, Excluded
@@ -76,13 +76,21 @@ class Answer:
 
     @cached_property
     def chances(self) -> dict[str, float]:
-        """The chance of each finalist to be the fastest of all: what dropping the fastest may take is in it."""
+        """The chance of each finalist to be the fastest of all.
+
+        Where methods were dropped for their times, these have the chance that dropping takes: together it is 1.
+        """
         race = Elimination([p.cell["key"] for p in self._in_the_end])
         samples = {p.cell["key"]: p.cell["samples_ms"] for p in self._in_the_end}
         for times in zip(*samples.values(), strict=False):
             race.rounds.append(dict(zip(samples, times, strict=True)))
         found = race.chances() if race.rounds else {}
-        return {key: (1 - CHANCE) * chance for key, chance in found.items()}
+        return {key: self._of_finalists * chance for key, chance in found.items()}
+
+    @property
+    def _of_finalists(self) -> float:
+        """The chance that a finalist is the fastest."""
+        return 1 - CHANCE if any(_stopped(p).startswith("eliminated") for p in self.result.points) else 1.0
 
     @property
     def confidence(self) -> float:
@@ -109,10 +117,16 @@ class Answer:
     def _unseen(self) -> float:
         """The part of the chance of each finalist that no frame has given it: together they weigh as one round."""
         rounds = min(len(p.cell["samples_ms"]) for p in self.finalists)
-        return (1 - CHANCE) / (rounds + 1) / len(self.finalists)
+        return self._of_finalists / (rounds + 1) / len(self.finalists)
 
     def _chance(self, point: Point) -> float:
         return self.chances.get(point.cell["key"], 0.0)
+
+    @cached_property
+    def _percents(self) -> list[int]:
+        """The chances of `best`, of each of `close` and of all others together, in percents that add up to 100."""
+        named = [self._chance(p) for p in (self.best, *self.close)]
+        return whole_percents([*named, max(0.0, 1 - sum(named))])
 
     @cached_property
     def out(self) -> list[Out]:
@@ -177,7 +191,7 @@ class Answer:
     @property
     def marked(self) -> dict[str, Any]:
         """The part of a manifest by which figures mark the answer; empty where nothing keeps the bounds."""
-        return {"key": self.best.cell["key"], "confidence": round(self.confidence, 4)} if self.best else {}
+        return {"key": self.best.cell["key"], "confidence": self._percents[0] / 100} if self.best else {}
 
     @property
     def _left(self) -> dict[str, Any]:
@@ -205,7 +219,7 @@ class Answer:
             time += f" ({data.number(row['time_ms_low'])} to {data.number(row['time_ms_high'])})"
         memory = data.number(best.measure("memory_mib")[1])
         said = [f"  time {time}, memory {memory} MiB, largest error {row['max_error_all']:.3g}, on {row['device']}",
-                f"  fastest{self._among} with a chance of {data.percent(self.confidence)}"]
+                f"  fastest{self._among} with a chance of {self._percents[0]} %"]
         said += [f"  {self._near}", f"  in full: {self.command}"]
         said += [f"  unsteady: {self.result.unsteady}"] if self.result.unsteady else []
         return [line for text in said for line in textwrap.wrap(text, width, subsequent_indent="    ",
@@ -214,10 +228,12 @@ class Answer:
     @property
     def _near(self) -> str:
         """The methods of `close`, each with its ratio to the answer and its chance, and what is left of all chances."""
-        named = _some([f"{written(p)} ({_spread(p.over(self.best))} times, chance {data.percent(self._chance(p))})"
-                       for p in self.close], "; ")
-        others = sum(self._chance(p) for p in self.finalists[1:] if p not in self.close)
-        left = f"; the chance of all others together is {data.percent(others)}" if others >= LIKELY else ""
+        _, *percents, others = self._percents
+        named = "; ".join(f"{written(p)} ({_spread(p.over(self.best))} times, chance {_told(percent)})"
+                          for p, percent in [*zip(self.close, percents, strict=True)][:MOST_SHOWN])
+        if more := percents[MOST_SHOWN:]:
+            named += f" and {len(more)} more, chance {_told(sum(more))} together"
+        left = f"; the chance of all others together is {others} %" if others else ""
         return f"may be as fast: {named}{left}" if self.close else f"no other that was timed was as fast{left}"
 
     @property
@@ -275,8 +291,18 @@ def _candidates(count: int) -> str:
     return "a candidate was" if count == 1 else f"{count} candidates were"
 
 
+def _told(percent: int) -> str:
+    """A chance that a frame or the lack of frames gives is never none."""
+    return f"{percent} %" if percent else "below 1 %"
+
+
 def _left_early(point: Point) -> bool:
-    return str(point.row.get("stop_reason") or "").startswith(("eliminated", "error above"))
+    return _stopped(point).startswith(("eliminated", "error above"))
+
+
+def _stopped(point: Point) -> str:
+    """Why no more frames of a point were drawn."""
+    return str(point.row.get("stop_reason") or "")
 
 
 def _reason(point: Point) -> str:

@@ -139,7 +139,7 @@ ONE_LINE = [
     (sweep(""), "F:4: sweep: no value is given; allowed: a mapping of keys to lists of values"),
     (GOOD + "zip: 3\n", "F:8: zip: 3 is not allowed; allowed: a mapping of keys to lists of values"),
     (GOOD.replace("x: k, y: time_ms", "x: scene.seed, y: time_ms"),
-     "F:5: figures[0].x: nothing sweeps scene.seed; allowed: a list of values for it in sweep or zip, or a figure along"),
+     "F:5: figures[0].x: nothing sweeps scene.seed; allowed: a list of values for it in sweep or zip, or a"),
     (methods("[kplus-array, {id: open-post, load_factor: 1.0}]"), "F:3: methods[1].load_factor: 1.0 is not allowed; "),
     (methods("[kplus-array, {id: open-post, load_factor: 0}]"), "0 is not allowed; allowed: a number between 0 and 1"),
     (methods("[kplus-array, {id: open-post, load_factor: .nan}]"), "F:3: methods[1].load_factor: nan is not allowed"),
@@ -244,7 +244,7 @@ def test_a_mistake_is_told_once_however_many_profiles_there_are(mistakes):
 @pytest.mark.parametrize(("override", "message"), [
     ("k8", "--set k8: not a setting; allowed: KEY=VALUE, such as k=8"),
     ("=8", "--set =8: not a setting; allowed: KEY=VALUE, such as k=8"),
-    ("k=", "--set k: nothing is not allowed; allowed: a whole number from 1 to 1024"),
+    ("k=", "--set k: no value is given; allowed: a whole number from 1 to 1024"),
     ("k=eight", "--set k: 'eight' is not allowed"),
     ("kk=8", "--set kk: unknown key; allowed: a key of the config, dotted (scene.size), or a parameter; nearest: 'k'"),
     ("scene.size=[1", "--set scene.size: not valid YAML"),
