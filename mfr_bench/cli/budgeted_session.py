@@ -11,6 +11,7 @@ from ..plan.ending import SAFE, reports_s
 from ..plan.forecast import Rates
 from ..store import ResultFolder
 from .interruption import Interruption
+from .progress import PULSE_S, Progress
 from .session import Choices, Part, Session
 from .time_budget import left_out
 
@@ -35,6 +36,10 @@ class BudgetedSession(Session):
     def _deadlines(self, groups, parts: Sequence[Part]) -> tuple[float, float]:
         return self.budget.stop, self.budget.last
 
+    def _progress(self, groups, parts: Sequence[Part], until: float) -> Progress:
+        """Like that of a run, without a forecast: what imports and computes one would take time from the race."""
+        return Progress(sum(map(len, groups)), "decide", self.interruption.asked, until=until, pulse_s=PULSE_S)
+
     def _at_the_end(self, parts: Sequence[Part]) -> None:
         if self.budget.room_for(Rates().start_s):
             super()._at_the_end(parts)
@@ -54,7 +59,10 @@ class BudgetedSession(Session):
 
 
 class CountingSession(BudgetedSession):
-    """A session whose cell is read for what it counted in the scene; nothing else is written of it."""
+    """A session whose cell is read for what it counted in the scene; nothing else is written or told of it."""
+
+    def _progress(self, groups, parts: Sequence[Part], until: float) -> Progress:
+        return Progress(sum(map(len, groups)), "decide", self.interruption.asked, quiet=True)
 
     def _at_the_end(self, parts: Sequence[Part]) -> None:
         """Calibrate nothing."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 ENOUGH = 0.1  # of what was foretold at the start; while less is over, the time left is marked as a forecast
 STOPPING = "stopping; Ctrl-C again ends at once"
+PULSE_S = 2.0  # between two lines of a race in a log, whose cells end late and many at once
 
 
 def exact_duration(seconds: float) -> str:
@@ -43,14 +44,16 @@ class Progress:
 
     `asked` says whether the user has asked the work to stop. quiet: nothing is printed. foretell: makes what the run
     will take, at the first event, when the process that measures is at work. until: when measuring has to stop, on the
-    monotonic clock.
+    monotonic clock. pulse_s: in a log a line tells how far the cells are whenever none has ended for so long.
     """
 
     def __init__(self, total: int, name: str, asked: Callable[[], bool] = lambda: False, quiet: bool = False,
-                 foretell: Callable[[], TimeLeft] | None = None, until: float = float("inf")):
+                 foretell: Callable[[], TimeLeft] | None = None, until: float = float("inf"),
+                 pulse_s: float = float("inf")):
         self.total, self.name, self.asked, self.quiet, self.done = total, name, asked, quiet, 0
         self.ahead, self._foretell, self._until = None, foretell, until
         self._last, self._start = "starting", time.monotonic()
+        self._pulse_s, self._told_s, self._begun = pulse_s, self._start, set[str]()
         self._learning = threading.Lock()  # a thread redraws the line; what it reads must not change meanwhile
         self._live = _live_line(self._text) if total and not quiet else None
 
@@ -73,6 +76,7 @@ class Progress:
         """A cell is done."""
         self._begin()
         self.done += 1
+        self._begun.add(row["key"])
         if self.ahead:
             with self._learning:
                 self.ahead.done(row["key"], row, self._elapsed_s)
@@ -80,7 +84,7 @@ class Progress:
         if self.quiet:
             return
         if self._live is None:
-            note(self._line())
+            self._note()
         elif STATUSES[row["status"]].failed:
             with suppress(OSError):
                 self._live.console.print(self._last, markup=False, highlight=False)
@@ -97,6 +101,17 @@ class Progress:
                 else:
                     self.ahead.sampled(event.key, event.samples_ms)
         self._last = self._last if self.done else "measuring"
+        if isinstance(event, Begun) and event.key:
+            self._begun.add(event.key)
+        if self._live is None and not self.quiet and time.monotonic() - self._told_s >= self._pulse_s:
+            begun = len(self._begun)
+            self._last = "drawing in turns" if begun >= self.total else f"{begun} of {self.total} begun"
+            self._note()
+
+    def _note(self) -> None:
+        """Print the line into a log."""
+        self._told_s = time.monotonic()
+        note(self._line())
 
     def _begin(self) -> None:
         """Tell what the run will take, once there is an event."""
@@ -107,11 +122,14 @@ class Progress:
                     self._live.refresh()
 
     def _line(self) -> str:
-        left = f", {self._left}" if self.ahead and self.done < self.total else ""
+        known = self.ahead or self._until < float("inf")
+        left = f", {self._left}" if known and self.done < self.total else ""
         return f"{self.name} {self.done}/{self.total}{left}  {STOPPING if self.asked() else self._last}"
 
     @property
     def _left(self) -> str:
+        if self.ahead is None:
+            return f"{exact_duration(max(0.0, self._until - time.monotonic()))} left to measure"
         with self._learning:
             left_s, share = self.ahead.left_s(self._elapsed_s), self.ahead.share
         most_s = max(0.0, self._until - time.monotonic()) + self.ahead.end_s

@@ -162,7 +162,6 @@ class Session:
     def _measure(self, parts: Sequence[Part]) -> None:
         """Measure what is pending, then report each experiment."""
         from ..errors import DeviceError, Interrupted
-        from .progress import Progress
 
         ledger, budget_s = self.ledger, self.choices.budget_s
         groups = ledger.groups(coarse_first=budget_s is not None)
@@ -170,11 +169,8 @@ class Session:
             refuse(parts, self.supervisor.ready().limits)
         deadlines = self._deadlines(groups, parts)
         measuring = [part for part in parts if part.sheet.pending]
-        name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
         try:
-            with self.interruption.in_its_time(), Progress(
-                    sum(map(len, groups)), name, self.interruption.asked, self.choices.quiet,
-                    partial(self._foretold, groups, parts), until=deadlines[0]) as progress:
+            with self.interruption.in_its_time(), self._progress(groups, parts, deadlines[0]) as progress:
                 ledger.report = progress.row
                 self.supervisor.measure(groups, ledger, progress.saw, self.choices.try_hopeless, *deadlines, note)
             self._at_the_end(measuring)
@@ -197,6 +193,14 @@ class Session:
             for part in parts:
                 self._report(part)
             raise DeviceError(f"{error}; {self._kept(parts)}") from None
+
+    def _progress(self, groups, parts: Sequence[Part], until: float):
+        """What tells of the cells while they are measured. until: as of `Progress`."""
+        from .progress import Progress
+
+        name = parts[0].experiment.name if len(parts) == 1 else f"{len(parts)} configs"
+        return Progress(sum(map(len, groups)), name, self.interruption.asked, self.choices.quiet,
+                        partial(self._foretold, groups, parts), until)
 
     def _deadlines(self, groups, parts: Sequence[Part]) -> tuple[float, float]:
         """The times of the monotonic clock at which to stop measuring, and to end the process that measures."""

@@ -39,3 +39,28 @@ def test_the_live_line_is_not_made_while_the_time_left_learns():
     learning.asking.join()
     assert not learning.answered
     assert "5 s left" in progress._text().plain
+
+
+def test_a_race_in_a_log_is_heard_while_no_cell_ends(monkeypatch, capsys):
+    """For minutes nothing told a pipe that `decide` was at work: its cells end late, and many at once."""
+    now = [100.0]
+    monkeypatch.setattr("mfr_bench.cli.progress.time.monotonic", lambda: now[0])
+    progress = Progress(3, "decide", until=130.0, pulse_s=2.0)
+    for key in ("a", "b", "a", "c", "c", "c"):
+        now[0] += 1.2
+        progress.saw(Begun(key, "compile"))
+    progress.row({"key": "a", "label": "A", "point": {}, "status": "ok", "reason": "", "values": {"time_ms": 2.5}})
+    assert capsys.readouterr().err.splitlines() == [
+        "decide 0/3, 28 s left to measure  2 of 3 begun",
+        "decide 0/3, 25 s left to measure  drawing in turns",
+        "decide 0/3, 23 s left to measure  drawing in turns",
+        "decide 1/3, 23 s left to measure  A: 2.5 ms"]
+
+
+def test_a_run_in_a_log_has_a_line_for_each_cell_alone(monkeypatch, capsys):
+    now = [100.0]
+    monkeypatch.setattr("mfr_bench.cli.progress.time.monotonic", lambda: now[0])
+    progress = Progress(3, "smoke")
+    now[0] += 1000
+    progress.saw(Begun("a", "compile"))
+    assert capsys.readouterr().err == ""
