@@ -13,7 +13,7 @@ from typing import Any
 from ..measure.elimination import CHANCE, LATE, Elimination
 from ..report import data
 from ..report.advice import chosen, written
-from ..report.data import Point, Result
+from ..report.data import LOSES_TIES, Point, Result
 from ..stats import Interval, whole_percents
 from ..store import failed_trials
 from ..store.status import EXACT_ERROR
@@ -149,7 +149,7 @@ class Answer:
             reason = _reason(point)
             return Out(UNTRIED if reason == NOT_TRIED else FAILED, name, reason)
         if error is not None and error > self.question.max_error:
-            return Out(INEXACT, name, f"an error above {self._bound}")
+            return Out(INEXACT, name, f"an error above {self._bound}{f': {LOSES_TIES}' if point.loses_ties else ''}")
         ratio = point.over(self.best)[1] if self.best else None
         return Out(TIMED, name, "slower" if ratio is None else self._about(ratio), ratio)
 

@@ -32,8 +32,7 @@ def conformance(image: np.ndarray, promised: Answer, given: Answer | None = None
 def pixel_errors(image: np.ndarray, promised: Answer) -> np.ndarray:
     """float64 (H, W): how far the worst channel of each pixel is from the values that are right."""
     _require_same_shape(image, promised.image)
-    nearest = promised.image if promised.unique else np.clip(image, promised.low, promised.high)
-    return _error(image, nearest).max(axis=-1)
+    return _error(image, promised.nearest(image)).max(axis=-1)
 
 
 def quality(image: np.ndarray, full: np.ndarray, with_flip: bool = True,
@@ -43,14 +42,16 @@ def quality(image: np.ndarray, full: np.ndarray, with_flip: bool = True,
     rmse: over all channels. psnr_db: infinite where the images are equal. flip: mean of NVIDIA's FLIP of the displayed
     8-bit images, over black or over white, whichever is worse; None without it, since it takes longer than all else.
     max_error_all, wrong_pixels_all: as `conformance` has them against the promise, but no fragment may be lost. Where
-    fragments share a depth they are against `orders`, the images of all fragments in any order of equal depths.
+    fragments share a depth all of these are against the nearest of `orders`, the images of all fragments in any order
+    of equal depths.
     """
     _require_same_shape(image, full)
-    error = _error(image, full)
+    right = orders.nearest(image) if orders else full
+    error = _error(image, right)
     rmse = math.sqrt(float(np.mean(error ** 2)))
-    worst, wrong = _worst(pixel_errors(image, orders) if orders else error.max(axis=-1))
+    worst, wrong = _worst(error.max(axis=-1))
     return {"rmse": rmse, "psnr_db": -20 * math.log10(rmse) if rmse > 0 else math.inf,
-            "flip": OnScreen.of(image, full).flip() if with_flip else None,
+            "flip": OnScreen.of(image, right).flip() if with_flip else None,
             "max_error_all": worst, "wrong_pixels_all": wrong}
 
 

@@ -67,6 +67,10 @@ class Answer:
             return np.zeros(self.image.shape[:2], dtype=bool)
         return (self.high - self.low > ROUNDING).any(axis=-1)
 
+    def nearest(self, image: np.ndarray) -> np.ndarray:
+        """The right values that are nearest to those of an image, float64 (H, W, 4)."""
+        return self.image if self.unique else np.clip(image, self.low, self.high)
+
     def given_by(self, method: Method) -> Answer:
         """The images that a method may give, with what equal depths cost it by nature."""
         if self.losing is None or not method.loses_ties:

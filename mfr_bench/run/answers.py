@@ -213,7 +213,11 @@ class Compare:
 
 
 def _flip(known: Known, image: np.ndarray) -> float:
-    """FLIP, once for all images that a screen shows alike."""
+    """FLIP, once for all images that a screen shows alike; where orders are open each is beside the nearest of its own.
+    """
+    if not known.reference.unique:
+        images = OnScreen.of(image, known.reference.nearest(image))
+        return 0.0 if images.equal else images.flip()
     images = OnScreen.beside(image, known.displays)
     return 0.0 if images.equal else known.once("shown", images.digest, images.flip)
 

@@ -74,12 +74,14 @@ COLUMNS = (
            producer="run.outcome"),
     Column("max_abs_error", "float", "", "largest channel error against the promised image, channels in [0,1]",
            drawn="measure", producer="oracle.quality", label="largest channel error"),
-    Column("rmse", "float", "", "root mean square error against the full list's image", drawn="error",
+    Column("rmse", "float", "", "root mean square error against the full list's image, in the "
+           "nearest order of equal depths", drawn="error",
            producer="oracle.quality", label="root mean square error"),
-    Column("psnr_db", "float", "dB", "peak signal-to-noise ratio against the full list's image", drawn="measure",
+    Column("psnr_db", "float", "dB", "peak signal-to-noise ratio against the full list's image, in the "
+           "nearest order of equal depths", drawn="measure",
            producer="oracle.quality"),
-    Column("flip", "float", "", "mean FLIP of the displayed image against the full list's, over black or white, the "
-           "worse", drawn="error", producer="oracle.quality", label="mean FLIP"),
+    Column("flip", "float", "", "mean FLIP of the displayed image against the full list's, in the nearest order of "
+           "equal depths, over black or white, the worse", drawn="error", producer="oracle.quality", label="mean FLIP"),
     Column("hit_ratio", "float", "", "fragments kept / generated, counted in what the method holds after an untimed "
            "frame (as promised, by a method that holds no fragments)", drawn="measure", producer="run.outcome",
            label="share of the fragments that is kept"),

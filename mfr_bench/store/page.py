@@ -37,6 +37,12 @@ FILES = """
 | `comparison.json` | by `merge`: what comparing devices reads of cells; used while manifest and cells are the same |
 | `figures/<name>.png`, `.svg` | the config's figures; with a digest of their inputs, PNGs with their small print |
 
+In `tables/summary.csv` the column `exact` says that an image is as promised: `max_abs_error` is at most 1e-4, and the
+status is not `wrong`. What is promised may be the image of fewer fragments, as by a k-buffer, and where equal depths
+meet by chance a method that loses them by nature keeps its promise without them
+([scenes.md](scenes.md#equal-depths)); `tied_error` then tells how much that is. The word `exact` of tables is stricter:
+it stands where the image is that of all fragments.
+
 A cell whose scene moves, or whose method chooses k from the scene, has `frames` in its file. For each of them:
 `frame` (from 0), `fragments`, `covered_pixels`, `max_fragments`, `chosen_k` (null where nothing is chosen), `kept`
 (fragments that the method keeps of the frame) and `histogram` (pixels with 0, 1, 2, … fragments).

@@ -23,7 +23,7 @@ HISTORY = {  # of the format: a new schema is one that programs of the one befor
        "the self-tests that its device fails, for which it is unsupported. "
        "`lost_fragments` was the sum of all frames. `tied_error` and `order_error`: before, `max_abs_error` left out "
        "all pixels with equal depths in scenes that a device rasterizes, and none on flat quads. `max_error_all` and "
-       "`wrong_pixels_all`: before, equal depths had the order of submission.",
+       "`wrong_pixels_all`, later `rmse`, `psnr_db` and `flip`: before, equal depths had the order of submission.",
 }
 NODE = ("uuid", "pci")  # of a device: they tell one of a kind from another
 NUMBERS = frozenset((int, float))  # the types of numbers in JSON; a truth value is of another

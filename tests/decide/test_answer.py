@@ -101,6 +101,16 @@ def test_an_error_that_is_too_large_is_told_by_the_option(tmp_path, most, said):
     assert said in found.text(200) and said in found.record()["excluded"][0]["reason"]
 
 
+@pytest.mark.parametrize(("tied_error", "why"), [
+    (0.4, "an error above 0.0001, the most of an exact image: of fragments of equal depth it keeps one"),
+    (0.0, "an error above 0.0001, the most of an exact image")])
+def test_an_exact_method_that_loses_equal_depths_is_left_out_with_that_reason(answer, tied_error, why):
+    gone = raced("peel-f2b", [1.0], "error above measure.max_error", error=0.4)
+    gone["values"] |= {"max_abs_error": 1e-7, "tied_error": tied_error}
+    found = answer(raced("ab-array", [10.0] * 9), gone)
+    assert [(each.method, each.reason) for each in found.out] == [("peel-f2b", why)]
+
+
 def noisy(middle, seed):
     """Frames of a machine that is busy with other work."""
     drawn = random.Random(seed)  # noqa: S311 - noise, no secret

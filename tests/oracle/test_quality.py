@@ -148,22 +148,25 @@ def test_tied_pixels_are_held_against_every_order():
 
 
 def test_against_all_fragments_tied_pixels_may_have_every_order_but_lose_none():
-    """The other errors are against the order of submission."""
+    """rmse and FLIP were against the order of submission, so that an order of its own counted as an error there."""
     high, lowest = ORACLE.copy(), ORACLE.copy()
     high[3, 5, 0] += 0.25
     lowest[3, 5, 0] -= 0.5
     full = Answer(ORACLE, ORACLE.copy(), high, Answer(ORACLE, lowest, high))
 
     def found(by):
-        return quality(planted((3, 5, 0), by=by), full.image, with_flip=False, orders=full)
+        return quality(planted((3, 5, 0), by=by), full.image, orders=full)
 
     other = found(0.25)
     assert (other["max_error_all"], other["wrong_pixels_all"]) == (pytest.approx(0, abs=1e-7), 0)
-    assert other["rmse"] == pytest.approx(0.25 / math.sqrt(ORACLE.size), rel=1e-3)
+    assert (other["rmse"], other["flip"]) == (pytest.approx(0, abs=1e-7), 0)
+    assert other["psnr_db"] > 100
     lost = found(-0.5)
+    assert lost["rmse"] == pytest.approx(0.5 / math.sqrt(ORACLE.size), rel=1e-3) and lost["flip"] > 0
     assert (lost["max_error_all"], lost["wrong_pixels_all"]) == (pytest.approx(0.5), 1)
     beyond = found(0.375)
     assert (beyond["max_error_all"], beyond["wrong_pixels_all"]) == (pytest.approx(0.125), 1)
+    assert beyond["rmse"] == pytest.approx(0.125 / math.sqrt(ORACLE.size), rel=1e-3)
 
 
 @pytest.mark.parametrize(("tied", "error"), [(7, 0), (8, 0.5)])

@@ -133,6 +133,17 @@ def test_an_image_of_fewer_fragments_is_called_exact_only_where_it_shows_what_al
     assert words(section(tables.terminal_table(folder), "Images"), "K⁺B-Array")[2] == said
 
 
+def test_a_method_that_loses_equal_depths_is_as_promised_and_the_reason_is_told(tmp_path):
+    """It was called exact here, and an error above the bound by `decide`."""
+    lost = {"max_abs_error": 1e-7, "tied_pixels": 3, "tied_error": 0.3, "promised_ratio": 1.0}
+    folder = planted.folder(tmp_path, [at(4, values=lost), cell("ab-array", "AB", 5.0, params={"k": 4}, point={"k": 4},
+                                                                values=lost | {"tied_error": 1e-7})])
+    lines = section(tables.terminal_table(folder), "Images")
+    assert words(lines, "K⁺B-Array")[2] == "as promised" and words(lines, "AB")[2] == "exact"
+    assert ("for equal depths that meet by chance: K⁺B-Array (of fragments of equal depth it keeps one)"
+            in " ".join(lines))
+
+
 @pytest.mark.parametrize("width", [0.01, 0.9])
 def test_the_floor_over_itself_is_1_however_much_its_times_scatter(tmp_path, width):
     folder = planted.folder(tmp_path, [cell("floor", "floor", 2.0, width=width), at(4, time_ms=5.0)], [FIGURE])

@@ -20,6 +20,9 @@ from .words import bare
 BY_MEMORY = {"ms_per_mib": ("time_ms", -1), "ms_times_mib": ("time_ms", 1), "fps_per_mib": ("fps", -1)}
 
 
+LOSES_TIES = "of fragments of equal depth it keeps one"
+
+
 @dataclass(frozen=True)
 class Point:
     """One cell. `label` names its series and is unique to its method and fixed parameters."""
@@ -167,6 +170,12 @@ class Point:
         """Whether the image is the promised one; None where no image was checked."""
         error = self.row["max_abs_error"]
         return None if error is None else error <= EXACT_ERROR and self.ending.image != "wrong"
+
+    @property
+    def loses_ties(self) -> bool:
+        """Whether the image is the promised one but where fragments of one depth meet, of which the method loses some.
+        """
+        return bool(self.exact) and (self.row["tied_error"] or 0.0) > EXACT_ERROR
 
 
 def time_ratio(over: Cell, under: Cell, confidence: float = 0.95) -> Interval:

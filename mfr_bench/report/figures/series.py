@@ -10,11 +10,10 @@ from typing import Any
 
 from ...stats import Interval
 from .. import data
-from ..data import Point, Result
+from ..data import LOSES_TIES, Point, Result
 from .kind import NothingToDraw
 
 Options = Mapping[str, Any]
-LOSES_TIES = "of fragments of equal depth it keeps one"
 
 
 def series_of(result: Result, options: Options) -> list[Point]:

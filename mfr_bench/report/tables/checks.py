@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from ...store.status import EXACT_ERROR
 from .. import breaking, data, printed
 from ..breaking import FAULTS, Ladder
-from ..data import Point, Result, number
+from ..data import LOSES_TIES, Point, Result, number
 from .grid import ABSENT, Grid, cut
 
 NAME_WIDTH = 58  # of a printed number
@@ -31,6 +31,8 @@ def _image(points: Sequence[Point]) -> str:
 
 def _whole(point: Point) -> bool:
     """Whether the point promises every fragment, or its image shows what all of them give; True where nothing tells."""
+    if point.loses_ties:
+        return False
     row, error = point.row, point.row["max_error_all"]
     share = row["hit_ratio"] if row["promised_ratio"] is None else row["promised_ratio"]
     return share is None or share >= 1 or (error is not None and error <= EXACT_ERROR)
@@ -47,6 +49,8 @@ def image_grid(result: Result) -> Grid:
     header = ("method", "id", "cells ok", "image", "max error", "wrong pixels", "hit ratio")
     note = (f"exact: no channel differs by more than {EXACT_ERROR:g} from the image of all fragments; as promised: "
             "from that of the fewer fragments that the method promises; the worst of all cells is shown")
+    if losers := data.listed(cut(p.label) for p in result.points if p.loses_ties):
+        note += f"\nas promised, but for equal depths that meet by chance: {losers} ({LOSES_TIES})"
     return Grid("Images", note, header, tuple(rows), left=2)
 
 
