@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 @own_scene(" Without a CONFIG every method draws it.")
 @click.option("--size", metavar="WxH", callback=pixels, help="Viewport of the scene in pixels, such as 1280x720.")
 @click.option("--memory-mb", metavar="MIB", type=NumberRange(0, 2**24, min_open=True),
-              help="Most memory of a method, in MiB; methods that need more are left out, and said to be.")
+              help="Most memory of a method, in MiB. Dynamic k-buffers choose a k within it; methods that need more "
+                   "are left out, and said to be.")
 @click.option("--shard", type=Share(), metavar="I/N",
               help="Measure the I-th of N shares of the scenes: one machine each; mfr-bench merge joins them, and plot "
                    "draws them.")

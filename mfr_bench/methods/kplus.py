@@ -60,7 +60,8 @@ STRUCTURE = Param("structure", "array", "how the k fragments are kept: max-array
                   "has at least k > 16 fragments", choices=("array", "heap", "adaptive"))
 CRITERION = Param("criterion", "nearest", "which k fragments are the best: nearest, furthest, or most opaque",
                   choices=("nearest", "furthest", "opaque"))
-MEMORY_MB = Param("memory_mb", 200.0, "memory budget M_b in MiB", real=True, low=0, high=2**20)
+MEMORY_MB = Param("memory_mb", 200.0, "memory budget M_b in MiB; where it is not given, no more than a run allows any "
+                  "method", real=True, low=0, high=2**20)
 HIT_RATIO = Param("hit_ratio", 0.95, "robustness ratio R_h: share of the fragments that should be kept", real=True,
                   low=0, high=1)
 
@@ -159,7 +160,8 @@ def slotted_dynamic(method_id: str, name: str, structure: str) -> Method:
                 "of every pixel and a hit ratio",
         guarantee="exact k nearest", ties=TIES, words="2*k + 2", local=f"min(n, {BINS})",
         beside="counter and semaphore are the 2 words; 4 KiB of histogram per frame (§5.2)",
-        fixed=(STRUCTURE.at(structure), CRITERION), capacity=Decided("histogram", predicted_slots),
+        fixed=(STRUCTURE.at(structure), CRITERION),
+        capacity=Decided("histogram", predicted_slots, MEMORY_MB.name, 4 * BINS),
         params=(MEMORY_MB, HIT_RATIO, SYNC, CULLING, OCCUPANCY, *RESOLVE_OPTIONS, TOUCHED, PAYLOAD),
         buffers=(COUNTER, SEMAPHORE, replace(NODES, words="2*capacity"), HISTOGRAM),
         steps=in_screen_region(
@@ -226,7 +228,8 @@ METHODS = [
     ranged("kplus-sb-dynamic", "dynamic K+B-AB_SB", "§4.2, Eq. 6 and 7, Alg. 3",
            "the same, with k from the depth-complexity histogram by a memory budget and a hit ratio",
            (count(), HISTOGRAM_PASS), (MEMORY_MB, HIT_RATIO), (HISTOGRAM,),
-           capacity=Decided("histogram", predicted), words="2*f_k + 3", local=f"min(n, {BINS})",
+           capacity=Decided("histogram", predicted, MEMORY_MB.name, 4 * (BINS + COUNTERS.default)),
+           words="2*f_k + 3", local=f"min(n, {BINS})",
            beside=f"{RANGED_WORDS}; 4 KiB of histogram per frame (§5.2)"),
     slotted_dynamic("kplus-array-dynamic", "dynamic K+B-Array", "array"),
     slotted_dynamic("kplus-heap-dynamic", "dynamic K+B-Heap", "heap"),

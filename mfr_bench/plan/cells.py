@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from ..config.axes import measure_at, points, scene_at
 from ..config.settings import Measure, MethodEntry
+from ..environment import MIB
 from ..errors import UsageError, one_of
 from ..methods import FLOOR
-from ..methods.spec import Method, Value
+from ..methods.spec import Decided, Method, Value
 from ..scene import Scene
 from ..scene.spec.values import told
 
@@ -80,9 +81,18 @@ def _chosen(entries: Sequence[MethodEntry], catalog: Mapping[str, Method],
     return [*(listed or [MethodEntry(FLOOR, catalog[FLOOR].name, {})]), *chosen]
 
 
+def _budgeted(method: Method, measure: Measure) -> dict[str, Value]:
+    """The memory that a method which decides by it may take where nothing else is given: no more than any method."""
+    decided = method.capacity
+    if not isinstance(decided, Decided):
+        return {}
+    own, allowed = method.param(decided.budget), measure.memory_budget_mb
+    return {own.name: min(own.default, max(allowed / 2, allowed - decided.beside / MIB))}
+
+
 def _cell(experiment: Experiment, method: Method, entry: MethodEntry, point: Mapping[str, Any], scene: Scene,
           measure: Measure) -> Cell:
-    params = method.complete({**experiment.params, **point, **entry.params})
+    params = method.complete({**_budgeted(method, measure), **experiment.params, **point, **entry.params})
     with_r = "r" in experiment.params or "r" in point
     mine = {key: told(value) for key, value in point.items()
             if "." in key or (key in params and key not in entry.params) or (with_r and key in ("r", "k"))}

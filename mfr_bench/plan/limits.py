@@ -11,6 +11,7 @@ from ..methods.spec import (
     FRAMEBUFFER_FETCH,
     MSAA_FEATURES,
     SCENE_FACTS,
+    Decided,
     Fitted,
     Method,
     Param,
@@ -114,8 +115,17 @@ def _judged(cell: Cell, fitted: Fitted, limits: Limits | None) -> Decision | Non
         if limits and memory[buffer.name] > limits.max_block_bytes:
             return "over_budget", (f"needs {_mib(memory[buffer.name])} for {buffer.name}, the device allows "
                                    f"{_mib(limits.max_block_bytes)} in a storage block")
-    total, budget = sum(memory.values()), cell.measure.memory_budget_mb * MIB
-    return ("over_budget", f"needs {_mib(total)}, the budget is {_mib(budget)}") if total > budget else None
+    return _over(sum(memory.values()), cell.measure.memory_budget_mb, variant)
+
+
+def _over(total: int, budget_mb: float, variant: Variant) -> Decision | None:
+    """Whether a cell of so many bytes exceeds the memory budget, with the parameter by which the method may keep it."""
+    if total <= budget_mb * MIB:
+        return None
+    own = variant.method.capacity
+    name = own.budget if isinstance(own, (Decided, Planned)) else None
+    keeps = f"; {name}={budget_mb:g} may keep it" if name and not 0 < variant.scope[name] <= budget_mb else ""
+    return "over_budget", f"needs {_mib(total)}, the budget is {_mib(budget_mb * MIB)}{keeps}"
 
 
 def _mib(count: float) -> str:

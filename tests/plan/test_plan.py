@@ -171,6 +171,34 @@ def test_a_sum_over_the_budget_is_given_with_both_numbers():
     assert decide("kplus-array", scene, budget=36, k=4) is None
 
 
+def of_all(method, scene, budget, **params):
+    """The cell of a method of the whole catalog, and why it is not measured."""
+    methods = catalog()
+    made = experiment(MethodEntry(method, method, params), scene=scene, measure=Measure(memory_budget_mb=budget))
+    cell = plan.expand(made, methods)[-1]
+    return cell, plan.judge(cell, methods, plan.expected_stats(scene), LIMITS)
+
+
+@pytest.mark.parametrize("method", ["kplus-sb-dynamic", "kplus-array-dynamic", "kplus-heap-dynamic"])
+@pytest.mark.parametrize("budget", [8.0, 20.0, 20.5, 100.0, 3072.0])
+def test_a_method_that_decides_by_its_memory_keeps_the_budget_of_all(method, budget):
+    """At a round number of MiB too, which a whole number of slots per pixel fills."""
+    scene = Scene(size=(512, 512), depth_complexity=40)
+    cell, reason = of_all(method, scene, budget)
+    assert reason is None
+    assert cell.params["memory_mb"] <= budget
+    assert cell.params["memory_mb"] == pytest.approx(min(200, budget), abs=0.005)
+
+
+def test_a_memory_that_is_given_stays_and_is_named_where_it_exceeds_the_budget_of_all():
+    scene = Scene(size=(512, 512), depth_complexity=24)
+    for memory_mb in (90, 200):
+        assert of_all("kplus-array-dynamic", scene, 20, memory_mb=memory_mb)[1] == (
+            "over_budget", "needs 48.0 MiB, the budget is 20.0 MiB; memory_mb=20 may keep it")
+    assert of_all("kplus-array-dynamic", scene, 20, memory_mb=19.9)[1] is None
+    assert of_all("adaptive", scene, 1)[1][1].endswith("; memory_mb=1 may keep it")
+
+
 def test_a_viewport_over_the_texture_limit():
     limits = replace(LIMITS, max_texture_size=50)
     assert decide("ab-array", limits=limits) == (

@@ -53,12 +53,15 @@ class Decided:
     """k and the capacity set by the host inside the frame, after the pass that `decides`.
 
     `reads` names the buffer that the pass has written: pixels with 1, 2, … fragments, deeper ones in the last place.
-    `rule` gives the choice from it, the fragments counted, the pixels of the viewport and the parameters. Later
-    passes see the chosen k as K.
+    `rule` gives the choice from it, the fragments counted, the pixels of the viewport and the parameters, of which
+    `budget` names that of the most MiB; `beside` are the bytes that a frame of default options takes beside those which
+    the rule counts. Later passes see the chosen k as K.
     """
 
     reads: str
     rule: Rule
+    budget: str
+    beside: int = 0
 
 
 @dataclass(frozen=True)
