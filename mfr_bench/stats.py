@@ -6,16 +6,19 @@ docs/measurement.md states what each promises, and what was measured of it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise, takewhile
+from itertools import pairwise
 from operator import mul
-from statistics import median
+from statistics import median, variance
 
 Interval = tuple[float | None, float | None, float | None]  # low, median, high
 
 GROWTH = 1.5  # of the number of samples from look to look
+TURNS = 3  # that a batch takes: frames of one turn are alike, and a burst of load that hits one leaves the median alone
+FEWEST = 6  # samples of each side, below which a ratio has no interval, as a median has none
+T_STEPS = 1024  # of half of the range of a t, see `t_quantile`
 LOOK_SHARE = 0.8  # of the error allowed: what one look may err, so that stopping at any of them stays within it
 LONG_ENOUGH_MS = 2.0  # of work of known size: below this the wall clock sees mostly the round trip to the device
 SLOWER_REFERENCE = 1.2  # times the least time of the reference frame, from which on the device was slower than usual
@@ -162,24 +165,85 @@ def goals(least: int, most: int) -> Iterator[int]:
     yield most
 
 
+def turns(count: int, least: int, most: int) -> list[slice]:
+    """The places of the first `count` samples by the turns that took them: each batch of `goals` takes TURNS of them.
+
+    Where samples were taken again, or turns were cut short, these are stretches of about a turn.
+    """
+    found: list[slice] = []
+    for start, end in pairwise([0, *goals(least, most)]):
+        step = math.ceil((end - start) / TURNS)
+        found += [slice(at, min(at + step, end, count)) for at in range(start, min(end, count), step)]
+    return found
+
+
 def interleaved_ratio(over: Sequence[float], under: Sequence[float], least: int, most: int,
                       confidence: float = 0.95) -> Interval:
-    """`ratio_interval` of samples that were taken in turns, batch by batch as `goals(least, most)` has it.
+    """Ratio of two sets of samples that were taken in turns, as `turns` has them, with its interval.
 
-    Each batch of both is divided by what they have in common, the geometric mean of their medians: what slows both
-    down alike leaves the interval. Samples without a counterpart are left out, for they are of another time.
+    The turn is the independent unit: frames of one are alike. Of each turn that both sides have, the medians are
+    compared, and the interval is that of the median of these ratios, which what slows both down alike leaves as they
+    are. Where so few turns have no such interval (below 6 for 95 %), it is that of Welch's t of the logarithms of the
+    medians, as of turns that have nothing in common. Samples without a counterpart are left out, for they are of
+    another time. The ends are None below FEWEST samples or 2 turns, and all three are None where either side is empty
+    or has a turn of 0.
     """
     shared = min(len(over), len(under))
-    ends = [*takewhile(shared.__gt__, goals(least, most)), shared]
-    above: list[float] = []
-    below: list[float] = []
-    for start, end in pairwise([0, *ends] if shared else []):
-        common = math.sqrt(median(over[start:end]) * median(under[start:end]))
-        if not common:
-            return None, None, None
-        above += [sample / common for sample in over[start:end]]
-        below += [sample / common for sample in under[start:end]]
-    return ratio_interval(above, below, confidence)
+    places = turns(shared, least, most)
+    above, below = _turn_logs(over, places), _turn_logs(under, places)
+    if not above or not below:
+        return None, None, None
+    ratios = [a - b for a, b in zip(above, below, strict=True)]
+    logs = median_interval(ratios, confidence)
+    if logs[0] is None:
+        logs = _welch(above, below, confidence) if shared >= FEWEST else (None, median(above) - median(below), None)
+    low, middle, high = (None if end is None else math.exp(end) for end in logs)
+    return low, middle, high
+
+
+def ratio_of_all_turns(over: Sequence[float], under: Sequence[float], least: int, most: int,
+                       confidence: float = 0.95) -> Interval:
+    """`interleaved_ratio` of all turns of both sides, as many as each has, by Welch's t."""
+    above, below = (_turn_logs(samples, turns(len(samples), least, most)) for samples in (over, under))
+    if not above or not below:
+        return None, None, None
+    low, middle, high = (None if end is None else math.exp(end) for end in _welch(above, below, confidence))
+    return low, middle, high
+
+
+def _turn_logs(samples: Sequence[float], places: Iterable[slice]) -> list[float]:
+    """The logarithm of each turn's median; none where one of them is 0."""
+    medians = [median(samples[place]) for place in places]
+    return list(map(math.log, medians)) if all(medians) else []
+
+
+def _welch(above: Sequence[float], below: Sequence[float], confidence: float) -> Interval:
+    """The difference of two sides' medians between the ends of Welch's t interval; ends are None below 2 of a side."""
+    middle = median(above) - median(below)
+    if min(len(above), len(below)) < 2:
+        return None, middle, None
+    parts = [variance(side) / len(side) for side in (above, below)]
+    if not sum(parts):
+        return middle, middle, middle
+    freedom = sum(parts) ** 2 / sum(part**2 / (len(side) - 1) for part, side in zip(parts, (above, below), strict=True))
+    half = t_quantile(round(freedom, 2), confidence) * math.sqrt(sum(parts))
+    return middle - half, middle, middle + half
+
+
+@cache
+def t_quantile(freedom: float, confidence: float) -> float:
+    """The half-width, in standard errors, within which Student's t of so many degrees of freedom (>= 1) stays.
+
+    With t = sqrt(freedom) tan(a), the density of a is that of cos(a)**(freedom - 1), summed up at T_STEPS angles.
+    """
+    step = math.pi / 2 / T_STEPS
+    weights = [math.cos((number + 0.5) * step) ** (freedom - 1) for number in range(T_STEPS)]
+    left = confidence * sum(weights)
+    for number, weight in enumerate(weights):
+        if weight >= left:
+            return math.sqrt(freedom) * math.tan((number + left / weight) * step)
+        left -= weight
+    raise ValueError(f"{confidence} is no confidence below 1")
 
 
 def real(ratio: Interval, noise: float) -> bool:

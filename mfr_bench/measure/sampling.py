@@ -13,13 +13,12 @@ from statistics import median
 
 from ..config.settings import Measure
 from ..plan.forecast import SETTLED_MS, WARMUP_SHARE
-from ..stats import Interval, goals, sampled_interval
+from ..stats import TURNS, Interval, goals, sampled_interval
 
 WARMUP_FRAMES = (2, 4, 8, 16, 32)  # looked at after so many
 CONFIRMED = 3  # samples, at least, where the first that reached the time limit is not like the fastest frame
 LONE_FRAMES = 3  # to warm up, at most, where one sample follows: slow ones may be stalls, or compile
 STALLED = 2.0  # times the fastest frame, from which on a sample may be a stall
-TURNS = 3  # that a batch takes: frames of one turn are alike, and a burst of load that hits one leaves the median alone
 HALVES_AGREE = 0.05  # of the later half's fastest frame, by which that of the earlier may be slower
 
 

@@ -6,7 +6,7 @@ import pytest
 from mfr_bench.config.model import Measure
 from mfr_bench.measure import sampling
 from mfr_bench.measure.sampling import TURNS, WARMUP_FRAMES, Sampler, halves_agree
-from mfr_bench.stats import interleaved_ratio
+from mfr_bench.stats import interleaved_ratio, turns
 
 
 def fed(sampler, times):
@@ -335,3 +335,42 @@ def in_turns(kind, cv, seed, ratio=1.5):
 def test_the_interval_of_a_ratio_holds_it_whatever_drifts(kind, cv):
     intervals = [interleaved_ratio(*in_turns(kind, cv, seed), 10, 1000) for seed in range(200)]
     assert sum(low <= 1.5 <= high for low, _, high in intervals) / len(intervals) >= 0.92
+
+
+def in_uneven_turns(count, between, common, seed, ratio=1.5, cv=0.15):
+    """`count` samples each of two methods that take turns.
+
+    between: the share of the variance that lies between turns. common: the share of this that both have in common.
+    """
+    random = np.random.default_rng([seed, count, int(100 * between), int(100 * common)])
+    sizes = [len(range(count)[place]) for place in turns(count, 10, 1000)]
+    both, pair = random.standard_normal(len(sizes)), []
+    for factor in (ratio, 1.0):
+        own = common**0.5 * both + (1 - common) ** 0.5 * random.standard_normal(len(sizes))
+        logs = np.repeat(between**0.5 * own, sizes) + (1 - between) ** 0.5 * random.standard_normal(count)
+        pair.append((LONG * factor * np.exp(cv * logs)).tolist())
+    return pair
+
+
+def ratio_coverage(count, between, common, trials=1000):
+    """The share of intervals that hold the ratio, and their median half-width on a logarithmic scale."""
+    intervals = [interleaved_ratio(*in_uneven_turns(count, between, common, seed), 10, 1000) for seed in range(trials)]
+    widths = [np.log(high / low) / 2 for low, _, high in intervals]
+    return sum(low <= 1.5 <= high for low, _, high in intervals) / trials, float(np.median(widths))
+
+
+@pytest.mark.parametrize("count", [10, 13, 15, 22, 49])
+@pytest.mark.parametrize(("between", "common"), [(0.0, 0.0), (0.5, 0.0), (0.84, 0.0), (0.84, 0.15)])
+def test_the_interval_of_a_ratio_takes_a_turn_as_the_unit(count, between, common):
+    """Frames of one turn are alike: with batches as the unit and frames as independent, 77 to 90 % held the ratio."""
+    held, _ = ratio_coverage(count, between, common)
+    assert 0.92 <= held <= 0.98
+
+
+@pytest.mark.parametrize(("count", "most"), [(15, 0.08), (22, 0.06), (110, 0.03)])
+def test_what_turns_of_both_have_in_common_leaves_the_interval_of_their_ratio(count, most):
+    """Of six turns and more; it took twice to three times as wide an interval where batches were the unit."""
+    held, width = ratio_coverage(count, 0.84, 1.0)
+    assert 0.92 <= held <= 0.98 and width < most
+    apart = ratio_coverage(count, 0.84, 0.0)[1]
+    assert width < apart / 2

@@ -9,7 +9,15 @@ from typing import Any
 
 from ...environment import MIB
 from ...methods import FLOOR
-from ...stats import Interval, interleaved_ratio, median_interval, ratio_interval, real, sampled_interval
+from ...stats import (
+    Interval,
+    interleaved_ratio,
+    median_interval,
+    ratio_interval,
+    ratio_of_all_turns,
+    real,
+    sampled_interval,
+)
 from ...store import Cell, ResultFolder, Row
 from ...store.arrays import read_arrays
 from ...store.status import EXACT_ERROR, STATUSES, Status
@@ -182,8 +190,8 @@ def time_ratio(over: Cell, under: Cell, confidence: float = 0.95) -> Interval:
     """The frame time of one cell over that of another; from raw samples, so that the interval keeps its confidence.
 
     Cells of one scene and settings were sampled in turns: what slowed both down alike is left out of the interval, and
-    so are samples without a counterpart. Where one stalled frame among few that remain hides what the intervals of
-    both medians tell apart, the interval is that of all samples. A cell over itself is 1.
+    so are samples without a counterpart. Where one stalled turn among few that remain hides what the intervals of both
+    medians tell apart, the interval is that of all turns. A cell over itself is 1.
     """
     above, below = (cell.get("samples_ms") or [] for cell in (over, under))
     if over["key"] == under["key"] and above and above == below:
@@ -194,14 +202,16 @@ def time_ratio(over: Cell, under: Cell, confidence: float = 0.95) -> Interval:
     in_turns = interleaved_ratio(above, below, least, most, confidence)
     hidden = None not in in_turns and in_turns[0] <= 1 <= in_turns[2]
     if hidden and _disjoint(above, below, confidence):
-        return ratio_interval(above, below, confidence)
+        return ratio_of_all_turns(above, below, least, most, confidence)
     return in_turns
 
 
 def _disjoint(first: Sequence[float], second: Sequence[float], confidence: float) -> bool:
-    """Whether the intervals of two medians, of which each has one, share nothing."""
+    """Whether two medians have intervals that share nothing."""
     first_low, _, first_high = sampled_interval(first, confidence)
     second_low, _, second_high = sampled_interval(second, confidence)
+    if None in (first_low, second_low):
+        return False
     return first_low > second_high or second_low > first_high
 
 
