@@ -92,7 +92,7 @@ def test_the_noise_floor_is_that_of_the_cell_in_the_middle_of_the_frame_times(ru
 
     def frame_ms(draw, repeats):
         drawn.append(draw.__self__.variant.method.id)
-        return took_ms[drawn[-1]] * (1 + 0.01 * (len(drawn) % 3))
+        return took_ms[drawn[-1]] * (1 + 0.002 * (len(drawn) ** 2 % 11))
 
     timer.frame_ms = frame_ms
     rows, made = run([cell(m, measure=Measure(target_rel_ci=0.05, min_samples=7)) for m in took_ms], timer)
