@@ -97,7 +97,7 @@ class Frame:
     def show(self, scene: Geometry) -> None:
         """Take the scene that `scene_buffer` now has: its seed reaches the shaders."""
         if scene is not self._shown:
-            self._shown, self._drawn = scene, None
+            self._shown = scene
             self._write_uniforms()
 
     # --- the plan of a frame ---
