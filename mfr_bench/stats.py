@@ -11,14 +11,14 @@ from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from operator import mul
-from statistics import median, variance
+from statistics import median
 
 Interval = tuple[float | None, float | None, float | None]  # low, median, high
 
 GROWTH = 1.5  # of the number of samples from look to look
 TURNS = 3  # that a batch takes: frames of one turn are alike, and a burst of load that hits one leaves the median alone
 FEWEST = 6  # samples of each side, below which a ratio has no interval, as a median has none
-T_STEPS = 1024  # of half of the range of a t, see `t_quantile`
+T_STEPS = 256  # of half of the range of a t, see `t_quantile`
 LOOK_SHARE = 0.8  # of the error allowed: what one look may err, so that stopping at any of them stays within it
 LONG_ENOUGH_MS = 2.0  # of work of known size: below this the wall clock sees mostly the round trip to the device
 SLOWER_REFERENCE = 1.2  # times the least time of the reference frame, from which on the device was slower than usual
@@ -165,7 +165,8 @@ def goals(least: int, most: int) -> Iterator[int]:
     yield most
 
 
-def turns(count: int, least: int, most: int) -> list[slice]:
+@cache
+def turns(count: int, least: int, most: int) -> tuple[slice, ...]:
     """The places of the first `count` samples by the turns that took them: each batch of `goals` takes TURNS of them.
 
     Where samples were taken again, or turns were cut short, these are stretches of about a turn.
@@ -174,7 +175,7 @@ def turns(count: int, least: int, most: int) -> list[slice]:
     for start, end in pairwise([0, *goals(least, most)]):
         step = math.ceil((end - start) / TURNS)
         found += [slice(at, min(at + step, end, count)) for at in range(start, min(end, count), step)]
-    return found
+    return tuple(found)
 
 
 def interleaved_ratio(over: Sequence[float], under: Sequence[float], least: int, most: int,
@@ -222,7 +223,7 @@ def _welch(above: Sequence[float], below: Sequence[float], confidence: float) ->
     middle = median(above) - median(below)
     if min(len(above), len(below)) < 2:
         return None, middle, None
-    parts = [variance(side) / len(side) for side in (above, below)]
+    parts = [_variance(side) / len(side) for side in (above, below)]
     if not sum(parts):
         return middle, middle, middle
     freedom = sum(parts) ** 2 / sum(part**2 / (len(side) - 1) for part, side in zip(parts, (above, below), strict=True))
@@ -230,11 +231,17 @@ def _welch(above: Sequence[float], below: Sequence[float], confidence: float) ->
     return middle - half, middle, middle + half
 
 
+def _variance(values: Sequence[float]) -> float:
+    mean = sum(values) / len(values)
+    return sum((value - mean) ** 2 for value in values) / (len(values) - 1)
+
+
 @cache
 def t_quantile(freedom: float, confidence: float) -> float:
     """The half-width, in standard errors, within which Student's t of so many degrees of freedom (>= 1) stays.
 
-    With t = sqrt(freedom) tan(a), the density of a is that of cos(a)**(freedom - 1), summed up at T_STEPS angles.
+    With t = sqrt(freedom) tan(a), the density of a is that of cos(a)**(freedom - 1), summed up at T_STEPS angles. Up to
+    a confidence of 0.99 the error is below a hundredth.
     """
     step = math.pi / 2 / T_STEPS
     weights = [math.cos((number + 0.5) * step) ** (freedom - 1) for number in range(T_STEPS)]

@@ -15,6 +15,8 @@ from mfr_bench.stats import (
     median_interval,
     ratio_interval,
     sampled_interval,
+    t_quantile,
+    turns,
 )
 
 samples = st.lists(st.floats(1e-6, 1e6), min_size=1, max_size=60)
@@ -123,3 +125,28 @@ def test_what_slows_both_down_alike_leaves_their_ratio():
 def test_samples_without_a_counterpart_are_left_out():
     assert interleaved_ratio([2.0] * 10 + [9.0] * 90, [1.0] * 10, 10, 100) == (2, 2, 2)
     assert interleaved_ratio([], [1.0] * 6, 10, 100) == interleaved_ratio([1.0] * 6, [0.0] * 6, 10, 100)
+
+
+@pytest.mark.parametrize("confidence", [0.5, 0.9, 0.95, 0.975, 0.99])
+def test_quantiles_of_t_are_those_of_scipy_to_a_hundredth(confidence):
+    t = pytest.importorskip("scipy.stats").t
+    for freedom in (1, 1.1, 1.37, 2, 2.5, 4, 7.3, 30, 300):
+        assert t_quantile(freedom, confidence) == pytest.approx(t.ppf((1 + confidence) / 2, freedom), rel=0.01)
+
+
+@pytest.mark.parametrize(("count", "least", "sizes"), [
+    (10, 10, [4, 4, 2]), (15, 10, [4, 4, 2, 2, 2, 1]), (7, 7, [3, 3, 1]), (5, 10, [4, 1]), (0, 10, []),
+    (4, 1, [1, 1, 1, 1])])
+def test_a_batch_takes_three_turns(count, least, sizes):
+    """As a sampler asks for them: a third of the batch, rounded up, and last what is left of it."""
+    assert [len(range(count)[place]) for place in turns(count, least, 1000)] == sizes
+
+
+def test_a_stalled_turn_leaves_the_ratio_and_few_turns_have_a_wider_interval():
+    quiet = [1 + 0.01 * ((7 * i) % 10 - 4.5) / 4.5 for i in range(22)]
+    stalled = [8 * ms if 4 <= i < 8 else ms for i, ms in enumerate(quiet)]
+    low, middle, high = interleaved_ratio(stalled, quiet[::-1], 10, 1000)
+    assert middle == pytest.approx(1, abs=0.01) and low < 1 < high < 1.1
+    few = interleaved_ratio(stalled[:10], quiet[::-1][:10], 10, 1000)
+    assert few[1] == pytest.approx(1, abs=0.02) and few[2] > 8
+    assert interleaved_ratio(quiet[:5], quiet[:5], 10, 1000)[::2] == (None, None)
