@@ -114,7 +114,7 @@ def kept_picture(image: np.ndarray) -> tuple[str, int, int]:
 
 def _encoded(image) -> bytes:
     content = io.BytesIO()
-    image.convert("RGB").save(content, format="webp", lossless=True, method=4, quality=100)
+    image.convert("RGB").save(content, format="webp", lossless=True, method=3, quality=100)
     return content.getvalue()
 
 
