@@ -9,10 +9,13 @@ from typing import Any
 
 import click
 
-from ..errors import UsageError
+from ..errors import UsageError, nearest
 from .output import note
 
 MESH, RECORDING = "an OBJ, PLY, STL, GLB or glTF file", "an .npz of recorded fragments (docs/recording.md)"
+HOW = {  # to come by such a file
+    MESH: "'mfr-bench meshes' lists some to fetch",
+    RECORDING: "'mfr-bench scene CONFIG --fragments F.npz' writes one"}
 MESH_CONFIG = "meshes"  # the config that --mesh and --fragments take where none is named
 OPACITIES = [0.1, 0.6]  # of a mesh without a translucent triangle
 
@@ -54,8 +57,21 @@ def overrides_of(mesh: str | None, fragments: str | None, settable: bool = True)
     if mesh is not None and fragments is not None:
         raise UsageError("--mesh with --fragments; allowed: one way to give the scene")
     if mesh is not None:
+        _require("--mesh", mesh, MESH)
         return mesh_overrides(mesh, settable)
-    return fragment_overrides(fragments, settable) if fragments is not None else []
+    if fragments is None:
+        return []
+    _require("--fragments", fragments, RECORDING)
+    return fragment_overrides(fragments, settable)
+
+
+def _require(option: str, file: str, wanted: str) -> None:
+    """Raise UsageError where there is no file of that name."""
+    path = Path(file)
+    if not path.exists():
+        beside = [each.name for each in path.parent.iterdir()] if path.parent.is_dir() else []
+        raise UsageError(f"{option}: there is no file {file!r}; allowed: {wanted}{nearest(path.name, beside)}; "
+                         f"{HOW[wanted]}")
 
 
 def fragment_overrides(file: str, settable: bool = True) -> list[str]:

@@ -90,6 +90,8 @@ def _write(template, name: str, out: str | None) -> None:
     folder = Path(out or name)
     for path in write(template, name, folder):
         say(path)
+    if declared != name:
+        say(f"the {template.kind} is named {declared}, since the name of a Python module has no hyphen")
     say(f"next: mfr-bench check {declared} --methods {folder}")
 
 

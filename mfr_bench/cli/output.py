@@ -29,7 +29,7 @@ def ending(out: str, *endings: str, option: str = "--out") -> str:
 
     found = Path(out).suffix.lower()
     if found not in endings:
-        raise UsageError(f"{option}: {out!r} ends in none of them; allowed: a file that ends in {' or '.join(endings)}")
+        raise UsageError(f"{option}: {out!r} has another ending; allowed: a file that ends in {' or '.join(endings)}")
     return found
 
 

@@ -92,7 +92,7 @@ class Kind(Settings):
 
 
 class Cluster(Settings):
-    """engine: slurm, or local, which starts the tasks as processes of this machine.
+    """engine: slurm, or local, which starts the tasks as processes of this machine that go on when the terminal closes.
 
     store: a folder on a disk that every node has, relative to cluster.yaml. setup: lines of shell before each task.
     """

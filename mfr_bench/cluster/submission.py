@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass, replace
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -129,12 +131,19 @@ def submit(submission: Submission, cluster: Cluster, due: Sequence[Share]) -> Su
     for name, kind in cluster.kinds.items():
         mine = [task for task in due if task.kind == name]
         if mine:
-            jobs = _handed_over(submission, cluster, kind, mine)
+            hand_over = _from_its_own_session if cluster.engine == "local" else _handed_over
+            jobs = hand_over(submission, cluster, kind, mine)
             given = {task.name: job for task, job in zip(mine, jobs, strict=True)}
             submission = replace(submission, tasks=tuple(
                 replace(task, job=given.get(task.name, task.job)) for task in submission.tasks))
             submission.write()
     return submission
+
+
+def _from_its_own_session(*given) -> list[str]:
+    """What `_handed_over` returns, from a process in a session of its own: no terminal that closes ends its tasks."""
+    with ProcessPoolExecutor(1, get_context("fork"), initializer=os.setsid) as pool:
+        return pool.submit(_handed_over, *given).result()
 
 
 def _handed_over(submission: Submission, cluster: Cluster, kind: Kind, tasks: Sequence[Share]) -> list[str]:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import os
 import signal
+import subprocess
 import time
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from ..cli.conftest import TINY, apart
+from ..cli.conftest import TINY, apart, command, environment
 
 LIMIT_S = 240
 RUN = TINY.replace("sweep: {", "sweep: {scene.depth_complexity: [2, 3], ").replace("methods: [ab-array, kplus-array]",
@@ -67,6 +68,18 @@ def test_from_submitting_to_one_set(place):
     assert "0 of 2 tasks submitted" in apart("submit", "run.yaml", "--cluster", "cluster.yaml").out
 
 
+def test_a_terminal_that_closes_ends_no_task(place):
+    """Its kernel hangs up on the processes of the session that `submit` was in; Slurm's jobs are in none of it."""
+    submitted = subprocess.Popen(command("submit", "run.yaml", "--cluster", "cluster.yaml"), env=environment(),
+                                 stdout=subprocess.PIPE, text=True, start_new_session=True)
+    said, _ = submitted.communicate(timeout=LIMIT_S)
+    assert submitted.returncode == 0 and "2 of 2 tasks submitted" in said
+    assert all(os.getsid(number) != submitted.pid for number in processes_with(place / "store" / "logs"))
+    with suppress(ProcessLookupError):  # nobody is left to hang up on
+        os.killpg(submitted.pid, signal.SIGHUP)
+    assert until_done().status == 0
+
+
 def test_a_store_takes_one_run(place):
     (place / "store").mkdir()
     (place / "store" / "submission.json").write_text(json.dumps({
@@ -82,6 +95,6 @@ def test_a_dry_run_prints_what_does_the_same_by_hand(place):
 
 
 def test_a_folder_that_is_no_store_is_one_line(place):
-    for command in ("status", "collect"):
-        done = apart(command, "nowhere")
+    for name in ("status", "collect"):
+        done = apart(name, "nowhere")
         assert done.status == 2 and done.err.startswith("nowhere: nothing was submitted into it")

@@ -40,8 +40,10 @@ def test_what_is_written_is_renamed_and_keeps_its_contract(tmp_path, monkeypatch
     done = mfr(tmp_path, command, name)
     assert done.returncode == 0, done.stderr
     files = {path.relative_to(tmp_path) for path in (tmp_path / name).rglob("*") if path.is_file()}
-    assert {Path(line) for line in done.stdout.splitlines()[:-1]} == files and Path(name, own) in files
-    assert done.stdout.splitlines()[-1] == f"next: mfr-bench check {declared} --methods {name}"
+    *written, named, following = done.stdout.splitlines()
+    assert {Path(line) for line in written} == files and Path(name, own) in files
+    assert named.endswith(f" is named {declared}, since the name of a Python module has no hyphen")
+    assert following == f"next: mfr-bench check {declared} --methods {name}"
     assert not any(re.search(others, f"{path}\n{(tmp_path / path).read_text()}") for path in files)
     checked = mfr(tmp_path, "check", declared, "--methods", name)
     assert checked.returncode == 0 and checked.stdout.endswith(f"{declared}: every check passed\n"), checked.stdout
