@@ -233,13 +233,17 @@ class Session:
         return end_s(parts, keys, self.choices.drawn, self.supervisor.ready().calibrated_s, self.slowness)
 
     def _at_the_end(self, parts: Sequence[Part]) -> None:
-        """The state to compare with the start of the run: the timer and the device's speed, load and clocks."""
+        """The state to compare with the start of the run: the timer and the device's speed, load and clocks.
+
+        Raises StoreError where rows that were written are gone.
+        """
         from ..environment import passing
         from ..measure.calibration import disagreement
 
         with self.split.work("calibration"):
             again = self.supervisor.calibrate_again() if parts else None
         for part in parts:
+            part.sheet.refuse_gone()
             part.manifest["environment"]["end"] = passing(part.manifest["device"])
             if again:
                 part.manifest["calibration_end"] = dict(again)

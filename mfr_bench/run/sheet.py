@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
+from ..errors import StoreError
 from ..store import ResultFolder
 from .jobs import Job
 
@@ -43,6 +44,13 @@ class Sheet:
     def total(self) -> int:
         """Rows of all cells."""
         return sum(map(self.rows, self.jobs))
+
+    def refuse_gone(self) -> None:
+        """Raises StoreError where records of cells that have ended are not in the folder any more."""
+        there = set(self.folder.names())
+        if gone := [key for key in self.statuses if f"{key}.json" not in there]:
+            raise StoreError(f"{self.folder.path}: of {len(self.statuses)} cells that were written, {len(gone)} are no "
+                             "more there: another program has removed them; the same command measures them again")
 
     def rows(self, key: str) -> int:
         """Rows that a cell makes: one for each label and point of the config that it serves."""

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from queue import Empty, SimpleQueue
+from queue import Empty, Queue, SimpleQueue
 
 Step = Callable[[], None]
+WAITING = 16  # writes at most: a disk that is slower than its caller holds it up, rather than what follows at its end
 
 
 class Behind:
@@ -18,12 +19,12 @@ class Behind:
 
     def __init__(self) -> None:
         self._thread: threading.Thread | None = None
-        self._told: SimpleQueue[tuple[Step, Step] | None] = SimpleQueue()
+        self._told: Queue[tuple[Step, Step] | None] = Queue(WAITING)
         self._done: SimpleQueue[Step] = SimpleQueue()
         self._failed: Exception | None = None
 
     def write(self, write: Step, then: Step) -> None:
-        """Have it written behind all that it was told before."""
+        """Have it written behind all that it was told before. Waits while `WAITING` writes are not begun."""
         if self._thread is None:
             self._thread = threading.Thread(target=self._work, daemon=True)
             self._thread.start()

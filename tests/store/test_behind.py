@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import threading
+import time
 
 import pytest
 
 from mfr_bench.errors import StoreError
-from mfr_bench.store.behind import Behind
+from mfr_bench.store.behind import WAITING, Behind
 
 from ..patience import PATIENCE_S
 
@@ -26,6 +27,24 @@ def test_writes_are_done_in_order_while_the_caller_goes_on():
     gate.set()
     behind.wait()
     assert written == list(range(9))
+
+
+def test_a_disk_that_is_slower_than_its_caller_holds_it_up():
+    behind, told, ahead = Behind(), [], []
+
+    def slow():
+        until = time.monotonic() + PATIENCE_S
+        while len(told) < 1 + WAITING and time.monotonic() < until:
+            time.sleep(0.001)
+        time.sleep(0.05)  # in which a caller that nothing holds up tells all
+        ahead.append(len(told))
+
+    behind.write(slow, nothing)
+    for number in range(1, 10 * WAITING):
+        told.append(number)
+        behind.write(nothing, nothing)
+    behind.wait()
+    assert ahead == [1 + WAITING]  # the last of which it is telling
 
 
 def test_what_follows_is_done_by_the_caller_once_it_is_written():
