@@ -13,8 +13,8 @@ WAITING = 16  # writes at most: a disk that is slower than its caller holds it u
 class Behind:
     """A thread that writes in the order in which it is told to; it is there from the first write until `wait`.
 
-    What follows on a write is done by the caller's thread, within `catch_up` and `wait`. After a write that fails none
-    is done any more, and both raise what it raised.
+    Where the system has no thread left, the caller writes. What follows on a write is done by the caller's thread,
+    within `catch_up` and `wait`. After a write that fails none is done any more, and both raise what it raised.
     """
 
     def __init__(self) -> None:
@@ -26,8 +26,13 @@ class Behind:
     def write(self, write: Step, then: Step) -> None:
         """Have it written behind all that it was told before. Waits while `WAITING` writes are not begun."""
         if self._thread is None:
-            self._thread = threading.Thread(target=self._work, daemon=True)
-            self._thread.start()
+            thread = threading.Thread(target=self._work, daemon=True)
+            try:
+                thread.start()
+            except RuntimeError:  # no processes left, or no memory for one
+                self._do(write, then)
+                return
+            self._thread = thread
         self._told.put((write, then))
 
     def catch_up(self) -> None:
@@ -49,10 +54,12 @@ class Behind:
 
     def _work(self) -> None:
         while task := self._told.get():
-            write, then = task
-            if self._failed is None:
-                try:
-                    write()
-                    self._done.put(then)
-                except Exception as error:  # noqa: BLE001 - raised again where the caller is
-                    self._failed = error
+            self._do(*task)
+
+    def _do(self, write: Step, then: Step) -> None:
+        if self._failed is None:
+            try:
+                write()
+                self._done.put(then)
+            except Exception as error:  # noqa: BLE001 - raised again where the caller is
+                self._failed = error

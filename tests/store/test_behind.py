@@ -84,3 +84,15 @@ def test_the_thread_ends_when_all_is_written_and_begins_again():
         behind.write(lambda number=number: written.append(number), nothing)
         behind.wait()
         assert (written, threading.active_count()) == (list(range(number + 1)), before)
+
+
+def test_the_caller_writes_where_there_is_no_thread_left(monkeypatch):
+    def none_left(thread):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", none_left)
+    behind, done = Behind(), []
+    behind.write(lambda: done.append("written"), lambda: done.append("follows"))
+    assert done == ["written"]
+    behind.wait()
+    assert done == ["written", "follows"]
