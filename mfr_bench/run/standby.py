@@ -12,6 +12,7 @@ from multiprocessing.process import BaseProcess
 
 from .parent import live_for
 
+END_S = 1.0  # for a process that was killed: a driver may hold it in the kernel
 Serve = Callable[..., None]  # in the other process: takes its end of the link, the parent's id, and what is given
 
 
@@ -24,7 +25,8 @@ class Standby:
     """A process that has all that this one had imported when it began, and then waits to be told what to serve.
 
     A copy of a process that has a device or threads of a driver would share them, so it begins before there are any:
-    it costs 2 ms then, where a new one takes half a second of processor time to import as much.
+    it costs 2 ms then, where a new one takes half a second of processor time to import as much. A context: leaving it
+    ends the process, for which Python would else wait at its own end.
     """
 
     def __init__(self) -> None:
@@ -40,11 +42,17 @@ class Standby:
         self._link.send((serve, given))
         return self._process, self._link
 
+    def __enter__(self) -> Standby:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.end()
+
     def end(self) -> None:
-        """End the process, unless it serves."""
+        """End the process, whatever it is at."""
         if self._process is not None:
             self._process.kill()
-            self._process.join()
+            self._process.join(END_S)
             self._link.close()
             self._process = None
 

@@ -38,15 +38,15 @@ def main() -> None:
     descriptor, parent, want, timer = sys.argv[1:]
     live_for(int(parent))
     status = LOST
-    with suppress(DeviceLost, EOFError, ConnectionError):  # the last two: the parent needs no more
-        status = serve(Connection(int(descriptor)), want, timer)
+    # The last two errors: the parent needs no more.
+    with suppress(DeviceLost, EOFError, ConnectionError), Standby() as standby:
+        status = serve(Connection(int(descriptor)), want, timer, standby)
     os._exit(status)  # without the exit handlers of a driver, which may hang
 
 
-def serve(link: Connection, want: str, timer: str) -> int:
+def serve(link: Connection, want: str, timer: str, standby: Standby) -> int:
     """Open the device and measure what is asked for. Ends by DeviceLost, by EOFError and ConnectionError where the
     parent has closed the link, or with an exit status where there is no device."""
-    standby = Standby()
     try:
         device = open_device(want)
     except DeviceError as error:
