@@ -42,7 +42,7 @@ class Standby:
         self._link.send((serve, given))
         return self._process, self._link
 
-    def __enter__(self) -> Standby:
+    def __enter__(self):
         return self
 
     def __exit__(self, *_: object) -> None:
