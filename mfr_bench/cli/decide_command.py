@@ -155,11 +155,8 @@ def _raced(question, scene, budget, out: str | None, device: str):
     worker = Worker(device)  # it starts while the rest is imported
     from tempfile import TemporaryDirectory
 
-    import yaml
-
     from ..decide.answer import answer_of
     from ..decide.candidates import within_time
-    from ..decide.experiment import config_of
     from ..report.data import load
     from ..run.supervisor import Supervisor
     from ..store.files import write_file
@@ -171,17 +168,38 @@ def _raced(question, scene, budget, out: str | None, device: str):
         if question.estimated:
             question = _counted(question, scene, supervisor, interruption, budget, Path(folder, "count"))
         found, excluded = _candidates(question, scene, budget)
-        supervisor.ready()
-        found, excluded = within_time(found, excluded, budget.seconds)
-        note(f"{len(found)} candidates; the answer comes within {exact_duration(budget.seconds)} of the start")
-        path = Path(folder, "decide.yaml")
-        made = config_of(question, scene, found, budget.seconds)
-        path.write_text(yaml.safe_dump(made, sort_keys=False, allow_unicode=True), encoding="utf-8")
+        path = _written(Path(folder, "decide.yaml"), question, scene, found, budget)
+        forbidden = _forbidden(path, supervisor.ready().limits)
+        found, excluded = within_time(found, excluded, budget.seconds, forbidden)
+        racing = sum(each.label not in forbidden for each in found)
+        note(f"{racing} candidates; the answer comes within {exact_duration(budget.seconds)} of the start")
+        _written(path, question, scene, found, budget)
         results, late, cut = _measured(question, path, {each.label: each.written for each in found}, supervisor,
                                        interruption, out, budget)
         kept = results.path / path.name
         write_file(kept, path.read_bytes())
     return answer_of(question, load(results), [*excluded, *late], str(kept), cut)
+
+
+def _written(path: Path, question, scene, found, budget) -> Path:
+    """The file, with the config that lets these candidates race."""
+    import yaml
+
+    from ..decide.experiment import config_of
+
+    made = config_of(question, scene, found, budget.seconds)
+    path.write_text(yaml.safe_dump(made, sort_keys=False, allow_unicode=True), encoding="utf-8")
+    return path
+
+
+def _forbidden(config: Path, limits) -> set[str]:
+    """The labels of the config's cells that the device, the method or the memory budget forbids."""
+    from ..methods import catalog
+    from ..plan import forbidden
+    from .run_command import plans_of
+
+    (_, cells), = plans_of([str(config)], None, None, ())
+    return forbidden({cell.label: cell for cell in cells}, catalog(), limits)
 
 
 def _counted(question, scene, supervisor, interruption, budget, folder: Path):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,12 +61,13 @@ def candidates(catalog: Mapping[str, Method], question: Question,
     return found, excluded
 
 
-def within_time(found: list[Candidate], excluded: list[Excluded],
-                budget_s: float) -> tuple[list[Candidate], list[Excluded]]:
+def within_time(found: list[Candidate], excluded: list[Excluded], budget_s: float,
+                forbidden: Collection[str] = ()) -> tuple[list[Candidate], list[Excluded]]:
     """Keep as many candidates as can be compiled and checked in the time; the others are excluded for lack of it.
 
     A method's first candidate comes before any method's second. A device that takes longer than expected tries fewer of
-    them, in this order: the run forecasts each by those before it.
+    them, in this order: the run forecasts each by those before it. forbidden: the labels of those that the plan of the
+    run forbids, which take no time and are all kept.
     """
     turns: dict[str, int] = {}
     ranked = []
@@ -75,8 +76,9 @@ def within_time(found: list[Candidate], excluded: list[Excluded],
         ranked.append((turns[each.method], len(ranked), each))
     room = max(2, int(PREPARING_SHARE * budget_s / PREPARING_S))
     ordered = [each for *_, each in sorted(ranked, key=lambda entry: entry[:2])]
-    late = [Excluded(each.written, NOT_TRIED) for each in ordered[room:]]
-    return ordered[:room], [*excluded, *late]
+    able = [each for each in ordered if each.label not in forbidden]
+    late = [Excluded(each.written, NOT_TRIED) for each in able[room:]]
+    return [*able[:room], *(each for each in ordered if each.label in forbidden)], [*excluded, *late]
 
 
 def _reason(method: Method, question: Question) -> str:

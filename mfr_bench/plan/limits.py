@@ -108,13 +108,13 @@ def _judged(cell: Cell, fitted: Fitted, limits: Limits | None) -> Decision | Non
         return "over_budget", f"needs textures of {side} pixels a side, the device allows {limits.max_texture_size}"
     allowed, least = variant.budget_bytes, fitted.least_bytes()
     if least > allowed:
-        return "over_budget", (f"needs at least {_mib(least)}, {variant.method.capacity.budget} allows it "
-                               f"{_mib(allowed)}")
+        needed, own = _apart(least, allowed)
+        return "over_budget", f"needs at least {needed}, {variant.method.capacity.budget} allows it {own}"
     memory = fitted.memory_bytes()
     for buffer in variant.buffers:
         if limits and memory[buffer.name] > limits.max_block_bytes:
-            return "over_budget", (f"needs {_mib(memory[buffer.name])} for {buffer.name}, the device allows "
-                                   f"{_mib(limits.max_block_bytes)} in a storage block")
+            needed, block = _apart(memory[buffer.name], limits.max_block_bytes)
+            return "over_budget", f"needs {needed} for {buffer.name}, the device allows {block} in a storage block"
     return _over(sum(memory.values()), cell.measure.memory_budget_mb, variant)
 
 
@@ -125,11 +125,19 @@ def _over(total: int, budget_mb: float, variant: Variant) -> Decision | None:
     own = variant.method.capacity
     name = own.budget if isinstance(own, (Decided, Planned)) else None
     keeps = f"; {name}={budget_mb:g} may keep it" if name and not 0 < variant.scope[name] <= budget_mb else ""
-    return "over_budget", f"needs {_mib(total)}, the budget is {_mib(budget_mb * MIB)}{keeps}"
+    needed, budget = _apart(total, budget_mb * MIB)
+    return "over_budget", f"needs {needed}, the budget is {budget}{keeps}"
 
 
-def _mib(count: float) -> str:
-    return f"{count / MIB:,.1f} MiB" if count >= 10 * MIB else f"{count / MIB:.3g} MiB"
+def _apart(more: float, less: float) -> tuple[str, str]:
+    """Two numbers of bytes, in MiB with as many digits as tell them apart."""
+    digits = next((digits for digits in range(10) if _mib(more, digits) != _mib(less, digits)), 0)
+    return _mib(more, digits), _mib(less, digits)
+
+
+def _mib(count: float, digits: int = 0) -> str:
+    """Bytes in MiB. digits: that are told beside the usual ones."""
+    return f"{count / MIB:,.{1 + digits}f} MiB" if count >= 10 * MIB else f"{count / MIB:.{3 + digits}g} MiB"
 
 
 def overview(cells: Iterable[Cell], catalog: Mapping[str, Method],

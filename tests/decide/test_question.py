@@ -73,6 +73,15 @@ def test_little_time_leaves_each_method_its_first_candidate_before_any_its_secon
     assert "time budget" in out[-1].reason
 
 
+def test_candidates_that_the_plan_forbids_take_no_room_from_others():
+    found, excluded = candidates(catalog(), ASKED)
+    forbidden = {each.label for each in found[:-3]}
+    kept, out = within_time(found, excluded, 5.0, forbidden)
+    assert {each.label for each in kept} == {each.label for each in found} and out == excluded
+    kept, out = within_time(found, excluded, 2.0, forbidden)
+    assert len(kept) == len(forbidden) + 2 and len(kept) + len(out) == len(found) + len(excluded)
+
+
 @pytest.mark.parametrize("max_error", [0.3, 0.05, 1 / 255])
 def test_enough_layers_is_the_least_number_that_keeps_the_error(max_error):
     scene = stack([i / 16 for i in range(1, 13)], [(200, 100, 50, 80)] * 12)

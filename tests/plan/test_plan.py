@@ -169,6 +169,14 @@ def test_a_sum_over_the_budget_is_given_with_both_numbers():
     assert decide("kplus-array", scene, budget=32, k=4) == (
         "over_budget", "needs 36.0 MiB, the budget is 32.0 MiB")
     assert decide("kplus-array", scene, budget=36, k=4) is None
+    assert decide("kplus-array", scene, budget=35.999, k=4) == (
+        "over_budget", "needs 36.000 MiB, the budget is 35.999 MiB")
+
+
+def test_a_sum_little_over_a_small_budget_is_told_from_it():
+    """A histogram of 4 KiB beside 1 MiB of slots, counters and semaphores."""
+    _, reason = of_all("kplus-array-dynamic", Scene(size=(256, 256), depth_complexity=16), 1)
+    assert reason == ("over_budget", "needs 1.004 MiB, the budget is 1 MiB")
 
 
 def of_all(method, scene, budget, **params):
