@@ -47,10 +47,11 @@ def print_plans(plans, supervisor, choices: Choices, started: float) -> None:
         if not cells:
             continue
         measured = [cell for cell, row in zip(cells, decided, strict=True) if row["decision"] == "measure"]
-        say_lines(_plan_text(experiment, decided, folder, _predicted(forecast, measured)) + "\n" * (len(plans) > 1))
+        predicted = _predicted(forecast, measured, choices.budget_s)
+        say_lines(_plan_text(experiment, decided, folder, predicted) + "\n" * (len(plans) > 1))
         to_come += measured
     if len(plans) > 1 and forecast:
-        say_lines(f"{len(to_come)} cells to measure in all: {forecast.run(to_come).text}")
+        say_lines(f"{len(to_come)} cells to measure in all: {forecast.run(to_come).within(choices.budget_s).text}")
     if choices.budget_s is not None and forecast:
         say_lines(_held_line(plans, rows, choices.budget_s))
 
@@ -96,8 +97,8 @@ def _held_line(plans, rows: Sequence[Sequence[Mapping[str, Any]]], budget_s: flo
             f"{fits + late:,} cells{of}; the same command, repeated, measures the others")
 
 
-def _predicted(forecast, cells: Sequence[Any]) -> list[str]:
-    return [f"  predicted: {forecast.run(cells).text}"] if forecast and cells else []
+def _predicted(forecast, cells: Sequence[Any], budget_s: float | None) -> list[str]:
+    return [f"  predicted: {forecast.run(cells).within(budget_s).text}"] if forecast and cells else []
 
 
 def _forecast(known, ready):

@@ -144,6 +144,12 @@ class Prediction:
         checks = f" ({rough_duration(self.checks_s)} of it to check images)" if self.checks_s > self.total_s / 5 else ""
         return f"about {rough_duration(self.total_s)}{checks}; frame times: {basis or 'none'}"
 
+    def within(self, budget_s: float | None) -> Prediction:
+        """The same of a run that a time budget ends; None is no budget."""
+        share = 1.0 if budget_s is None else budget_s / max(self.total_s, budget_s)
+        return replace(self, total_s=share * self.total_s, frames_s=share * self.frames_s,
+                       checks_s=share * self.checks_s)
+
 
 def rough_duration(seconds: float) -> str:
     """'40 s', '3 min', '2.5 h': two digits are more than a forecast is worth."""

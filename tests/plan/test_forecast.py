@@ -131,6 +131,12 @@ def test_a_run_is_what_its_cells_and_what_surrounds_them_take():
     assert Forecast([], rates).run([]).total_s == 0
 
 
+def test_a_run_takes_no_longer_than_its_time_budget():
+    found = Forecast([record(time_ms=5.0)], Rates(pixel_s=1e-2)).run([cell()])
+    assert found.total_s > 40 and found.within(None) == found.within(1e6) == found
+    assert found.within(10).text.startswith("about 10 s (") and found.within(10).checks_s < 10
+
+
 def test_what_it_takes_to_check_large_images_is_predicted():
     found = Forecast([record(time_ms=5.0)], Rates(pixel_s=1e-2)).run([cell()])
     assert found.checks_s == pytest.approx(1e-2 * 64 * 64) and found.checks_s > found.total_s / 2
