@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ..methods.spec import Method, Param, Value
+from ..methods.spec import Method, Param, Planned, Value
 from ..report.advice import written_as
 from .question import Question
 
@@ -104,9 +104,17 @@ def _all_choices(method: Method, question: Question, enough: int | None) -> Iter
                 yield from _sorted_ways(method, {"k": kept}, question)
         elif (layers := method.variant({}).layers) is None or layers >= question.layers:
             yield from _sorted_ways(method, {}, question)
+            yield from _within_memory(method, question)
             yield from _cut_short(method, question)
     elif not question.exact:
         yield from ({"k": kept} for kept in _kept(k, question, enough)) if k is not None else ({},)
+
+
+def _within_memory(method: Method, question: Question) -> Iterator[dict[str, Value]]:
+    """A method that keeps a memory only where a parameter names it, with that of the question."""
+    planned = method.capacity
+    if question.memory_mb is not None and isinstance(planned, Planned) and planned.budget:
+        yield {planned.budget: _near(method.param(planned.budget), question.memory_mb)}
 
 
 def _cut_short(method: Method, question: Question) -> Iterator[dict[str, Value]]:

@@ -59,6 +59,15 @@ def test_an_error_lets_fewer_layers_and_approximate_methods_in():
     assert [each.method for each in excluded] == ["zbuffer"]
 
 
+@pytest.mark.parametrize(("memory_mb", "named"), [(None, []), (64, [64.0]), (2**24, [pytest.approx(2**20)])])
+def test_a_memory_lets_in_the_method_that_keeps_it_by_a_parameter(memory_mb, named):
+    """By its defaults it might be over budget where it need not be; the parameter takes less than 2**20 MiB."""
+    found, _ = candidates(catalog(), Question((64, 48), 24, memory_mb=memory_mb))
+    mine = [each for each in found if each.method == "adaptive"]
+    assert mine[0].params == {}
+    assert [each.params["memory_mb"] for each in mine if "memory_mb" in each.params] == named
+
+
 def test_without_a_model_of_the_scene_several_k_are_tried():
     found, _ = candidates(catalog(), Question((64, 48), 24, max_error=0.1))
     assert [each.params["k"] for each in found if each.method == "kplus-heap" and "sort" not in each.params] == [
