@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..errors import StoreError
 from ..report import style
 from ..report.checkerboard import over_checkerboard
 from ..report.figures.seal import SAID, SAID_ROWS
@@ -34,15 +35,26 @@ def figure_picture(path: Path) -> tuple[str, int, int, tuple[str, ...]]:
     """A figure's file as a data URI with few colours, its width and height in pixels, and its small print.
 
     The small print, which takes half of the bytes as pixels, is left out of the picture where the file has it as text,
-    a line for each thing that it says. Raises OSError.
+    a line for each thing that it says; where the file does not tell how many rows show it, these stay. Raises
+    StoreError where the file is damaged.
     """
-    from PIL import Image
-
-    with Image.open(path) as opened:
-        opened.load()
-        said, rows = opened.info.get(SAID, ""), int(opened.info.get(SAID_ROWS, 0))
+    with _opened(path) as opened:
+        said, told = opened.info.get(SAID, ""), opened.info.get(SAID_ROWS, "")
+        rows = int(told) if told.isdecimal() and int(told) < opened.height else 0
         image = _with_few_colours(opened.convert("RGB").crop((0, 0, opened.width, opened.height - rows)))
     return data_uri(_encoded(image), "webp"), image.width, image.height, tuple(said.splitlines())
+
+
+def _opened(path: Path):
+    """The image of a figure's file."""
+    from PIL import Image
+
+    try:
+        opened = Image.open(path)
+        opened.load()
+    except (OSError, SyntaxError, ValueError) as error:
+        raise StoreError(f"{path}: no picture ({error}); mfr-bench plot {path.parents[1]} draws it again") from None
+    return opened
 
 
 def _with_few_colours(image):

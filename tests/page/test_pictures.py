@@ -4,8 +4,11 @@ import base64
 import io
 
 import numpy as np
+import pytest
 from PIL import Image, ImageDraw
+from PIL.PngImagePlugin import PngInfo
 
+from mfr_bench.errors import StoreError
 from mfr_bench.page.pictures import APART, figure_picture
 from mfr_bench.report import style
 from mfr_bench.report.figures import render, sheet
@@ -80,3 +83,22 @@ def test_small_print_that_a_file_has_as_text_is_left_out_of_its_picture(tmp_path
     assert dark.max() > height and shown(uri).shape == (height, width, 3)
     title = dark[dark < 40]
     assert len(title) > 5 and (dark[dark < height] == title).all()
+
+
+@pytest.mark.parametrize("told", ["x", "-5", "40", "9999"])
+def test_a_picture_whose_rows_of_small_print_are_no_number_of_its_rows_is_whole(tmp_path, told):
+    texts = PngInfo()
+    texts.add_text("Description", "one\ntwo")
+    texts.add_text("Description-Rows", told)
+    Image.new("RGB", (30, 40), "white").save(tmp_path / "a.png", pnginfo=texts)
+    assert figure_picture(tmp_path / "a.png")[1:] == (30, 40, ("one", "two"))
+
+
+@pytest.mark.parametrize("left", [0, 20, -30])
+def test_a_damaged_figure_is_named_with_the_command_that_draws_it_again(tmp_path, left):
+    path = tmp_path / "figures" / "a.png"
+    path.parent.mkdir()
+    Image.effect_noise((60, 60), 90).save(path)
+    path.write_bytes(path.read_bytes()[:left])
+    with pytest.raises(StoreError, match=f"a.png: no picture .*; mfr-bench plot {tmp_path} draws it again"):
+        figure_picture(path)
