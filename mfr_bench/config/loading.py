@@ -120,7 +120,8 @@ class _Reading:
         if self.profile is not None:
             if self.profile not in profiles:
                 self.problems.append(Problem(document.place(("profiles",)), f"no profile {self.profile!r}; allowed: "
-                                     f"{', '.join(profiles) or 'none'}{nearest(self.profile, profiles)}"))
+                                     f"{', '.join(profiles) or 'none; leave out --profile'}"
+                                     f"{nearest(self.profile, profiles)}"))
                 return None
             document, experiment, found = profiles[self.profile]
         if self.settings:

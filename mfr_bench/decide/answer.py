@@ -199,7 +199,7 @@ class Answer:
                 "excluded": [{"method": each.method, "reason": each.reason, "ratio": each.ratio} for each in self.out]}
 
     def text(self, width: int) -> str:
-        """The answer for people, at most `width` columns wide."""
+        """The answer for people, at most `width` columns wide but for the command, which is one line."""
         lines = textwrap.wrap(f"Question: {self.question}.", width, break_on_hyphens=False)
         best = self.best
         if best is None:
@@ -220,10 +220,11 @@ class Answer:
         memory = data.number(best.measure("memory_mib")[1])
         said = [f"  time {time}, memory {memory} MiB, largest error {row['max_error_all']:.3g}, on {row['device']}",
                 f"  fastest{self._among} with a chance of {self._percents[0]} %"]
-        said += [f"  {self._near}", f"  in full: {self.command}"]
+        said += [f"  {self._near}"]
         said += [f"  unsteady: {self.result.unsteady}"] if self.result.unsteady else []
-        return [line for text in said for line in textwrap.wrap(text, width, subsequent_indent="    ",
-                                                                break_on_hyphens=False)]
+        lines = [line for text in said for line in textwrap.wrap(text, width, subsequent_indent="    ",
+                                                                 break_on_hyphens=False)]
+        return [*lines, f"  in full: {self.command}"]  # in one line, to be copied
 
     @property
     def _near(self) -> str:

@@ -52,7 +52,7 @@ MISTAKES = [
     (["run", "tiny.yaml", "--set", "k"], "--set k: not a setting; allowed: KEY=VALUE, such as k=8", ""),
     (["run", "tiny.yaml", "--set", "k=0"], "--set k: 0 is not allowed; allowed: a whole number from 1 to ", ""),
     (["run", "tiny.yaml", "--set", "scene.sede=1"], "--set scene.sede: unknown key; nearest: 'seed'; allowed: ", ""),
-    (["run", "tiny.yaml", "--profile", "smok"], "tiny.yaml:", "no profile 'smok'; allowed: none"),
+    (["run", "tiny.yaml", "--profile", "smok"], "tiny.yaml:", "no profile 'smok'; allowed: none; leave out --profile"),
     (["run", "tiny.yaml", "--device", ""], "mfr-bench run: Invalid value for '--device': '' is no device; allowed: ",
      "or an index, UUID, PCI address or part of a name that 'mfr-bench doctor' lists; see mfr-bench run --help"),
     (["run", "tiny.yaml", "--time-budget", "5"], "--time-budget: '5' is no duration; ", ""),

@@ -265,4 +265,4 @@ def test_a_bad_override_is_one_line(mistakes, override, message):
 def test_a_profile_that_the_file_lacks(mistakes):
     assert mistakes(profile="smok") == ["F:6: profiles: no profile 'smok'; allowed: smoke; nearest: 'smoke'"]
     text = GOOD[:GOOD.index("profiles")]
-    assert mistakes(text, profile="smoke") == ["F:1: profiles: no profile 'smoke'; allowed: none"]
+    assert mistakes(text, profile="smoke") == ["F:1: profiles: no profile 'smoke'; allowed: none; leave out --profile"]

@@ -141,6 +141,13 @@ def test_the_chances_that_are_told_add_up(answer):
     assert "m31 (51.0)" not in said.partition("Not chosen")[0]
 
 
+def test_the_command_of_an_answer_is_one_line_to_be_copied(answer):
+    found = answer(raced("a", noisy(10.0, "a")), raced("b", noisy(20.0, "b")))
+    lines = found.text(60).splitlines()
+    assert f"  in full: {found.command}" in lines
+    assert all(len(line) <= 60 for line in lines if "in full: " not in line)
+
+
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize(("count", "dropped"), [(2, False), (2, True), (3, True), (14, False)])
 def test_the_percents_of_an_answer_are_100_together(answer, seed, count, dropped):

@@ -329,13 +329,6 @@ def test_numbers_have_three_digits(value, text):
     assert data.number(value) == text
 
 
-@pytest.mark.parametrize(("share", "sign", "text"), [
-    (0.025, "", "2.5 %"), (0.38, "+", "+38 %"), (-0.38, "+", "-38 %"), (2.1, "", "210 %"), (10.0, "", "1000 %"),
-    (144757.05, "", "above 1000 %"), (math.inf, "+", "above +1000 %")])
-def test_percents_end_where_their_digits_say_nothing(share, sign, text):
-    assert data.percent(share, sign) == text
-
-
 def test_a_scene_that_follows_a_parameter_loses_no_column(tmp_path):
     """r = 1 gives n = k; a method without k is still measured at each n."""
     cells = [made for n in (8, 16) for made in (

@@ -51,9 +51,7 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def percent(share: float, sign: str = "") -> str:
-    """'2.5 %', '38 %', '210 %', 'above 1000 %', where digits say nothing; `sign` '+': growth has it too."""
-    if share > 10:
-        return f"above {sign}1000 %"
+    """'2.5 %', '38 %', '210 %'; with `sign` '+', also those that grow have theirs."""
     return f"{100 * share:{sign}{'.0f' if abs(share) >= 0.1 else '.2g'}} %"
 
 
