@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @click.option("--size", metavar="WxH", callback=pixels, help="Viewport of the scene in pixels, such as 1280x720.")
 @click.option("--memory-mb", metavar="MIB", type=NumberRange(0, 2**24, min_open=True),
               help="Most memory of a method, in MiB. Dynamic k-buffers choose a k within it; methods that need more "
-                   "are left out, and said to be.")
+                   "are left out, with a reason; where it names a parameter, give it by --set, as memory_mb=64.")
 @click.option("--shard", type=Share(), metavar="I/N",
               help="Measure the I-th of N shares of the scenes: one machine each; mfr-bench merge joins them, and plot "
                    "draws them.")

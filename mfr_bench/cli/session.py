@@ -331,7 +331,7 @@ def _of_the_measuring(before: Mapping[str, Any], now: Mapping[str, Any], all_kep
 
 def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
     """The lines that say how an experiment ended and where its results are."""
-    from ..report.data import percent
+    from ..report.tables import noise_text
 
     statuses = ", ".join(f"{count} {status}" for status, count in sorted(sheet.counts.items(), key=_ok_first))
     kept = f"; {sheet.kept} kept from before, --force measures them again" if sheet.kept else ""
@@ -342,7 +342,7 @@ def summary(sheet, manifest: Mapping[str, Any], written: Sequence[Path]) -> str:
     lines = [f"{cells}: {statuses}{kept}{copied}" if total else "no cell is measured"]
     lines += filter(None, [left_out_line(sheet)])
     if noise is not None:
-        lines.append(f"noise floor {percent(noise)}: the same method measured twice differs by that"
+        lines.append(f"noise floor {noise_text(noise)}: the same method measured twice differs by that"
                      + "; measure again by --force while the machine does nothing else" * (noise > 1))
     for title, suffix in (("tables", ".md"), ("figures", ".png")):
         paths = [str(path) for path in written if path.suffix == suffix]

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ..config.model import Measure
 from ..report import data
 from ..report.data import Point, Result
+from ..report.tables import noise_text
 from ..store.rows import package_text
 from .pictures import figure_picture, kept_images, kept_picture
 
@@ -217,7 +218,7 @@ def _environment(manifest: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
     found += [("commit", f"{revision['commit'][:12]}{' with changes' if revision.get('dirty') else ''}")
               if isinstance(revision.get("commit"), str) else ("commit", None),
               ("timer", manifest.get("timer")), ("measured", manifest.get("started")),
-              ("noise floor", data.percent(manifest["noise_floor_rel"])
+              ("noise floor", noise_text(manifest["noise_floor_rel"])
                if isinstance(manifest.get("noise_floor_rel"), (int, float)) else None)]
     found += [("package", package_text(each)) for each in manifest.get("packages") or ()]
     return tuple((name, without_paths(value)) for name, value in found if value is not None)

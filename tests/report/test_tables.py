@@ -329,6 +329,11 @@ def test_numbers_have_three_digits(value, text):
     assert data.number(value) == text
 
 
+@pytest.mark.parametrize(("noise", "text"), [(0.025, "2.5 %"), (2.1, "210 %"), (144757.05, "above 1000 %")])
+def test_a_noise_floor_has_no_digits_where_they_tell_nothing(noise, text):
+    assert tables.noise_text(noise) == text
+
+
 def test_a_scene_that_follows_a_parameter_loses_no_column(tmp_path):
     """r = 1 gives n = k; a method without k is still measured at each n."""
     cells = [made for n in (8, 16) for made in (

@@ -11,9 +11,11 @@
     paper    the same for a paper: LaTeX, and CSV for siunitx
 """
 
+from .fields import noise_text
 from .files import write_tables
 from .grid import Grid
 from .pages import WIDTH, breaking_text, markdown, terminal_table
 from .paper import write_for_paper
 
-__all__ = ["WIDTH", "Grid", "breaking_text", "markdown", "terminal_table", "write_for_paper", "write_tables"]
+__all__ = ["WIDTH", "Grid", "breaking_text", "markdown", "noise_text", "terminal_table", "write_for_paper",
+           "write_tables"]

@@ -22,6 +22,11 @@ NOISY_NOTE = ("noisy: uncertain by more than the value itself, as other work on 
 MEMORY_NOTE = "measured / by the paper's formula"
 
 
+def noise_text(noise: float) -> str:
+    """A noise floor in percent; of one above 1000 % no digits, which tell nothing of it."""
+    return "above 1000 %" if noise > 10 else data.percent(noise)
+
+
 def spread(interval: data.Interval) -> str:
     """Half of an interval in percent of its middle; NOISY where that tells nothing of the value."""
     low, middle, high = interval

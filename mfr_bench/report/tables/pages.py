@@ -11,7 +11,7 @@ from .. import data, frontier
 from ..data import Point, Result
 from .blocks import blocks_of
 from .checks import breaking_grids, image_grid, printed_grid
-from .fields import NOISY, NOISY_NOTE
+from .fields import NOISY, NOISY_NOTE, noise_text
 from .grid import Grid, bulleted
 from .nodes import nodes_grid
 from .places import places_grids
@@ -50,7 +50,7 @@ def _about(result: Result) -> list[str]:
     if not result.points:
         return [title]
     noise = manifest.get("noise_floor_rel")
-    noise_line = "" if noise is None else f"noise floor {data.percent(noise)} (the same method measured twice)"
+    noise_line = "" if noise is None else f"noise floor {noise_text(noise)} (the same method measured twice)"
     lines = title, result.provenance, result.scene, noise_line, result.unsteady and f"unsteady: {result.unsteady}"
     return [line for line in lines if line]
 
