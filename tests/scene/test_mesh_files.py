@@ -242,3 +242,15 @@ def test_a_missing_package_is_named(tmp_path, monkeypatch):
     with pytest.raises(UsageError, match=r"needs the package plyfile; install it: make setup in the folder of "
                        r"mfr-bench, or \S+ -m pip install 'mfr-bench\[mesh\]'"):
         read_mesh(tmp_path / "a.ply")
+
+
+@pytest.mark.parametrize(("there", "notes"), [
+    ("m.mtl", ()), ("a.mtl", ()),  # the library of the file's own name stands for one that is not there
+    ("other.mtl", ("the material file m.mtl is not there; what it would colour is grey and opaque",))])
+def test_a_material_file_that_is_not_there_is_noted(tmp_path, there, notes):
+    (tmp_path / there).write_text(MATERIALS)
+    (tmp_path / "a.obj").write_text("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n")
+    found = read_mesh(tmp_path / "a.obj")
+    assert found.notes == notes
+    red, green, blue, alpha = found.rgba[0].tolist()
+    assert (red == green == blue and alpha == 255) if notes else [red, green, blue, alpha] == [255, 0, 0, 64]

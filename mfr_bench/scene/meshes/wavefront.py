@@ -7,6 +7,7 @@ import tempfile
 from codecs import BOM_UTF8
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,17 @@ def read(path: Path) -> Faces:
     nodes = (node for node in (scene.root_node, *scene.root_node.children) if node.mesh_indices)
     parts = [_part(scene.meshes[index], scene.materials, number, path)
              for number, node in enumerate(nodes) for index in node.mesh_indices]
-    return joined(parts, renumber=False) if parts else NONE
+    faces = joined(parts, renumber=False) if parts else NONE
+    return replace(faces, notes=(*faces.notes, *_lacking(path)))
+
+
+def _lacking(path: Path) -> Iterator[str]:
+    """A sentence for each material file that an OBJ names and that is not there, nor one of the OBJ's own name."""
+    if path.suffix.lower() == ".obj" and not path.with_suffix(".mtl").is_file():
+        for name in dict.fromkeys(LIBRARY.findall(path.read_bytes())):
+            named = name.decode(errors="replace").replace("\\", "/")
+            if not (path.parent / named).is_file():
+                yield f"the material file {named} is not there; what it would colour is grey and opaque"
 
 
 @contextmanager
