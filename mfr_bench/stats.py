@@ -202,6 +202,22 @@ def interleaved_ratio(over: Sequence[float], under: Sequence[float], least: int,
     return low, middle, high
 
 
+def apart(over: Sequence[float], under: Sequence[float], least: int, most: int) -> float | None:
+    """How far two sets of samples of one thing, taken in turns, are apart: of their ratio from 1, relative.
+
+    It is the end of `interleaved_ratio` that is further from 1. Where turns are too few for an interval of their own,
+    it is the turn whose ratio is: a distribution of two or three would tell of anything. None below FEWEST samples.
+    """
+    shared = min(len(over), len(under))
+    places = turns(shared, least, most)
+    ratios = [a - b for a, b in zip(_turn_logs(over, places), _turn_logs(under, places), strict=False)]
+    if shared < FEWEST or not ratios:
+        return None
+    low, _, high = median_interval(ratios)
+    ends = (min(ratios), max(ratios)) if low is None or high is None else (low, high)
+    return max(abs(math.expm1(end)) for end in ends)
+
+
 def ratio_of_all_turns(over: Sequence[float], under: Sequence[float], least: int, most: int,
                        confidence: float = 0.95) -> Interval:
     """`interleaved_ratio` of all turns of both sides, as many as each has, by Welch's t."""

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mfr_bench.stats import (
+    apart,
     goals,
     interleaved_ratio,
     interval_position,
@@ -150,3 +151,23 @@ def test_a_stalled_turn_leaves_the_ratio_and_few_turns_have_a_wider_interval():
     few = interleaved_ratio(stalled[:10], quiet[::-1][:10], 10, 1000)
     assert few[1] == pytest.approx(1, abs=0.02) and few[2] > 8
     assert interleaved_ratio(quiet[:5], quiet[:5], 10, 1000)[::2] == (None, None)
+
+
+@pytest.mark.parametrize("count", [12, 22])
+def test_two_of_one_thing_are_as_far_apart_as_the_furthest_of_few_turns(count):
+    """Two or three turns say nothing of how their ratios are distributed: no interval of thousands of percent."""
+    first = turns(count, 22, 100)[0].stop
+    one, other = [1.0] * count, [1.3] * first + [1.02] * (count - first)
+    assert apart(other, one, 22, 100) == pytest.approx(0.3)
+    assert apart(one, other, 22, 100) == pytest.approx(1 - 1 / 1.3)
+
+
+def test_of_six_turns_they_are_as_far_apart_as_the_end_of_their_interval():
+    one, other = [1.0] * 33, [1.3] * 8 + [1.02] * 25
+    low, _, high = interleaved_ratio(other, one, 22, 100)
+    assert apart(other, one, 22, 100) == pytest.approx(max(high - 1, 1 - low)) and 1.02 < high < 1.3
+
+
+def test_too_few_samples_are_not_told_to_be_apart():
+    assert apart([1.0] * 5, [1.2] * 5, 22, 100) is None
+    assert apart([], [], 22, 100) is None

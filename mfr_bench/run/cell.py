@@ -16,7 +16,7 @@ from ..measure.watch import Turn, Unwatched
 from ..methods.spec import Fitted
 from ..oracle import twochannel
 from ..plan.forecast import PASS_SHARE, pass_frames
-from ..stats import interleaved_ratio
+from ..stats import apart
 from ..store.journal import Partial
 from .bench import Bench, Phases
 from .events import BETWEEN, WAIT, Finished, Sampled
@@ -25,7 +25,7 @@ from .jobs import Job
 from .outcome import fragment_shares, frame_values, scene_values, verdict
 from .scene_work import SceneWork
 
-PAIR_LEAST = 22  # samples of each side of an A/A pair: so many that six stalled frames do not widen its interval
+PAIR_LEAST = 22  # samples of each side of an A/A pair, which the first batch takes in three turns
 
 
 def pair_of(measure: Measure) -> tuple[Sampler, Sampler]:
@@ -35,9 +35,8 @@ def pair_of(measure: Measure) -> tuple[Sampler, Sampler]:
 
 
 def noise_floor_rel(one: Sampler, other: Sampler) -> float | None:
-    """The largest relative difference between the two of an A/A pair; None where they have too few samples."""
-    low, _, high = interleaved_ratio(other.samples_ms, one.samples_ms, one.measure.min_samples, one.measure.max_samples)
-    return None if low is None or high is None else max(abs(low - 1), abs(high - 1))
+    """How far the two of an A/A pair are apart, relative; None where they have too few samples."""
+    return apart(other.samples_ms, one.samples_ms, one.measure.min_samples, one.measure.max_samples)
 
 
 class CellWork:
