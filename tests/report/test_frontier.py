@@ -89,7 +89,9 @@ def test_nothing_measured_is_no_mistake(tmp_path):
 def test_a_frontier_is_that_of_the_figure_s_methods(tmp_path):
     """Those that the config leaves out of it beat none of them."""
     result = load(tmp_path)
-    axes, = figures.build(result, {**FIGURE, "methods": ["Beaten", "Exact"]}).axes
+    figure = figures.build(result, {**FIGURE, "methods": ["Beaten", "Exact"]})
+    axes, = figure.axes
+    assert "Solid: no cell of these methods is both cheaper" in " ".join(figure.texts[1].get_text().split())
     assert sorted(line.get_label() for line in axes.lines if line.get_marker() != "None") == ["Beaten", "Exact"]
     with pytest.raises(NothingToDraw, match="no cell has both memory_bytes and rmse"):
         figures.build(result, {**FIGURE, "x": "memory_bytes", "methods": ["None"]})

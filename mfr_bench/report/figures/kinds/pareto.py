@@ -50,7 +50,8 @@ def draw(result: Result, options: Options) -> Figure:
     step = HEADING_IN + PLOT_IN + 0.24
     points = [p for place in chart.places for p in place.points]
     zero = any(p.measure(chart.y)[1] == 0 for p in points)
-    key = (f"Solid: no measured cell is both cheaper and more accurate ({equal(chart.y)}). Hollow: some cell is. "
+    judged = "cell of these methods" if options.get("methods") else "measured cell"
+    key = (f"Solid: no {judged} is both cheaper and more accurate ({equal(chart.y)}). Hollow: some cell is. "
            "Bars: 95 % interval of the median.")
     notes = [key, *chart.others(), f"An error of 0 is drawn at {LEAST:g}." * zero]
     sheet = sheet_of(result, options, points, notes, style.WIDTH_IN, rows * step + 0.2 + legend_in)
