@@ -173,6 +173,28 @@ def test_sorted_bars_stand_from_the_lowest_to_the_highest(tmp_path):
     assert [t for t in texts if t in ("KB", "ab-ll", "ab-array", "wboit")] == ["ab-array", "wboit", "ab-ll", "KB"]
 
 
+def named(axes, start: str) -> int:
+    """How many bars have a name that starts so."""
+    return sum(text.startswith(start) for text in texts_of(axes))
+
+
+def test_a_group_of_many_bars_goes_on_in_the_rows_below(tmp_path):
+    cells = [cell("ab-array", f"AB {i}", 1.0 + i) for i in range(113)]
+    figure = built(tmp_path, cells, {"kind": "bars", "x": "n", "y": "time_ms"})
+    assert [named(axes, "AB ") for axes in figure.axes] == [38, 38, 37]
+    assert len({axes.get_ylim() for axes in figure.axes}) == 1
+
+
+@pytest.mark.parametrize(("late", "signs"), [(8, 8), (9, 0)])
+def test_of_many_sorted_bars_those_without_a_value_are_counted(tmp_path, late, signs):
+    cells = [*(cell("ab-array", f"AB {i}", 1.0 + i) for i in range(40)),
+             *(cell("ab-ll", f"LL {i}", None, status="timeout") for i in range(late))]
+    figure = built(tmp_path, cells, {"kind": "bars", "x": "n", "y": "time_ms", "sorted": True})
+    axes, = figure.axes
+    assert (named(axes, "AB "), named(axes, "LL "), named(axes, "timeout")) == (40, signs, signs)
+    assert ("Without a bar: 9 timeout." in " ".join(all_texts(figure))) == (not signs)
+
+
 def test_the_answer_of_a_decision_is_framed_and_told(tmp_path):
     """It is the likeliest to be the fastest, which the least median of few frames need not be."""
     cells = [cell(m, m, ms) for m, ms in (("ab-array", 1.0), ("ab-ll", 1.1))]

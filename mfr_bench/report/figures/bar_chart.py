@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import textwrap
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .. import data, style
 from ..data import Point, Result, number
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+T = TypeVar("T")
 SLOTS_PER_ROW = 48  # bars side by side whose labels can still be read
 ROW_IN, NUMBER_GAP_IN = 1.75, 0.08  # least height of a plot; around the number above a bar
 GROUP_GAP = 1.0  # in bars
@@ -75,19 +77,38 @@ def _groups(points: Sequence[Point], x: str) -> list[tuple[str, list[tuple[str, 
 
 
 def _rows(points: Sequence[Point], options: Options) -> list[tuple[str, list[BarGroup]]]:
-    """Groups in even rows of at most SLOTS_PER_ROW bars (but at least one group), panel by panel."""
+    """Groups in even rows of at most SLOTS_PER_ROW bars, panel by panel; one with more goes on in the rows below."""
     rows = []
     for panel, members in panels_of(points, options):
         groups = _groups(members, options["x"])
         if options.get("sorted"):
-            groups = [(name, sorted(entries, key=lambda entry: height(entry[1], options["y"])))
-                      for name, entries in groups]
+            groups = [(name, _ranked(entries, options["y"])) for name, entries in groups]
+        groups = [(name, part) for name, entries in groups for part in _even_parts(entries)]
         widest = max((len(entries) for _, entries in groups), default=1) + GROUP_GAP
         most = max(1, int((SLOTS_PER_ROW + GROUP_GAP) // widest))
         count = max(1, math.ceil(len(groups) / most))
         each = math.ceil(len(groups) / count)
         rows += [(panel, _placed(groups[i:i + each])) for i in range(0, max(1, len(groups)), max(1, each))]
     return rows
+
+
+def _ranked(entries: Sequence[tuple[str, Point | None]], y: str) -> list[tuple[str, Point | None]]:
+    """The bars by their values; of more than SLOTS_PER_ROW those without a value are left out."""
+    found = sorted(entries, key=lambda entry: height(entry[1], y))
+    return found if len(found) <= SLOTS_PER_ROW else [each for each in found if math.isfinite(height(each[1], y))]
+
+
+def _left_out(points: Iterable[Point], rows: Iterable[tuple[str, list[BarGroup]]]) -> list[str]:
+    """A sentence on the cells that have no place among the bars, by how they ended."""
+    placed = {id(slot.point) for _, groups in rows for group in groups for slot in group.slots}
+    signs = Counter(p.sign for p in points if id(p) not in placed)
+    return [f"Without a bar: {', '.join(f'{count} {sign}' for sign, count in signs.most_common())}."] if signs else []
+
+
+def _even_parts(entries: Sequence[T]) -> list[Sequence[T]]:
+    """The entries of a group in as few parts as have at most SLOTS_PER_ROW each, nearly equally many."""
+    each = math.ceil(len(entries) / max(1, math.ceil(len(entries) / SLOTS_PER_ROW)))
+    return [entries[start:start + each] for start in range(0, len(entries), max(1, each))]
 
 
 def height(point: Point | None, y: str) -> float:
@@ -224,13 +245,14 @@ def bar_figure(chart: Chart, notes: Sequence[str]) -> Figure:
               *dict.fromkeys(mark.text for mark in chart.marks)]
     columns = legend_columns(legend, width - 2 * EDGE)
     legend_height = LEGEND_LINE_IN * math.ceil(len(legend) / columns) + 0.08 if legend else 0.0
-    label_lines = (line for label in labels_of(chart.points) for line in _broken(label, slot_width).splitlines())
+    labels = dict.fromkeys(slot.label for _, groups in rows for group in groups for slot in group.slots)
+    label_lines = (line for label in labels for line in _broken(label, slot_width).splitlines())
     label_height = widest(label_lines, _label_size(slot_width)) + 0.07
     plot_height = 2.3 if len(rows) == 1 else ROW_IN
     panelled = any(panel for panel, _ in rows)
     row_height = HEADING_IN * (2 if panelled else 1) + plot_height + label_height
     gap = 0.06
-    notes = [*notes, *chart.answered, *refusals(chart.points)]
+    notes = [*notes, *chart.answered, *_left_out(chart.points, rows), *refusals(chart.points)]
     sheet = sheet_of(chart.result, chart.options, chart.points, notes, width,
                      legend_height + len(rows) * (row_height + gap))
     figure = sheet.figure()
