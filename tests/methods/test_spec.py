@@ -81,7 +81,7 @@ def test_values_are_made_canonical(param, given_, value):
 
 @pytest.mark.parametrize(("param", "refused", "said"), [
     (COUNT, 1, "1 is not allowed; allowed: a whole number from 2 to 64"), (COUNT, 65, "65"), (COUNT, 8.0, "8.0"),
-    (COUNT, "8", "'8'"), (COUNT, True, "True"), (COUNT, None, "no value is given; allowed: a whole"), (COUNT, [8], r"\[8\]"),
+    (COUNT, "8", "'8'"), (COUNT, True, "True"), (COUNT, None, "no value is given; allowed"), (COUNT, [8], r"\[8\]"),
     (SHARE, 0, "0 is not allowed; allowed: a number between 0 and 1"), (SHARE, 1, "1"), (SHARE, float("nan"), "nan"),
     (SHARE, float("inf"), "inf"), (SHARE, True, "True"), (SHARE, "0.5", "'0.5'"),
     (TOUCHED, True, "True"),
