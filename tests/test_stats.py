@@ -139,7 +139,7 @@ def test_quantiles_of_t_are_those_of_scipy_to_a_hundredth(confidence):
     (10, 10, [4, 4, 2]), (15, 10, [4, 4, 2, 2, 2, 1]), (7, 7, [3, 3, 1]), (5, 10, [4, 1]), (0, 10, []),
     (4, 1, [1, 1, 1, 1])])
 def test_a_batch_takes_three_turns(count, least, sizes):
-    """As a sampler asks for them: a third of the batch, rounded up, and last what is left of it."""
+    """Turns are as a sampler asks for them: a third of the batch, rounded up, and last what is left of it."""
     assert [len(range(count)[place]) for place in turns(count, least, 1000)] == sizes
 
 

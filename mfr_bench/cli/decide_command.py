@@ -227,11 +227,10 @@ def _counted(question, scene, supervisor, interruption, budget, folder: Path):
 
 
 def _candidates(question, scene, budget):
-    from ..config.model import Scene
     from ..decide.candidates import candidates
     from ..decide.model import enough_layers
     from ..methods import catalog
-    from ..scene import generate
+    from ..scene import Scene, generate
 
     enough = None
     if not question.exact and scene.get("kind", "quads") == "quads" and not scene.get("slant"):

@@ -309,7 +309,7 @@ class _Checker:
 
 
 def _no_column(name: str, allowed_names: Iterable[str]) -> str:
-    """What is wrong with a figure along a name that is no column: a key that could be swept, and is not, or none."""
+    """The mistake of a figure along a name that is no column: a key that could be swept, and is not, or none."""
     if name in SWEPT_KEYS:
         return f"nothing sweeps {name}; allowed: a list of values for it in sweep or zip, or a figure along another key"
     return f"unknown column {shown(name)}; {one_of(name, allowed_names)}"

@@ -21,6 +21,8 @@ Mebibytes = Annotated[float, Interval(gt=0, le=2**24), Allowed("MiB above 0, up 
 
 KEPT = tuple(ARRAYS)  # arrays that a cell may keep
 OF_IMAGES = ("image", "error", "loss")  # those of its last image
+ALLOWANCE_S = 120.0  # for a cell to compile, to be checked, and to end
+LIMITS_LONG = 10  # time limits that a cell may take at most: a frame of nearly that time is drawn in each of its phases
 
 
 class Plain:
@@ -29,10 +31,6 @@ class Plain:
     def as_dict(self) -> dict[str, Any]:
         """The fields as JSON knows them: lists instead of tuples."""
         return {name: plain(value) for name, value in asdict(self).items()}
-
-
-ALLOWANCE_S = 120.0  # for a cell to compile, to be checked, and to end
-LIMITS_LONG = 10  # time limits that a cell may take at most: a frame of nearly that time is drawn in each of its phases
 
 
 @dataclass(frozen=True, kw_only=True)

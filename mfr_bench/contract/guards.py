@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..config.model import Scene as SceneConfig
 from ..gpu.allocation import Allocation
 from ..gpu.frame import Frame
 from ..gpu.scene_buffer import SceneBuffer
 from ..gpu.targets import Canvas
 from ..gpu.truth import true_stats
 from ..methods.spec import Fitted, Method, Variant
+from ..scene import Scene as SceneConfig
 from ..scene import generate
 from .cases import runs_here
 

@@ -6,11 +6,11 @@ from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
-from ..config.model import Measure
-from ..config.model import Scene as SceneConfig
+from ..config.settings import Measure
 from ..methods import catalog
 from ..methods.spec import Fitted, Method, Variant
 from ..plan import Cell, judge
+from ..scene import Scene as SceneConfig
 from ..store.status import EXACT_ERROR
 from .cases import ALIKE, DEEP, KS, SCENES, SLANTED, Drawn, alike, runs_here, stats_in
 from .variants import label, with_k

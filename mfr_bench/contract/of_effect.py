@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from ..config.model import Scene as SceneConfig
 from ..effects import DEFAULTS, OPERATIONS, Case, Effect, Settings
 from ..effects.rays import Rays
 from ..effects.word import packed
 from ..errors import MfrError
 from ..oracle.effects import model_of
 from ..oracle.listed import listed
+from ..scene import Scene as SceneConfig
 from ..scene import generate
 from ..scene.recording import Recording
 from . import images

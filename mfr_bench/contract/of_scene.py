@@ -8,11 +8,11 @@ from dataclasses import fields, replace
 
 import numpy as np
 
-from ..config.model import Scene as SceneConfig
 from ..errors import UsageError
 from ..gpu.capture import count
 from ..methods.spec import Promise
 from ..methods.spec.maker import Maker, Number
+from ..scene import Scene as SceneConfig
 from ..scene import made
 from ..scene.recording import Recording
 from . import images

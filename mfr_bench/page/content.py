@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..config.model import Measure
+from ..config.settings import Measure
 from ..report import data
 from ..report.data import Point, Result
 from ..report.tables import noise_text

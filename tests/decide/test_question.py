@@ -61,7 +61,7 @@ def test_an_error_lets_fewer_layers_and_approximate_methods_in():
 
 @pytest.mark.parametrize(("memory_mb", "named"), [(None, []), (64, [64.0]), (2**24, [pytest.approx(2**20)])])
 def test_a_memory_lets_in_the_method_that_keeps_it_by_a_parameter(memory_mb, named):
-    """By its defaults it might be over budget where it need not be; the parameter takes less than 2**20 MiB."""
+    """The method might be over budget by its defaults where it need not be; its parameter takes less than 2**20 MiB."""
     found, _ = candidates(catalog(), Question((64, 48), 24, memory_mb=memory_mb))
     mine = [each for each in found if each.method == "adaptive"]
     assert mine[0].params == {}

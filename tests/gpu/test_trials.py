@@ -80,7 +80,7 @@ def test_a_fault_is_seen(device, plant, name, path, right, wrong, said):
 
 
 def test_elements_are_in_their_place_where_they_are_stored_before_the_comparison(device, plant):
-    """As shaders of methods do it; what the trial itself does is wrong on llvmpipe 22.3.6."""
+    """Shaders of methods store so; what the trial itself does is wrong on llvmpipe 22.3.6."""
     compare, store = "bool more = i + 2u < count;", "held[i] = min(a, b);\n        held[i + 1u] = max(a, b);"
     plant("probe/stored_ahead.frag", f"{compare}\n        {store}", f"{store}\n        {compare}")
     passed, detail = outcome(device, "local arrays in a loop")

@@ -369,7 +369,7 @@ def test_the_interval_of_a_ratio_takes_a_turn_as_the_unit(count, between, common
 
 @pytest.mark.parametrize(("count", "most"), [(15, 0.08), (22, 0.06), (110, 0.03)])
 def test_what_turns_of_both_have_in_common_leaves_the_interval_of_their_ratio(count, most):
-    """Of six turns and more; the interval was about twice as wide where batches were the unit."""
+    """The interval is that of six turns and more; with batches as the unit it was about twice as wide."""
     held, width = ratio_coverage(count, 0.84, 1.0)
     assert 0.92 <= held <= 0.98 and width < most
     apart = ratio_coverage(count, 0.84, 0.0)[1]

@@ -69,7 +69,7 @@ def test_a_colour_that_a_legend_names_is_kept_however_little_there_is_of_it(tmp_
 
 
 def test_small_print_that_a_file_has_as_text_is_left_out_of_its_picture(tmp_path):
-    """As pixels it takes half of the bytes of a page, and nobody can copy it."""
+    """Small print takes half of the bytes of a page as pixels, and nobody can copy it."""
     said = ["Bars: 95 % interval of the median.", "K⁺B-Array; k = 4 … 64", "after kplus2015, Fig. 6 · llvmpipe"]
     with sheet.styled():
         figure = sheet.FigureSheet(3.0, ("A title",), ("Bars: 95 % interval", "of the median.", *said[1:]), 1.0,

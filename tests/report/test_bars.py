@@ -220,7 +220,7 @@ def test_bars_that_are_alike_in_grey_differ_in_hatching():
 
 
 def test_a_label_has_one_hatching_in_all_figures_of_a_set(tmp_path):
-    """By pass, where all bars have the same colours, and by method; there some need none."""
+    """Stacks, whose colours are all alike, have the patterns of bars, of which some need none."""
     cells = planted.sweep(ks=(8,))
     charts = [built(tmp_path / kind, cells, STACKED | {"kind": kind}).axes[0] for kind in ("stacked_passes", "bars")]
     stacked, bars = ({p.get_x(): p.get_hatch() for p in axes.patches if p.get_hatch()} for axes in charts)
